@@ -1,0 +1,68 @@
+"""The words of guidance, in one place: short sentences for the camera's and for the holder's side.
+
+Signs (DESIGN): +X brings the top edge towards the camera, +Y the edge on the image's right, +Z
+turns the board clockwise in the image. The holder faces the camera, so left and right, clockwise
+and counter-clockwise swap for them; up, down, nearer and farther do not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from venus3d.engine.pose import Axis
+
+
+@dataclass(frozen=True)
+class Words:
+    """One instruction in two wordings."""
+
+    camera: str
+    """As seen in the camera's picture."""
+    holder: str
+    """As seen by the person who holds the board and faces the camera."""
+
+
+def words_for_move(translation: ArrayLike) -> Words:
+    """Words for a displacement (3,) of the board's centre in the camera's frame, metres."""
+    x, y, z = (float(v) * 1000 for v in np.asarray(translation, dtype=np.float64))
+    depth = _part(z, "away from the camera", "towards the camera")
+    height = _part(y, "down", "up")
+
+    def sentence(right: str, left: str) -> str:
+        parts = [part for part in (_part(x, right, left), height, depth) if part]
+        if not parts:
+            return "The position is right; leave it."
+        return "Move the board " + _listed(parts) + "."
+
+    return Words(sentence("to the right", "to the left"), sentence("to your left", "to your right"))
+
+
+def words_for_turn(axis: Axis, angle_deg: float) -> Words:
+    """Words for a signed turn about one of the camera's fixed axes, degrees."""
+    amount = f"{abs(angle_deg):.0f}°"
+    if abs(angle_deg) < 0.5:
+        return Words(*(2 * (f"Nothing to turn about {axis.upper()}.",)))
+    if axis == "x":
+        edge = "top" if angle_deg > 0 else "bottom"
+        return Words(*(2 * (f"Tilt the {edge} edge towards the camera by {amount}.",)))
+    if axis == "y":
+        seen, held = ("right", "left") if angle_deg > 0 else ("left", "right")
+        return Words(
+            f"Swing the {seen} edge towards the camera by {amount}.",
+            f"Swing the edge on your {held} towards the camera by {amount}.",
+        )
+    seen, held = ("clockwise", "counter-clockwise")[:: 1 if angle_deg > 0 else -1]
+    return Words(
+        f"Rotate the board {seen} by {amount}.", f"Rotate the board {held} by {amount}."
+    )
+
+
+def _part(mm: float, positive: str, negative: str) -> str:
+    return "" if abs(mm) < 0.5 else f"{abs(mm):.0f} mm {positive if mm > 0 else negative}"
+
+
+def _listed(parts: list[str]) -> str:
+    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]

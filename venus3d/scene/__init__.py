@@ -1,0 +1,1 @@
+"""What is seen: shapes, the viser view, the offscreen projections, the panels."""

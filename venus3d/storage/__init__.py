@@ -1,0 +1,1 @@
+"""What goes to disk: results, camera files, the printable board."""
