@@ -1,0 +1,139 @@
+"""What a person can choose, as frozen values that the command line fills and the rooms read.
+
+Lengths are in millimetres here, because a person types them; `BoardOptions.board()` and
+`LimitOptions.limits()` turn them into the engine's metres. Each field's docstring is its `--help`
+text. How options are parsed is left to tyro, what is done with them to `app` and `cli`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.errors import VenusError
+from venus3d.engine.limits import Limits
+from venus3d.engine.snapshot import Cost, Method
+
+
+@dataclass(frozen=True)
+class BoardOptions:
+    """The ChArUco board that is held in front of the camera."""
+
+    columns: int = 9
+    """Squares from left to right."""
+    rows: int = 6
+    """Squares from top to bottom."""
+    square_mm: float = 28.0
+    """Side of a square in millimetres, as measured on the printed board."""
+    marker_mm: float = 21.0
+    """Side of a marker in millimetres."""
+    dictionary: str = "DICT_5X5_100"
+    """OpenCV's name of the marker dictionary."""
+    legacy: bool = False
+    """The layout of boards printed before OpenCV 4.6; found out by itself where it matters."""
+    inverted: bool = False
+    """White on black; found out by itself."""
+
+    def board(self) -> Board:
+        """The engine's board. Raises `BoardError` for options that make no board."""
+        return Board(
+            columns=self.columns,
+            rows=self.rows,
+            square=self.square_mm / 1000,
+            marker=self.marker_mm / 1000,
+            dictionary=self.dictionary,
+            legacy=self.legacy,
+            inverted=self.inverted,
+        )
+
+
+@dataclass(frozen=True)
+class LimitOptions:
+    """What a target pose may ask for. None: what suits the board and the camera."""
+
+    max_angle_deg: float | None = None
+    """Largest turn about each axis in degrees (70)."""
+    max_tilt_deg: float | None = None
+    """Largest angle between the board's normal and the line of sight in degrees (55)."""
+    nearest_mm: float | None = None
+    """Nearest distance of a corner in millimetres (200)."""
+    farthest_mm: float | None = None
+    """Farthest distance of a corner in millimetres (1200)."""
+    max_depth_ratio: float | None = None
+    """Largest ratio of the farthest to the nearest corner's distance: focus (2.2)."""
+    min_square_px: float | None = None
+    """Smallest width of a square in the picture in pixels: detection (12)."""
+
+    def limits(self, board: Board, camera: Camera) -> Limits | None:
+        """The engine's limits, or None if nothing was chosen: the session then finds its own."""
+        chosen = {
+            "max_angle_deg": self.max_angle_deg,
+            "max_tilt_deg": self.max_tilt_deg,
+            "nearest": None if self.nearest_mm is None else self.nearest_mm / 1000,
+            "farthest": None if self.farthest_mm is None else self.farthest_mm / 1000,
+            "max_depth_ratio": self.max_depth_ratio,
+            "min_square_px": self.min_square_px,
+        }
+        given = {name: value for name, value in chosen.items() if value is not None}
+        return replace(Limits.for_board(board, camera), **given) if given else None
+
+
+@dataclass(frozen=True)
+class GuideOptions:
+    """One guided calibration."""
+
+    source: tyro.conf.Positional[str] = "sim"
+    """Where pictures come from: sim (a simulated camera), a camera's number (0), a device
+    (/dev/video0), a stream's address, a video file, a folder or a pattern of pictures."""
+    board: BoardOptions = field(default_factory=BoardOptions)
+    camera_size: Annotated[str | None, tyro.conf.arg(metavar="WIDTHxHEIGHT")] = None
+    """Size of the picture to ask a camera for, or to simulate (sim: 1280x720)."""
+    method: Method = "global"
+    """How the next pose is found: global searches all poses, venus is the paper's search,
+    pose-selection is Rojtberg's choice, random is any valid pose."""
+    cost: Cost | None = None
+    """What the search makes small; None: the method's own (projection-variance, or sum-iod for
+    venus)."""
+    limits: LimitOptions = field(default_factory=LimitOptions)
+    overlap: float = 0.85
+    """How much the board must cover its target in the picture, 0 to 1, to be captured."""
+    auto_capture: bool = True
+    """Capture by itself once the board is in place and still; otherwise only on command."""
+    convergence: Literal["repaired", "printed"] = "repaired"
+    """When a parameter counts as settled: the repaired rule, or the paper's as printed."""
+    max_views: int = 20
+    """End after this many views at the latest."""
+    seed: int = 0
+    """One number that makes a run repeat: search, simulated noise, autopilot."""
+    autopilot: bool = False
+    """Let a simulated hand walk the board through the four steps (sim only)."""
+    speed: float = 1.0
+    """How fast the simulated hand moves; 1 is a calm person."""
+    headless: bool = False
+    """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
+    host: str = "127.0.0.1"
+    """Address the viewer listens on; 0.0.0.0 lets other machines in, without a password."""
+    port: int = 8080
+    """Port of the viewer; the next free one is used if it is taken."""
+    output: Path | None = None
+    """Folder for camera.yaml and result.json."""
+    json: bool = False
+    """Print the result as one JSON object on the last line."""
+
+    @property
+    def image_size(self) -> tuple[int, int] | None:
+        """`camera_size` as (width, height); None if it was not given."""
+        return None if self.camera_size is None else image_size_of(self.camera_size)
+
+
+def image_size_of(text: str) -> tuple[int, int]:
+    """(width, height) of a text like 1280x720. Raises `VenusError` for anything else."""
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal() and int(width) and int(height)):
+        raise VenusError(f"A picture's size is WIDTHxHEIGHT, such as 1280x720, not {text!r}.")
+    return int(width), int(height)
