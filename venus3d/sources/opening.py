@@ -1,0 +1,72 @@
+"""From what a person typed to a source. `sim` is left to the caller, who has its options."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import cv2
+
+from venus3d.engine.errors import SourceError
+from venus3d.sources.folder import Folder
+from venus3d.sources.images import SUFFIXES, is_image
+from venus3d.sources.live import Live, open_camera, stream_capture
+from venus3d.sources.video import Video
+
+OpenedSource = Folder | Live | Video
+_ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
+
+
+def open_source(
+    spec: str, *, size: tuple[int, int] | None = None, realtime: bool = False
+) -> OpenedSource:
+    """Open what `spec` names.
+
+    A number or /dev/video... is a camera; something:// a stream (or a video on a server); a
+    directory or a pattern with * ? [ ] images; a file an image or a video.
+
+    Args:
+        spec: what the user typed.
+        size: (width, height) to ask a camera for; recordings have the size they have.
+        realtime: play a recorded video at its own rate instead of as fast as it can be read.
+
+    Raises `SourceError`, one sentence with cause and cure, for all that cannot be opened.
+    """
+    spec = spec.removeprefix("file://").strip()
+    if not spec:
+        raise SourceError("The source is empty; name a camera, a video, a folder, or sim.")
+    if spec.isdecimal() or spec.startswith("/dev/"):
+        return open_camera(spec, size)
+    if _ADDRESS.match(spec):
+        return _open_address(spec, realtime)
+    path = Path(os.path.expanduser(spec))
+    if path.is_dir():
+        return Folder.of_directory(path)
+    if path.is_file():
+        return _open_file(path, realtime)
+    if any(character in spec for character in "*?["):
+        return Folder.of_pattern(str(path))
+    raise SourceError(
+        f"There is no file or folder {spec}; give an existing video, image or folder, a pattern of "
+        "images, a camera's number, a stream's address, or sim."
+    )
+
+
+def _open_address(address: str, realtime: bool) -> Live | Video:
+    capture = stream_capture(address)
+    if capture.get(cv2.CAP_PROP_FRAME_COUNT) > 0:  # it has an end: a video on a server
+        capture.release()
+        return Video(address, realtime=realtime)
+    return Live(capture, address)
+
+
+def _open_file(path: Path, realtime: bool) -> Folder | Video:
+    if not os.access(path, os.R_OK):
+        raise SourceError(f"The file {path} may not be read by you; check its permissions.")
+    if path.stat().st_size == 0:
+        raise SourceError(f"The file {path} is empty; record or copy it again.")
+    # A file named like an image is one, or is told to be none; the rest must be a video.
+    if path.suffix.lower() in SUFFIXES or is_image(path):
+        return Folder([path])
+    return Video(path, realtime=realtime)

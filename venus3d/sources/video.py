@@ -1,0 +1,122 @@
+"""A recorded video as a source: at its own rate, or as fast as it can be read."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.errors import SourceError
+from venus3d.sources.frame import Frame
+from venus3d.sources.quiet import silence_opencv
+
+
+class Video:
+    """The frames of a video file. `Frame.time_s` is the video's own time.
+
+    The file's rotation tag is not applied: a lens is calibrated on the sensor's rows and columns.
+    """
+
+    is_live = False
+
+    def __init__(self, path: Path | str, *, realtime: bool = False) -> None:
+        """Open `path` (a file, or the address of one).
+
+        With `realtime`, frames come when the video's clock says so, and those that a late reader
+        missed are skipped. Raises `SourceError` if no frame can be read.
+        """
+        silence_opencv()
+        self._path = path
+        self._realtime = realtime
+        self._capture = cv2.VideoCapture(str(path))
+        if not self._capture.isOpened():
+            raise SourceError(
+                f"{path} cannot be played: it is no video, or it was cut off before its end was "
+                "written; record or copy it again, or convert it to MP4."
+            )
+        self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
+        self._announced = int(max(0, self._capture.get(cv2.CAP_PROP_FRAME_COUNT)))
+        self._rate = self._capture.get(cv2.CAP_PROP_FPS) or 25.0
+        self._grabbed = 0
+        self._time_s = 0.0
+        self._started: float | None = None
+        self.notes: tuple[str, ...] = ()
+        """What a person should know: that the file broke off early."""
+        self._first = self._decode() if self._grab() else None
+        if self._first is None:
+            self.close()
+            raise SourceError(
+                f"No frame of {path} can be decoded: the file is damaged; record or copy it again."
+            )
+        self._size = (int(self._first.shape[1]), int(self._first.shape[0]))
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """(width, height) of the frames."""
+        return self._size
+
+    def read(self) -> Frame | None:
+        """The next frame (with `realtime`: the one that is due now); None at the end."""
+        if self._first is not None:
+            image, self._first = self._first, None
+            self._started = time.monotonic()
+            return self._frame(image)
+        if not self._grab():
+            self._finish()
+            return None
+        if self._realtime and not self._wait_or_skip():
+            self._finish()
+            return None
+        image = self._decode()
+        if image is None:
+            self._finish()
+            return None
+        if (image.shape[1], image.shape[0]) != self._size:
+            raise SourceError(
+                f"{self._path} changes its picture size at frame {self._grabbed}; "
+                "cut it into videos of one size each."
+            )
+        return self._frame(image)
+
+    def close(self) -> None:
+        """Release the file. May be called twice."""
+        self._capture.release()
+
+    def _frame(self, image: NDArray[np.uint8]) -> Frame:
+        return Frame(image, self._time_s, f"frame {self._grabbed}")
+
+    def _grab(self) -> bool:
+        if not (self._capture.isOpened() and self._capture.grab()):
+            return False
+        # Some containers give no times; then the rate has to do. Time never runs backwards.
+        told = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
+        counted = self._grabbed / self._rate
+        self._grabbed += 1
+        self._time_s = told if told > self._time_s else max(counted, self._time_s)
+        return True
+
+    def _decode(self) -> NDArray[np.uint8] | None:
+        good, image = self._capture.retrieve()
+        return image if good else None
+
+    def _wait_or_skip(self) -> bool:
+        """Wait for the grabbed frame's time, or skip to the one that is due. False at the end."""
+        assert self._started is not None
+        elapsed = time.monotonic() - self._started
+        while self._time_s + 1 / self._rate < elapsed:
+            if not self._grab():
+                return False
+        time.sleep(max(0.0, self._time_s - elapsed))
+        return True
+
+    def _finish(self) -> None:
+        # Containers round their count, so a frame or two that never come are not worth a word.
+        if not self.notes and self._grabbed < 0.98 * self._announced - 1:
+            self.notes = (
+                f"{self._path} breaks off early: {self._grabbed} of {self._announced} frames "
+                "could be read.",
+            )
+        self.close()
