@@ -1,0 +1,133 @@
+"""Which poses may be asked of a person, and why another one is refused.
+
+Knows geometry only. What a pose is worth is said by `costs`, which one to take by `search`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.pose import Array, Pose, rotations_of
+
+_REASONS = ("angle", "tilt", "behind", "near", "far", "depth", "outside", "small")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a target may ask for. Without limits the best view is absurd: 15 cm away, tilted 75°."""
+
+    max_angle_deg: float = 70.0
+    """Each angle of the pose vector, degrees (the paper's solution space, 3.3.1)."""
+    max_tilt_deg: float = 55.0
+    """Between the board's normal and the line of sight to its centre: beyond, corners blur."""
+    nearest: float = 0.2
+    """Every corner of the board is at least so far from the lens, metres."""
+    farthest: float = 1.2
+    """And at most so far, metres."""
+    max_depth_ratio: float = 2.2
+    """Farthest corner over nearest corner: what a lens can keep in focus at once."""
+    margin: float = 0.02
+    """Free border around the whole board, as a fraction of the image's width."""
+    min_square_px: float = 12.0
+    """The shortest side of a square in the image, pixels: below it markers are not read."""
+
+    @staticmethod
+    def for_board(board: Board, camera: Camera) -> Limits:
+        """The default limits, with the distances adapted where they do not suit the board.
+
+        `z_fill` is the distance at which the frontal board fills the picture, `z_small` the one at
+        which its squares become too small. The default 0.2 ... 1.2 m stands where it leaves the
+        board room between the two (farthest over nearest usable distance at least 1.6). Otherwise
+        the distances become the same multiples of `z_fill` as they are for the default board and
+        a usual webcam: 0.75 and 4.5.
+        """
+        limits = Limits()
+        room = 1 - 2 * limits.margin
+        height_px = camera.height - 2 * limits.margin * camera.width
+        z_fill = max(
+            board.width * camera.fx / (room * camera.width), board.height * camera.fy / height_px
+        )
+        z_small = min(camera.fx, camera.fy) * board.square / limits.min_square_px
+        usable = min(limits.farthest, z_small) / max(limits.nearest, z_fill)
+        # A far limit below 1.6 z_fill would forbid nearly all; one set by z_small cannot be moved.
+        if usable >= 1.6 or (limits.nearest <= z_fill and z_small <= limits.farthest):
+            return limits
+        return replace(limits, nearest=0.75 * z_fill, farthest=4.5 * z_fill)
+
+    def accepts(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
+        """Which of the pose vectors (N, 6) may be asked for: (N,) bool."""
+        return (self._excess(camera, board, vectors)[0] <= 0).all(axis=1)
+
+    def refusal(self, camera: Camera, board: Board, pose: Pose) -> str | None:
+        """One sentence that says why this pose is refused, or None if it is not."""
+        excess, figures = self._excess(camera, board, pose.vector()[None])
+        broken = np.flatnonzero(~(excess[0] <= 0))
+        if broken.size == 0:
+            return None
+        reason, value = _REASONS[broken[0]], figures[0, broken[0]]
+        mm = 1000.0
+        return {
+            "angle": f"One of the angles is {value:.0f}°; the limit is {self.max_angle_deg:g}°.",
+            "tilt": f"The board is tilted by {value:.0f}° away from the line of sight; "
+            f"the limit is {self.max_tilt_deg:g}°.",
+            "behind": "Part of the board is beside or behind the lens, where it cannot be seen.",
+            "near": f"A corner of the board is {value * mm:.0f} mm from the lens; "
+            f"the nearest allowed is {self.nearest * mm:.0f} mm.",
+            "far": f"A corner of the board is {value * mm:.0f} mm from the lens; "
+            f"the farthest allowed is {self.farthest * mm:.0f} mm.",
+            "depth": f"The far side of the board is {value:.1f} times as far away as the near one, "
+            f"too much to keep in focus; the limit is {self.max_depth_ratio:g}.",
+            "outside": f"The board reaches {value:.0f} px past the picture's border less the "
+            f"margin of {self.margin * camera.width:.0f} px.",
+            "small": f"The smallest square is {value:.1f} px wide in the picture; "
+            f"at least {self.min_square_px:g} px are needed.",
+        }[reason]
+
+    def _excess(self, camera: Camera, board: Board, vectors: ArrayLike) -> tuple[Array, Array]:
+        """By how much each limit is broken, in the order of `_REASONS`, and the figures for it.
+
+        Returns two (N, 8): positive or NaN means broken.
+        """
+        p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
+        R, t = rotations_of(p), p[:, 3:]
+        points = _probe(board) @ np.swapaxes(R, 1, 2) + t[:, None, :]
+        distance = np.linalg.norm(points[:, :4], axis=2)
+        near, far = distance.min(axis=1), distance.max(axis=1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            cosine = np.einsum("ni,ni->n", R[:, :, 2], t) / np.linalg.norm(t, axis=1)
+            tilt = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        pixels = camera.project(points)
+        behind = np.where(np.isnan(pixels).any(axis=(1, 2)), 1.0, -1.0)
+        border = self.margin * camera.width - 0.5
+        far_border = np.array([camera.width - 1, camera.height - 1]) - border
+        outside = np.maximum(border - pixels, pixels - far_border).max(axis=(1, 2))
+        x_sides = np.linalg.norm(pixels[:, 4:8] - pixels[:, :4], axis=2)
+        y_sides = np.linalg.norm(pixels[:, 8:12] - pixels[:, :4], axis=2)
+        side = np.minimum(x_sides, y_sides).min(axis=1)
+        angle = np.abs(p[:, :3]).max(axis=1)
+        ratio = far / np.maximum(near, 1e-9)
+        figures = np.stack([angle, tilt, behind, near, far, ratio, outside, side], axis=1)
+        # A billionth of slack, so that a pose put exactly on a limit is not lost to rounding.
+        limit = np.array([self.max_angle_deg, self.max_tilt_deg, 0.0, self.nearest, self.farthest])
+        limit = np.append(limit, [self.max_depth_ratio, 0.0, self.min_square_px])
+        sign = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0])
+        return sign * (figures - limit) - 1e-9, figures
+
+
+@lru_cache(maxsize=8)
+def _probe(board: Board) -> Array:
+    """(16, 3) board points that decide: outline, its neighbours a square along x and y, mid-edges.
+
+    The mid-edges are there because distortion bows a straight edge outwards.
+    """
+    outline = board.outline
+    inward = -np.sign(outline) * board.square
+    middles = (outline + np.roll(outline, -1, axis=0)) / 2
+    x_next, y_next = outline + inward * [1, 0, 0], outline + inward * [0, 1, 0]
+    return np.concatenate([outline, x_next, y_next, middles])

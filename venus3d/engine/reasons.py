@@ -1,0 +1,76 @@
+"""What a target is for, in one plain sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.pose import Pose
+
+_FOCAL = {"fx": "horizontal", "fy": "vertical"}
+_CENTRE = {"cx": "left to right", "cy": "up and down"}
+_LENS = ("k1", "k2", "k3", "p1", "p2")
+
+
+def reason_for(serves: Sequence[str], pose: Pose, camera: Camera, board: Board) -> str:
+    """One sentence: what about this pose tells most about the parameters it serves."""
+    lens = bool(serves) and serves[0] in _LENS
+    return f"{_what_it_does(pose, camera, board, lens)} {_what_it_finds(serves)}."
+
+
+def _what_it_does(pose: Pose, camera: Camera, board: Board, lens: bool) -> str:
+    """The subject of the sentence: the tilt, or for the lens the place in the picture."""
+    cosine = pose.R[:, 2] @ pose.t / max(float(np.linalg.norm(pose.t)), 1e-9)
+    tilt = float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    place = _place(pose, camera, board)
+    if lens and place:
+        return f"The board {place} of the picture, where the lens bends most, shows"
+    if tilt >= 12:
+        x, y = (abs(float(angle)) for angle in pose.vector()[:2])
+        axis = "about X" if x > 2 * y else "about Y" if y > 2 * x else "about X and Y"
+        return f"Tilting the board {axis} makes one side look smaller, and that shows"
+    if place:
+        return f"Holding the board {place} of the picture shows"
+    return "Facing the camera squarely, the board shows"
+
+
+def _place(pose: Pose, camera: Camera, board: Board) -> str:
+    """Where in the picture the board reaches furthest out; empty if it is in the middle."""
+    pixels = camera.without_distortion().project(pose.apply(board.outline))
+    size = np.array([camera.width, camera.height])
+    if not np.isfinite(pixels).all():
+        return ""
+    # Gaps to the left/top and right/bottom border, in parts of the image.
+    low, high = pixels.min(axis=0) / size, 1 - pixels.max(axis=0) / size
+    # Near a border, and not as near to the one across from it.
+    x, y = (
+        (-1 if a < b else 1) if min(a, b) < 0.15 and abs(a - b) > 0.12 else 0
+        for a, b in zip(low, high, strict=True)
+    )
+    if not x and not y:
+        return "over most" if max(*low, *high) < 0.12 else ""
+    sides = {(0, -1): "top", (0, 1): "bottom", (-1, 0): "left side", (1, 0): "right side"}
+    if x and y:
+        return f"in the {'top' if y < 0 else 'bottom'} {'left' if x < 0 else 'right'} corner"
+    return f"at the {sides[(x, y)]}"
+
+
+def _what_it_finds(serves: Sequence[str]) -> str:
+    parts: list[str] = []
+    focal = [name for name in serves if name in _FOCAL]
+    centre = [name for name in serves if name in _CENTRE]
+    lens = [name for name in serves if name in _LENS]
+    groups: dict[str, str] = {}
+    if focal:
+        kind = "" if len(focal) == 2 else _FOCAL[focal[0]] + " "
+        groups[focal[0]] = f"the {kind}focal length ({', '.join(focal)})"
+    if centre:
+        where = "" if len(centre) == 2 else f", {_CENTRE[centre[0]]}"
+        groups[centre[0]] = f"where the lens points{where} ({', '.join(centre)})"
+    if lens:
+        groups[lens[0]] = f"how the lens bends straight lines ({', '.join(lens)})"
+    parts = [groups[name] for name in serves if name in groups]
+    return " and ".join(parts) if parts else "a little of everything"

@@ -1,0 +1,273 @@
+"""Looking for the pose with the smallest cost: Algorithm 1 of the paper, and the whole pose space.
+
+All searches take a random generator, stop when asked to with the best pose so far, and report
+their moves so that they can be watched. What a pose costs is `costs`' business, which poses are
+allowed `limits`'.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import qmc
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.costs import CostFunction
+from venus3d.engine.errors import VenusError
+from venus3d.engine.limits import Limits
+from venus3d.engine.pose import Array, Pose, rotations_of
+
+Stop = Callable[[], bool]
+SKIPPED_DEG = 15.0
+SKIPPED_FRACTION = 0.1
+_TRIES = 50  # draws for one neighbour or random pose within the limits
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """One step of a search, for somebody who watches."""
+
+    vector: Array
+    """(6,) the pose looked at."""
+    cost: float
+    accepted: bool
+    """Whether the search went on from it."""
+    best_vector: Array
+    """(6,) the cheapest pose so far."""
+    best_cost: float
+    evaluated: int
+    """Costs computed so far."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search ended with."""
+
+    vector: Array
+    """(6,) pose vector."""
+    cost: float
+    evaluated: int
+    """Costs computed."""
+    stopped: bool
+    """Whether it was stopped before its end."""
+
+
+Watch = Callable[[Move], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """The poses that may be asked for: within the limits and not near one that was skipped."""
+
+    board: Board
+    camera: Camera
+    limits: Limits
+    skipped: tuple[Pose, ...] = ()
+    """Not offered again within 15 degrees and a tenth of the distance."""
+
+    def accepts(self, vectors: ArrayLike) -> Array:
+        """Which pose vectors (N, 6) belong to the space: (N,) bool."""
+        p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
+        good = self.limits.accepts(self.camera, self.board, p)
+        for pose in self.skipped:
+            good &= ~_near(p, pose)
+        return good
+
+    def from_unit(self, unit: Array) -> Array:
+        """Points (N, 6) of the unit cube to pose vectors (N, 6), most of them not in the space.
+
+        Three angles over their range, the place of the board's centre over the image, its
+        distance over the logarithm of its range: as much room near the lens as far from it.
+        """
+        limits, camera = self.limits, self.camera
+        angles = (2 * unit[:, :3] - 1) * limits.max_angle_deg
+        z = limits.nearest * (limits.farthest / limits.nearest) ** unit[:, 5]
+        x = (unit[:, 3] * camera.width - 0.5 - camera.cx) / camera.fx * z
+        y = (unit[:, 4] * camera.height - 0.5 - camera.cy) / camera.fy * z
+        return np.column_stack([angles, x, y, z])
+
+
+def random_pose(space: Space, rng: np.random.Generator) -> Array:
+    """(6,) a random pose vector of the space. Raises `VenusError` if there seems to be none."""
+    for _ in range(_TRIES):
+        vectors = space.from_unit(rng.random((64, 6)))
+        good = np.flatnonzero(space.accepts(vectors))
+        if good.size:
+            return vectors[good[0]]
+    raise _nothing_fits(space)
+
+
+def neighbour_sigma(board: Board) -> Array:
+    """(6,) standard deviations of a neighbour: the paper gives none.
+
+    15 degrees for an angle, about a fifth of the allowed range; 20 % of the board's width sideways
+    and 30 % in depth, which moves the board by about a sixth of the picture at a usual distance.
+    """
+    w = board.width
+    return np.array([15.0, 15.0, 15.0, 0.2 * w, 0.2 * w, 0.3 * w])
+
+
+def anneal(
+    space: Space,
+    cost: CostFunction,
+    start: ArrayLike,
+    rng: np.random.Generator,
+    *,
+    temperature: float = 1.0,
+    end_temperature: float = 0.1,
+    cooling: float = 0.7,
+    tries: int = 10,
+    sigma: ArrayLike | None = None,
+    keep_best: bool = False,
+    stop: Stop | None = None,
+    on_move: Watch | None = None,
+) -> Found:
+    """Algorithm 1: simulated annealing from `start` (6,), a pose of the space.
+
+    A neighbour changes one element, drawn at random, by a Gaussian around its present value
+    (`neighbour_sigma`); one outside the space is drawn again. A cheaper neighbour is always taken,
+    another with probability exp(-dE / T), eq. (12). With the defaults T falls from 1 to 0.1 in
+    seven rounds of ten neighbours.
+
+    As printed the pose returned is the last one taken. `keep_best` returns the best one met.
+    """
+    spread = neighbour_sigma(space.board) if sigma is None else np.asarray(sigma, np.float64)
+    now = np.asarray(start, dtype=np.float64).copy()
+    now_cost = float(cost(now[None])[0])
+    best, best_cost, evaluated = now, now_cost, 1
+    stopped = False
+    while temperature > end_temperature and not stopped:
+        for _ in range(tries):
+            stopped = stop is not None and stop()
+            if stopped:
+                break
+            candidate = _neighbour(space, now, spread, rng)
+            if candidate is None:
+                continue
+            value = float(cost(candidate[None])[0])
+            evaluated += 1
+            rise = value - now_cost
+            accepted = rise < 0 or bool(rng.random() < np.exp(-rise / temperature))
+            if accepted:
+                now, now_cost = candidate, value
+            if value < best_cost:
+                best, best_cost = candidate, value
+            if on_move is not None:
+                on_move(Move(candidate, value, accepted, best, best_cost, evaluated))
+        temperature *= cooling
+    if keep_best or stopped:
+        return Found(best, best_cost, evaluated, stopped)
+    return Found(now, now_cost, evaluated, stopped)
+
+
+def search_globally(
+    space: Space,
+    cost: CostFunction,
+    rng: np.random.Generator,
+    *,
+    samples: int = 500,
+    rounds: int = 12,
+    neighbours: int = 256,
+    parents: int = 16,
+    shrink: float = 0.8,
+    stop: Stop | None = None,
+    on_move: Watch | None = None,
+) -> Found:
+    """The whole space: well-spread samples, then ever closer neighbours of the best ones.
+
+    `samples` poses of the space come from a Sobol sequence, shifted at random. Then each of the
+    `rounds` looks at up to `neighbours` Gaussian neighbours of the `parents` best poses met, with
+    standard deviations that shrink by `shrink` each time. A population, so that a good corner of
+    the space is not lost to a better one found first.
+
+    Raises `VenusError` if no pose fits the limits.
+    """
+    pool = _samples(space, samples, rng)
+    costs = _costs_in_parts(cost, pool, stop)
+    pool = pool[: costs.size]
+    evaluated = costs.size
+    order = np.argsort(costs, kind="stable")[:parents]
+    pool, costs = pool[order], costs[order]
+    if on_move is not None:
+        on_move(Move(pool[0], float(costs[0]), True, pool[0], float(costs[0]), evaluated))
+    spread = neighbour_sigma(space.board)
+    stopped = False
+    for _ in range(rounds):
+        stopped = stop is not None and stop()
+        if stopped:
+            break
+        around = np.repeat(pool, -(-neighbours // len(pool)), axis=0)
+        around = around + spread * rng.standard_normal(around.shape)
+        around = around[space.accepts(around)]
+        spread = spread * shrink
+        if not len(around):
+            continue
+        values = cost(around)
+        evaluated += len(around)
+        first, improved = int(np.argmin(values)), float(values.min()) < costs[0]
+        shown, shown_cost = around[first], float(values[first])
+        pool, costs = np.concatenate([pool, around]), np.concatenate([costs, values])
+        order = np.argsort(costs, kind="stable")[:parents]
+        pool, costs = pool[order], costs[order]
+        if on_move is not None:
+            on_move(Move(shown, shown_cost, improved, pool[0], float(costs[0]), evaluated))
+    return Found(pool[0], float(costs[0]), evaluated, stopped)
+
+
+def _samples(space: Space, count: int, rng: np.random.Generator) -> Array:
+    """Up to `count` poses (N, 6) of the space, well spread."""
+    sequence = qmc.Sobol(6, scramble=False)
+    shift = rng.random(6)
+    found: list[Array] = []
+    for _ in range(32):
+        vectors = space.from_unit((np.asarray(sequence.random(1024)) + shift) % 1.0)
+        found.append(vectors[space.accepts(vectors)])
+        if sum(map(len, found)) >= count:
+            break
+    pool = np.concatenate(found)[:count]
+    if not len(pool):
+        raise _nothing_fits(space)
+    return pool
+
+
+def _costs_in_parts(cost: CostFunction, vectors: Array, stop: Stop | None) -> Array:
+    """Costs of the vectors, (N,), or of as many as there was time for; at least one part."""
+    parts: Sequence[Array] = np.array_split(vectors, -(-len(vectors) // 128))
+    costs: list[Array] = []
+    for part in parts:
+        costs.append(cost(part))
+        if stop is not None and stop():
+            break
+    return np.concatenate(costs)
+
+
+def _neighbour(
+    space: Space, vector: Array, sigma: Array, rng: np.random.Generator
+) -> Array | None:
+    for _ in range(_TRIES):
+        element = int(rng.integers(6))
+        candidate = vector.copy()
+        candidate[element] += sigma[element] * rng.standard_normal()
+        if space.accepts(candidate)[0]:
+            return candidate
+    return None
+
+
+def _near(vectors: Array, pose: Pose) -> Array:
+    """Which vectors (N, 6) are within 15 degrees and a tenth of the distance of a pose."""
+    shift = np.linalg.norm(vectors[:, 3:] - pose.t, axis=1)
+    trace = np.einsum("nij,ij->n", rotations_of(vectors), pose.R)
+    angle = np.degrees(np.arccos(np.clip((trace - 1) / 2, -1.0, 1.0)))
+    near = shift < SKIPPED_FRACTION * np.linalg.norm(pose.t)
+    return near & (angle < SKIPPED_DEG)
+
+
+def _nothing_fits(space: Space) -> VenusError:
+    return VenusError(
+        "No pose of this board fits the limits on a target; widen them (the distances "
+        f"{space.limits.nearest:g} to {space.limits.farthest:g} m, the tilt, the smallest square)."
+    )
