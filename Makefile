@@ -1,0 +1,61 @@
+# make run    the viewer on a simulated camera, with a hand that moves the board by itself
+# make test   every check and every test
+# Only python3 and make are assumed; the rest is set up once, inside this folder. System packages
+# come by apt where that is allowed, and are named in one line where it is not.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
+PINS := pyproject.toml constraints.txt scripts/setup.sh
+
+.DEFAULT_GOAL := help
+.PHONY: help run test test-all lint format clean
+
+help:
+	@sed -n 's/^# \(make .*\)/\1/p' Makefile
+	@echo "make lint   ruff, pyright and the import directions only"
+	@echo "make test-all   make test, and the engine's tests on OpenCV 4"
+	@echo "make format   let ruff put the code in order"
+	@echo "make clean   remove what the other commands made"
+
+run: $(VENV)/.ready-run
+	$(BIN)/venus3d guide sim --autopilot
+
+test: lint
+	$(BIN)/pytest
+
+lint: $(VENV)/.ready-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+# The lowest OpenCV that pyproject.toml allows, so that the range is true at both ends.
+test-all: test .venv-opencv4/.ready
+	.venv-opencv4/bin/pytest tests/engine
+
+format: $(VENV)/.ready-test
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+$(VENV)/.ready-run: $(PINS)
+	@$(SETUP) system-run
+	@$(SETUP) venv $(VENV) . constraints.txt
+	@touch $@
+
+$(VENV)/.ready-test: $(PINS)
+	@$(SETUP) system-test
+	@$(SETUP) venv $(VENV) '.[test]' constraints.txt
+	@touch $@ $(VENV)/.ready-run
+
+.venv-opencv4/.ready: $(PINS)
+	@mkdir -p .venv-opencv4
+	@sed 's/^\(opencv-contrib-python-headless\)==.*/\1==4.10.0.84/' constraints.txt \
+		> .venv-opencv4/constraints.txt
+	@$(SETUP) venv .venv-opencv4 '.[test]' .venv-opencv4/constraints.txt
+	@touch $@
+
+clean:
+	rm -rf .venv .venv-opencv4 .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

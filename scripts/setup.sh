@@ -1,0 +1,101 @@
+#!/bin/sh
+# What the Makefile needs around it. POSIX sh; python3 is the only other program assumed.
+#   setup.sh system-run                       EGL and Mesa for offscreen pictures
+#   setup.sh system-test                      the same, and Chromium for the browser tests
+#   setup.sh venv DIR REQUIREMENT CONSTRAINTS a virtual environment with this project in it
+set -eu
+
+python=${PYTHON:-python3}
+# A machine's own pip settings may say where packages come from, not where they go or which.
+unset PIP_TARGET PIP_PREFIX PIP_ROOT PIP_USER PIP_NO_DEPS PIP_CONSTRAINT PIP_REQUIREMENT \
+    PIP_REQUIRE_VIRTUALENV PIP_REQUIRE_HASHES PIP_EDITABLE PIP_PRE PIP_UPGRADE PIP_DRY_RUN \
+    PIP_QUIET PIP_BREAK_SYSTEM_PACKAGES PIP_PYTHON PIP_NO_BUILD_ISOLATION PIP_IGNORE_INSTALLED \
+    PYTHONPATH PYTHONHOME PYTHONUSERBASE 2>/dev/null || true
+
+say() { printf '%s\n' "$*" >&2; }
+
+# Installs Debian packages that are missing. Fails where apt may not be used.
+apt_install() {
+    command -v apt-get >/dev/null 2>&1 || return 1
+    if [ "$(id -u)" = 0 ]; then root=; elif sudo -n true 2>/dev/null; then root="sudo -n"; else return 1; fi
+    say "Installing $* with apt ..."
+    log=$(mktemp)
+    if { $root apt-get update -qq &&
+        $root env DEBIAN_FRONTEND=noninteractive \
+            apt-get install -y -qq --no-install-recommends "$@"; } >"$log" 2>&1; then
+        rm -f "$log"
+    else
+        tail -n 5 "$log" >&2
+        rm -f "$log"
+        return 1
+    fi
+}
+
+# Names of those packages that dpkg does not have.
+missing() {
+    for package in "$@"; do
+        dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || echo "$package"
+    done
+}
+
+has_egl() {
+    "$python" -c 'import ctypes; ctypes.CDLL("libEGL.so.1")' 2>/dev/null
+}
+
+system_run() {
+    if command -v dpkg-query >/dev/null 2>&1; then
+        lacking=$(missing libegl1 libgl1-mesa-dri)
+        # shellcheck disable=SC2086
+        [ -z "$lacking" ] || apt_install $lacking ||
+            say "Please install: $(echo $lacking) (apt-get install ...); without them the pictures are painted without OpenGL."
+    else
+        has_egl || say "Please install EGL and Mesa's software renderer; without them the pictures are painted without OpenGL."
+    fi
+}
+
+system_test() {
+    system_run
+    if ! command -v chromium >/dev/null 2>&1; then
+        apt_install chromium fonts-dejavu-core ||
+            say "Please install: chromium (apt-get install chromium); without it the browser tests are skipped."
+    fi
+}
+
+need_python() {
+    command -v "$python" >/dev/null 2>&1 || { say "Please install Python 3.10 or newer."; exit 1; }
+    "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' || {
+        say "Python 3.10 or newer is needed, this is $("$python" -V 2>&1); set PYTHON=... to another one."
+        exit 1
+    }
+    "$python" -c 'import venv, ensurepip' 2>/dev/null && return
+    apt_install python3-venv && "$python" -c 'import venv, ensurepip' 2>/dev/null || {
+        say "Please install: python3-venv (apt-get install python3-venv); $python cannot make environments."
+        exit 1
+    }
+}
+
+make_venv() {
+    directory=$1 requirement=$2 constraints=$3
+    need_python
+    # A half-made environment, or one of a Python that is gone, is made anew.
+    if ! "$directory/bin/python" -m pip --version >/dev/null 2>&1; then
+        say "Making $directory ..."
+        kept=
+        [ ! -f "$directory/constraints.txt" ] || kept=$(cat "$directory/constraints.txt")
+        "$python" -m venv --clear "$directory"
+        [ -z "$kept" ] || printf '%s\n' "$kept" >"$directory/constraints.txt"
+    fi
+    say "Installing into $directory (the first time takes a minute or two) ..."
+    "$directory/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
+        -c "$constraints" -e "$requirement"
+}
+
+case "${1:-}" in
+system-run) system_run ;;
+system-test) system_test ;;
+venv) make_venv "$2" "$3" "$4" ;;
+*)
+    say "usage: setup.sh system-run | system-test | venv DIR REQUIREMENT CONSTRAINTS"
+    exit 2
+    ;;
+esac
