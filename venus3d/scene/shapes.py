@@ -29,6 +29,8 @@ class MeshShape:
     textured: bool = False
     in_projection: bool = True
     """Whether the offscreen projections draw it too."""
+    shaded: bool = False
+    """Whether light and shade show its form (arrows do; boards keep their plain colours)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,205 @@
+"""Shapes drawn by pyrender. Imported only by the thread that owns OpenGL.
+
+Importing this module imports pyrender, which wants `PYOPENGL_PLATFORM` to be set before. The lens,
+labels and backgrounds are `offscreen`'s.
+
+pyrender's last release dates from 2021 and three of its habits do not suit: it reads the depth
+picture back each time, it drops from the graphics memory whatever the present scene does not show,
+and it sorts translucent meshes by the position of their frames. The subclass below changes those.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pyrender
+from numpy.typing import NDArray
+from OpenGL import EGL, GL
+from pyrender.platforms.egl import EGLPlatform, get_device_by_index
+from pyrender.renderer import Renderer
+
+from venus3d.engine.camera import Camera
+from venus3d.engine.pose import Array
+from venus3d.scene.ribbon import ribbon
+from venus3d.scene.shading import shaded_colours
+from venus3d.scene.shapes import Colour, LineShape, MeshShape
+
+KEPT_MESHES = 64
+_FLAGS = (
+    pyrender.RenderFlags.FLAT
+    | pyrender.RenderFlags.SKIP_CULL_FACES
+    | pyrender.RenderFlags.OFFSCREEN
+    | pyrender.RenderFlags.RGBA
+)
+_OPENGL_FROM_OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])
+_NEAR, _FAR = 0.01, 20.0
+
+
+class GlRenderer:
+    """Draws meshes and lines through an ideal pinhole. Belongs to the thread that made it."""
+
+    def __init__(self) -> None:
+        self._platform = _Platform(64, 64, device=get_device_by_index(0))
+        self._platform.init_context()
+        self._renderer = _Renderer(64, 64)
+        self._scene = pyrender.Scene(bg_color=[0.0, 0.0, 0.0, 0.0])
+        self._camera_node = self._scene.add(
+            _TopDownCamera(1, 1, 0, 0, znear=_NEAR, zfar=_FAR), pose=_OPENGL_FROM_OPENCV
+        )
+        # Holding the source mesh keeps its id from being given to another one.
+        self._nodes: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
+
+    def render(
+        self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour | None
+    ) -> NDArray[np.uint8]:
+        """RGBA (H, W, 4) of the shapes; without a `background`, alpha is what they cover."""
+        self._platform.make_current()
+        colour = (0, 0, 0, 0) if background is None else (*background, 255)
+        self._scene.bg_color = np.array(colour) / 255.0
+        lens = self._camera_node.camera
+        lens.fx, lens.fy = camera.fx, camera.fy
+        # pyrender counts from the pixel's edge, OpenCV from its centre.
+        lens.cx, lens.cy = camera.cx + 0.5, camera.cy + 0.5
+        self._renderer.viewport_width, self._renderer.viewport_height = camera.image_size
+        used: set[tuple[Any, ...]] = set()
+        passing: list[Any] = []
+        order: list[tuple[bool, Any]] = []
+        for shape in shapes:
+            if isinstance(shape, LineShape):
+                node = self._scene.add(_line_mesh(shape, camera))
+                passing.append(node)
+                order.append((False, node))
+            else:
+                order.append((shape.opacity < 1, self._node_of(shape, used)))
+        # Solid things first, then translucent ones in the order of the list.
+        self._renderer.order = [n for late in (False, True) for is_late, n in order if is_late == late]
+        try:
+            return self._renderer.render(self._scene, _FLAGS)
+        finally:
+            for node in passing:
+                self._scene.remove_node(node)
+            self._forget(used)
+
+    def close(self) -> None:
+        """Release the graphics memory and the context."""
+        self._platform.make_current()
+        self._renderer.delete()
+        self._platform.delete_context()
+
+    def _node_of(self, shape: MeshShape, used: set[tuple[Any, ...]]) -> Any:
+        key = _key(shape)
+        while key in used:  # the same mesh a second time in one picture needs a second node
+            key = (*key, "again")
+        used.add(key)
+        if key not in self._nodes:
+            self._nodes[key] = (shape.mesh, self._scene.add(_gl_mesh(shape)))
+        self._nodes.move_to_end(key)
+        node = self._nodes[key][1]
+        self._scene.set_pose(node, shape.pose.matrix)
+        return node
+
+    def _forget(self, used: set[tuple[Any, ...]]) -> None:
+        while len(self._nodes) > max(KEPT_MESHES, len(used)):
+            self._scene.remove_node(self._nodes.popitem(last=False)[1][1])
+
+
+class _TopDownCamera(pyrender.IntrinsicsCamera):
+    """The picture's first row is the top one, as OpenCV has it: nothing is left to be flipped."""
+
+    def get_projection_matrix(self, width: int | None = None, height: int | None = None) -> Array:
+        P = np.asarray(super().get_projection_matrix(width, height), dtype=np.float64)
+        P[1] *= -1
+        return P
+
+
+class _Platform(EGLPlatform):
+    """EGL without the screen; closing one context leaves the display to the others."""
+
+    def delete_context(self) -> None:
+        if self._egl_context is not None:
+            EGL.eglDestroyContext(self._egl_display, self._egl_context)
+        self._egl_context = self._egl_display = None
+
+
+class _Renderer(Renderer):
+    order: list[Any]
+
+    def _sorted_mesh_nodes(self, scene: Any) -> list[Any]:
+        return self.order
+
+    def _bind_and_draw_primitive(self, primitive: Any, *args: Any, **kwargs: Any) -> None:
+        # A translucent sheet must not hide what is drawn after it.
+        GL.glDepthMask(primitive.material.alphaMode != "BLEND")
+        super()._bind_and_draw_primitive(primitive, *args, **kwargs)
+        GL.glDepthMask(True)
+
+    def _read_main_framebuffer(self, scene: Any, flags: int) -> NDArray[np.uint8]:
+        width, height = self._main_fb_dims
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)
+        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)
+        GL.glBlitFramebuffer(
+            0, 0, width, height, 0, 0, width, height, GL.GL_COLOR_BUFFER_BIT, GL.GL_LINEAR
+        )
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb)
+        rgba = GL.glReadPixels(0, 0, width, height, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
+        return np.frombuffer(rgba, dtype=np.uint8).reshape(height, width, 4)
+
+
+def _key(shape: MeshShape) -> tuple[Any, ...]:
+    if shape.textured:
+        return (id(shape.mesh), shape.opacity)
+    # Shade is baked into the colours, so a shaded mesh that turned is another one.
+    turn = shape.pose.R.round(3).tobytes() if shape.shaded else None
+    return (id(shape.mesh), shape.opacity, shape.colour, turn)
+
+
+def _gl_mesh(shape: MeshShape) -> Any:
+    mesh = shape.mesh
+    texture: Any = None
+    uv: Any = None
+    if shape.textured:
+        visual: Any = mesh.visual
+        uv = np.asarray(visual.uv, dtype=np.float32)
+        source = np.asarray(visual.material.baseColorTexture.convert("RGB"))
+        clamp = pyrender.constants.GLTF.CLAMP_TO_EDGE
+        texture = pyrender.Texture(
+            source=source, source_channels="RGB", sampler=pyrender.Sampler(wrapS=clamp, wrapT=clamp)
+        )
+    factor = [1.0, 1.0, 1.0, shape.opacity]
+    colours = None
+    if shape.shaded:
+        colours = np.column_stack(
+            [shaded_colours(shape, mesh.vertex_normals) / 255.0, np.ones(len(mesh.vertices))]
+        )
+    elif not shape.textured:
+        factor[:3] = [c / 255.0 for c in shape.colour]
+    primitive = pyrender.Primitive(
+        positions=np.asarray(mesh.vertices, dtype=np.float32),
+        indices=np.asarray(mesh.faces, dtype=np.uint32),
+        texcoord_0=uv,
+        color_0=colours,
+        material=pyrender.MetallicRoughnessMaterial(
+            baseColorFactor=factor,
+            baseColorTexture=texture,
+            alphaMode="OPAQUE" if shape.opacity >= 1 else "BLEND",
+            doubleSided=True,
+        ),
+    )
+    return pyrender.Mesh([primitive])
+
+
+def _line_mesh(shape: LineShape, camera: Camera) -> Any:
+    vertices, faces = ribbon(shape, camera)
+    primitive = pyrender.Primitive(
+        positions=vertices.astype(np.float32),
+        indices=faces.astype(np.uint32),
+        material=pyrender.MetallicRoughnessMaterial(
+            baseColorFactor=[*(c / 255.0 for c in shape.colour), 1.0],
+            alphaMode="OPAQUE",
+            doubleSided=True,
+        ),
+    )
+    return pyrender.Mesh([primitive])

@@ -1,0 +1,159 @@
+"""Pictures of shapes as a camera with a lens would take them, without a screen.
+
+One thread of its own owns OpenGL; anyone may ask it for pictures. Where OpenGL is missing, the
+painter draws the same shapes with OpenCV. Both draw through the same lens map.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any, Literal, Protocol
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.camera import Camera
+from venus3d.scene.lens import lens_of
+from venus3d.scene.painter import Painter
+from venus3d.scene.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
+from venus3d.scene.text import paint_labels
+
+Image = NDArray[np.uint8]
+Backend = Literal["gl", "painter"]
+
+
+class Renderer(Protocol):
+    """Draws meshes and lines through an ideal pinhole."""
+
+    def render(
+        self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour | None
+    ) -> Image:
+        """RGBA (H, W, 4); without a background, transparent where nothing is."""
+        ...
+
+    def close(self) -> None:
+        """Release what is held."""
+        ...
+
+
+class Offscreen:
+    """The one place that renders pictures. `submit` from any thread; close it when done."""
+
+    def __init__(self, backend: Literal["auto", "gl", "painter"] = "auto") -> None:
+        """Start the render thread.
+
+        Raises `RuntimeError` if `backend` is "gl" and OpenGL cannot be had.
+        """
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="offscreen")
+        self.note = ""
+        """One sentence that says why the painter draws; empty when OpenGL does."""
+        self.backend: Backend = "painter"
+        self._renderer: Renderer = Painter()
+        if backend != "painter":
+            try:
+                self._renderer = self._thread.submit(_open_gl).result()
+                self.backend = "gl"
+            except Exception as error:
+                # Whatever keeps OpenGL from starting (no library, no device, no pyrender), the
+                # pictures are still needed.
+                if backend == "gl":
+                    self._thread.shutdown()
+                    raise RuntimeError(f"OpenGL cannot be used: {error}") from error
+                self.note = (
+                    "OpenGL cannot be used here, so OpenCV paints the pictures; "
+                    f"install libegl1 and libgl1-mesa-dri ({type(error).__name__}: {error})."
+                )
+
+    def submit(
+        self,
+        camera: Camera,
+        shapes: Sequence[Shape],
+        *,
+        background: Colour | Image = (0, 0, 0),
+        size: tuple[int, int] | None = None,
+        supersample: int = 1,
+    ) -> Future[Image]:
+        """Ask for a picture, RGB (H, W, 3) uint8.
+
+        Args:
+            camera: what looks; its own lens is applied.
+            shapes: those with `in_projection` are drawn.
+            background: a colour, or an RGB picture of the output's size.
+            size: (width, height) of the picture; the camera's own if None.
+            supersample: render this many times larger and shrink, for smooth small pictures.
+        """
+        return self._thread.submit(
+            self._draw, camera, tuple(shapes), background, size or camera.image_size, supersample
+        )
+
+    def render(self, camera: Camera, shapes: Sequence[Shape], **options: Any) -> Image:
+        """The picture itself: `submit` and wait."""
+        return self.submit(camera, shapes, **options).result()
+
+    def close(self) -> None:
+        """Finish what was asked for and release OpenGL. May be called twice."""
+        if self._thread is not None:
+            try:
+                self._thread.submit(self._renderer.close).result()
+            except RuntimeError:
+                return  # closed before
+            self._thread.shutdown()
+
+    def __enter__(self) -> Offscreen:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _draw(
+        self,
+        camera: Camera,
+        shapes: tuple[Shape, ...],
+        background: Colour | Image,
+        size: tuple[int, int],
+        supersample: int,
+    ) -> Image:
+        seen = [s for s in shapes if s.in_projection]
+        solids = [s for s in seen if isinstance(s, MeshShape | LineShape)]
+        labels = [s for s in seen if isinstance(s, LabelShape)]
+        lens = lens_of(camera.scaled((size[0] * supersample, size[1] * supersample)))
+
+        def draw(ground: Colour | None) -> Image:
+            picture = self._renderer.render(lens.ideal, _widened(solids, supersample), ground)
+            if ground is not None:
+                picture = np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
+            picture = lens.bend(picture, ground or (0, 0, 0))
+            if supersample > 1:
+                picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+            return np.asarray(picture, dtype=np.uint8)
+
+        if isinstance(background, tuple):
+            picture = draw(background)
+        else:
+            picture = _over(draw((0, 0, 0)), draw((255, 255, 255)), background)
+        return paint_labels(picture, labels, camera.scaled(size)) if labels else picture
+
+
+def _widened(shapes: list[MeshShape | LineShape], factor: int) -> list[MeshShape | LineShape]:
+    return [
+        replace(s, width_px=s.width_px * factor) if isinstance(s, LineShape) else s for s in shapes
+    ]
+
+
+def _over(on_black: Image, on_white: Image, ground: Image) -> Image:
+    """Composed with a picture: what differs between black and white lets the ground through."""
+    through = on_white.astype(np.float32) - on_black
+    return np.clip(on_black + through * (ground / np.float32(255)) + 0.5, 0, 255).astype(np.uint8)
+
+
+def _open_gl() -> Renderer:
+    if sys.platform.startswith("linux"):
+        os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+    from venus3d.scene.gl_renderer import GlRenderer
+
+    return GlRenderer()
