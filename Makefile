@@ -41,19 +41,16 @@ format: $(VENV)/.ready-test
 
 $(VENV)/.ready-run: $(PINS)
 	@$(SETUP) system-run
-	@$(SETUP) venv $(VENV) . constraints.txt
+	@$(SETUP) venv $(VENV) .
 	@touch $@
 
 $(VENV)/.ready-test: $(PINS)
 	@$(SETUP) system-test
-	@$(SETUP) venv $(VENV) '.[test]' constraints.txt
+	@$(SETUP) venv $(VENV) '.[test]'
 	@touch $@ $(VENV)/.ready-run
 
 .venv-opencv4/.ready: $(PINS)
-	@mkdir -p .venv-opencv4
-	@sed 's/^\(opencv-contrib-python-headless\)==.*/\1==4.10.0.84/' constraints.txt \
-		> .venv-opencv4/constraints.txt
-	@$(SETUP) venv .venv-opencv4 '.[test]' .venv-opencv4/constraints.txt
+	@$(SETUP) venv .venv-opencv4 '.[test]' opencv-contrib-python-headless==4.10.0.84
 	@touch $@
 
 clean:

@@ -2,7 +2,8 @@
 # What the Makefile needs around it. POSIX sh; python3 is the only other program assumed.
 #   setup.sh system-run                       EGL and Mesa for offscreen pictures
 #   setup.sh system-test                      the same, and Chromium for the browser tests
-#   setup.sh venv DIR REQUIREMENT CONSTRAINTS a virtual environment with this project in it
+#   setup.sh venv DIR REQUIREMENT [NAME==VERSION]   an environment with this project in it, as
+#                                             constraints.txt pins it but for the one named
 set -eu
 
 python=${PYTHON:-python3}
@@ -75,27 +76,27 @@ need_python() {
 }
 
 make_venv() {
-    directory=$1 requirement=$2 constraints=$3
+    directory=$1 requirement=$2 instead=${3:-}
     need_python
     # A half-made environment, or one of a Python that is gone, is made anew.
     if ! "$directory/bin/python" -m pip --version >/dev/null 2>&1; then
-        say "Making $directory ..."
-        kept=
-        [ ! -f "$directory/constraints.txt" ] || kept=$(cat "$directory/constraints.txt")
         "$python" -m venv --clear "$directory"
-        [ -z "$kept" ] || printf '%s\n' "$kept" >"$directory/constraints.txt"
     fi
     say "Installing into $directory (the first time takes a minute or two) ..."
+    pins=$(mktemp)
+    trap 'rm -f "$pins"' EXIT
+    grep -v "^${instead%%==*}==" constraints.txt >"$pins"
+    [ -z "$instead" ] || echo "$instead" >>"$pins"
     "$directory/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
-        -c "$constraints" -e "$requirement"
+        -c "$pins" -e "$requirement"
 }
 
 case "${1:-}" in
 system-run) system_run ;;
 system-test) system_test ;;
-venv) make_venv "$2" "$3" "$4" ;;
+venv) make_venv "$2" "$3" "${4:-}" ;;
 *)
-    say "usage: setup.sh system-run | system-test | venv DIR REQUIREMENT CONSTRAINTS"
+    say "usage: setup.sh system-run | system-test | venv DIR REQUIREMENT [NAME==VERSION]"
     exit 2
     ;;
 esac
