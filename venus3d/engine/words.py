@@ -66,3 +66,31 @@ def _part(mm: float, positive: str, negative: str) -> str:
 
 def _listed(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
+
+
+def words_for_startup(seen: int, corners: int) -> Words:
+    """What to do before the whole board has been seen once; `seen` of `corners` are visible."""
+    if seen == 0:
+        text = "Hold the board upright in front of the camera."
+        return Words(text, text)
+    text = f"Move the board back until all of it is in the picture ({seen} of {corners} corners)."
+    return Words(text, text)
+
+
+NOT_SEEN = Words(
+    "The board is not seen: bring it back into the picture.",
+    "The board is not seen: bring it back into the picture.",
+)
+HOLD_STILL = Words("Hold the board still.", "Hold the board still.")
+CALCULATING = Words(
+    "Got it. Working out the camera and the next pose.",
+    "Got it. Working out the camera and the next pose.",
+)
+CONVERGED = Words(
+    "The camera is calibrated: more views change nothing that matters.",
+    "The camera is calibrated: more views change nothing that matters.",
+)
+FINISHED = Words("This calibration has ended.", "This calibration has ended.")
+STARTUP_REASON = (
+    "A board tilted by 45° shows the focal length in a single picture: its far edge looks shorter."
+)

@@ -1,0 +1,181 @@
+"""The guided calibration as a state machine, on observations with known truth.
+
+The observations are projections of the board by the paper's camera (checked against OpenCV in
+`test_camera.py`) with Gaussian corner noise; no picture is involved.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.costs import mean_projection_error_px
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Pose
+from venus3d.engine.session import Session
+from venus3d.engine.snapshot import Snapshot
+from venus3d.engine.work import Settings
+
+NOISE_PX = float(np.sqrt(0.1))  # 4.1.2 of the paper: variance 0.1
+
+
+class Rig:
+    """A board held exactly where it is asked for, in front of a camera that is known."""
+
+    def __init__(self, camera: Camera, board: Board, settings: Settings, seed: int = 0) -> None:
+        self.camera, self.board = camera, board
+        self.session = Session(board, camera.image_size, settings)
+        self.rng = np.random.default_rng(seed)
+        self.pose = Pose.from_vector([10, 0, 0, 0, 0, 0.5])
+        self.seen: list[Observation] = []
+
+    def look(self) -> Observation:
+        pixels = self.camera.project(self.pose.apply(self.board.corners))
+        pixels = pixels + self.rng.normal(0, NOISE_PX, pixels.shape)
+        inside = ((pixels >= 0) & (pixels < self.camera.image_size)).all(axis=1)
+        observation = Observation(np.flatnonzero(inside), pixels[inside], self.camera.image_size)
+        self.seen.append(observation)
+        return observation
+
+    def step(self) -> Snapshot:
+        snapshot = self.session.observe(self.look())
+        if self.session.pending is not None:
+            snapshot = self.session.apply(self.session.pending.run())
+        if snapshot.target is not None:
+            self.pose = snapshot.target.pose
+        return snapshot
+
+    def until_views(self, count: int, limit: int = 200) -> Snapshot:
+        for _ in range(limit):
+            snapshot = self.step()
+            if len(snapshot.views) >= count or snapshot.phase in ("converged", "finished"):
+                return snapshot
+        raise AssertionError(f"only {len(snapshot.views)} views after {limit} frames")
+
+
+@pytest.fixture
+def rig(paper_camera: Camera, default_board: Board) -> Rig:
+    return Rig(paper_camera, default_board, Settings(max_views=20))
+
+
+def test_a_session_runs_from_startup_to_convergence_and_finds_the_camera(rig: Rig) -> None:
+    first = rig.step()
+    assert first.phase == "startup" and first.calibration is None
+    end = rig.until_views(20)
+    assert end.phase == "converged"
+    assert end.calibration is not None and end.convergence is not None
+    assert end.convergence.converged and end.target is None
+    assert mean_projection_error_px(rig.camera, end.camera) < 0.6
+    off = np.abs(end.camera.parameters - rig.camera.parameters)[:4]
+    assert (off < 4 * end.calibration.sigma[:4]).all()
+
+
+def test_startup_asks_for_45_degrees_and_captures_only_a_view_that_shows_the_focal_length(
+    rig: Rig,
+) -> None:
+    rig.pose = Pose.from_vector([0, 0, 0, 0, 0, 0.5])
+    for _ in range(5):
+        snapshot = rig.session.observe(rig.look())
+    assert not rig.session.capture(), "a frontal board fits any focal length"
+    assert snapshot.target is not None
+    np.testing.assert_allclose(snapshot.target.pose.vector()[:5], [45, 0, 0, 0, 0], atol=1e-9)
+    after = rig.until_views(1)
+    assert after.views[0].number == 1 and after.phase == "guiding"
+    assert abs(after.camera.fx / rig.camera.fx - 1) < 0.1
+
+
+def test_nothing_is_captured_while_the_board_moves_or_is_lost(rig: Rig) -> None:
+    rig.until_views(2)
+    target = rig.session.snapshot().target
+    assert target is not None
+    for shift in range(6):  # at the target within the overlap, but 4 px and more a frame
+        rig.pose = target.pose.moved([0.003 * (shift % 2), 0, 0])
+        moving = rig.session.observe(rig.look())
+        assert moving.match is not None and not moving.match.reached
+    lost = rig.session.observe(Observation.nothing(rig.camera.image_size))
+    assert lost.pose is None and lost.headline == "Board not seen" and len(lost.views) == 2
+
+
+def test_undo_drop_and_skip(rig: Rig) -> None:
+    before = rig.until_views(3)
+    assert before.target is not None
+    asked = before.target
+
+    assert rig.session.skip() and rig.session.pending is not None
+    other = rig.session.apply(rig.session.pending.run())
+    assert other.target is not None and other.target.number == asked.number + 1
+    moved = other.target.pose.distance_to(asked.pose) / asked.pose.t[2]
+    assert other.target.pose.angle_to_deg(asked.pose) > 15 or moved > 0.1
+
+    assert rig.session.drop(2) and rig.session.pending is not None
+    dropped = rig.session.apply(rig.session.pending.run())
+    assert [view.number for view in dropped.views] == [1, 3]
+    assert not rig.session.drop(2)
+
+    assert rig.session.undo() and rig.session.undo()
+    empty = rig.session.snapshot()
+    assert empty.phase == "startup" and empty.views == () and not rig.session.undo()
+    assert rig.until_views(2).views[-1].number == 5, "numbers are never used twice"
+
+
+def test_an_older_works_outcome_is_ignored(rig: Rig) -> None:
+    rig.until_views(3)
+    assert rig.session.skip()
+    old = rig.session.pending
+    assert old is not None and rig.session.undo()
+    stale = old.run()
+    assert rig.session.apply(stale).phase == "captured"
+    assert rig.session.pending is not None
+    assert len(rig.session.apply(rig.session.pending.run()).views) == 2
+
+
+def test_a_replayed_session_asks_for_the_same_poses(rig: Rig) -> None:
+    live = rig.until_views(6)
+    replay = Session(rig.board, rig.camera.image_size, rig.session.settings)
+    for observation in rig.seen:
+        snapshot = replay.observe(observation)
+        if replay.pending is not None:
+            snapshot = replay.apply(replay.pending.run())
+    assert live.target is not None and snapshot.target is not None
+    np.testing.assert_array_equal(snapshot.target.pose.matrix, live.target.pose.matrix)
+    np.testing.assert_array_equal(snapshot.camera.parameters, live.camera.parameters)
+
+
+def test_the_number_of_views_is_a_limit(paper_camera: Camera, default_board: Board) -> None:
+    rig = Rig(paper_camera, default_board, Settings(max_views=3))
+    end = rig.until_views(4)
+    assert end.phase == "finished" and len(end.views) == 3
+
+
+@pytest.mark.parametrize("method", ["random", "pose-selection", "venus"])
+def test_every_method_guides_to_a_full_camera(
+    method: str, paper_camera: Camera, default_board: Board
+) -> None:
+    rig = Rig(paper_camera, default_board, Settings(method=method, max_views=6))  # type: ignore[arg-type]
+    end = rig.until_views(6)
+    assert end.calibration is not None and all(end.calibration.free)
+    assert end.calibration.rms_px < 0.6
+
+
+def test_a_frame_of_another_size_is_refused(rig: Rig) -> None:
+    with pytest.raises(CalibrationError, match="640 x 480"):
+        rig.session.observe(Observation.nothing((640, 480)))
+
+
+def test_recordings_may_count_a_view_worth_as_much_as_the_target(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    settings = Settings(equivalent_gain=0.5, still_px=np.inf, max_views=8)
+    rig = Rig(paper_camera, default_board, settings)
+    rng = np.random.default_rng(3)
+    snapshot = rig.session.snapshot()
+    for _ in range(60):  # somebody who does not listen
+        rig.pose = Pose.from_vector([*rng.uniform(-40, 40, 3), *rng.uniform(-0.06, 0.06, 2), 0.45])
+        snapshot = rig.session.observe(rig.look())
+        if rig.session.pending is not None:
+            snapshot = rig.session.apply(rig.session.pending.run())
+    assert 3 <= len(snapshot.views) < 30
+    assert mean_projection_error_px(paper_camera, snapshot.camera) < 2

@@ -1,0 +1,319 @@
+"""A guided calibration as a plain state machine: `observe(observation) -> Snapshot`.
+
+    startup --capture--> captured --outcome--> guiding --capture--> captured ... --> converged
+                                                                             `-----> finished
+
+Live and replayed sessions run the same code. What takes time (calibrating, searching) is handed
+out as a frozen `Work` in `pending`; whoever drives the session runs it, on any thread or on the
+spot, and gives the result back with `apply`. Meanwhile observations go on being taken in.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from venus3d.engine import words
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.costs import projection_error_px
+from venus3d.engine.decomposition import decompose
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.generation import GenerationState
+from venus3d.engine.information import covariance_of, prior_information, view_information
+from venus3d.engine.localisation import locate
+from venus3d.engine.matching import match
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.snapshot import (
+    Calibration,
+    Convergence,
+    Match,
+    Phase,
+    Progress,
+    Snapshot,
+    Target,
+)
+from venus3d.engine.startup import Startup
+from venus3d.engine.work import Outcome, Settings, Work
+from venus3d.engine.words import Words
+
+# A start-up target is kept until the estimate has moved the board by more than this share of z.
+_STARTUP_DRIFT = 0.05
+
+
+class Session:
+    """One guided calibration of one camera with one board. Used by one thread."""
+
+    def __init__(
+        self, board: Board, image_size: tuple[int, int], settings: Settings | None = None
+    ) -> None:
+        """A session for images of `image_size` (width, height)."""
+        self.settings = settings or Settings()
+        self._image_size = image_size
+        self._restart(board)
+
+    def _restart(self, board: Board) -> None:
+        self.board = board
+        self.pending: Work | None = None
+        """The work that waits to be run; `apply` its outcome."""
+        self._startup = Startup(board, self._image_size)
+        self._phase: Phase = "startup"
+        self._captured: list[tuple[int, Observation]] = []
+        self._next_view = 1
+        self._next_target = 1
+        self._target: Target | None = None
+        self._calibration: Calibration | None = None
+        self._information: Array = np.zeros((9, 9))
+        self._convergence: Convergence | None = None
+        self._history: tuple[Progress, ...] = ()
+        self._generation = GenerationState()
+        self._skipped: tuple[Pose, ...] = ()
+        self._warnings: tuple[str, ...] = ()
+        self._observation = Observation.nothing(self._image_size)
+        self._pose: Pose | None = None
+        self._match: Match | None = None
+        self._held = 0
+        self._keep_going = False
+        self._number = 0
+
+    # -- what happens ----------------------------------------------------------------------------
+
+    def observe(self, observation: Observation) -> Snapshot:
+        """Take in what was seen in one frame; captures by itself where the settings say so.
+
+        Raises `CalibrationError` if the frame's size is not the session's.
+        """
+        if observation.image_size != self._image_size:
+            raise CalibrationError(
+                f"A frame of {observation.image_size[0]} x {observation.image_size[1]} px came "
+                f"into a calibration of {self._image_size[0]} x {self._image_size[1]} px; "
+                "calibrate each image size by itself."
+            )
+        self._number += 1
+        before, self._observation = self._observation, observation
+        if self._phase == "startup":
+            self._startup.observe(observation)
+            self._aim_startup()
+        self._pose = locate(self.camera, self.board, observation, self._pose)
+        self._match = self._matched(before)
+        self._held = self._held + 1 if self._match is not None and self._match.reached else 0
+        if self.settings.auto_capture and self._phase in ("startup", "guiding"):
+            held = self._held >= self.settings.hold_frames
+            if held or self._is_equivalent():
+                self.capture()
+        return self.snapshot()
+
+    def capture(self) -> bool:
+        """Take the present observation as a view. False if there is nothing to take."""
+        usable = self._pose is not None and self._phase != "finished"
+        if not usable or (self._phase == "startup" and not self._startup.determined):
+            return False
+        self._captured.append((self._next_view, self._observation))
+        self._next_view += 1
+        self._keep_going = self._keep_going or self._phase == "converged"
+        self._recalibrate()
+        return True
+
+    def skip(self) -> bool:
+        """Give up the present target for another one elsewhere. False if there is none."""
+        if self._target is None or self._phase != "guiding":
+            return False
+        self._skipped = (*self._skipped, self._target.pose)
+        self._recalibrate()
+        return True
+
+    def undo(self) -> bool:
+        """Take the last captured view back. False if there is none."""
+        return bool(self._captured) and self.drop(self._captured[-1][0])
+
+    def drop(self, number: int) -> bool:
+        """Take the view with this number back. False if there is none."""
+        kept = [item for item in self._captured if item[0] != number]
+        if len(kept) == len(self._captured):
+            return False
+        self._captured = kept
+        self._history = tuple(p for p in self._history if p.views <= len(kept))
+        if kept:
+            self._recalibrate()
+        else:
+            views_so_far = self._next_view
+            self._restart(self.board)
+            self._next_view = views_so_far
+        return True
+
+    def finish(self) -> None:
+        """End the session; what was captured stays."""
+        self._phase, self._target, self._match, self.pending = "finished", None, None, None
+
+    def change(self, settings: Settings) -> None:
+        """Go on with other settings; a target that is open is searched anew."""
+        self.settings = settings
+        if self._captured and self._phase == "guiding":
+            self._recalibrate()
+
+    def use_board(self, board: Board) -> None:
+        """Go on with a board whose layout turned out differently; only before the first view."""
+        if not self._captured and board != self.board:
+            self._restart(board)
+
+    def apply(self, outcome: Outcome) -> Snapshot:
+        """Take the result of `pending` back; the result of an older work is ignored."""
+        if outcome.work is not self.pending:
+            return self.snapshot()
+        self.pending = None
+        self._calibration, self._information = outcome.calibration, outcome.information
+        self._history, self._convergence = outcome.history, outcome.convergence
+        self._warnings = outcome.warnings
+        self._held = 0
+        if outcome.suggestion is None:
+            self._target = self._match = None
+            self._phase = "converged" if outcome.convergence.converged else "finished"
+        else:
+            self._target, self._generation = outcome.suggestion.target, outcome.suggestion.state
+            self._next_target = self._target.number + 1
+            self._phase = "guiding"
+        self._pose = locate(self.camera, self.board, self._observation, self._pose)
+        self._match = self._matched(None)
+        return self.snapshot()
+
+    def fail(self, work: Work, error: CalibrationError) -> Snapshot:
+        """Take back that `work` could not be done: its last view is dropped and the cause said."""
+        if work is self.pending:
+            self.pending = None
+            if len(self._captured) > 1:
+                self._captured.pop()
+                self._recalibrate()
+            else:
+                self._restart(self.board)
+            self._warnings = (f"The last view was not kept: {error}",)
+        return self.snapshot()
+
+    # -- what is known ---------------------------------------------------------------------------
+
+    @property
+    def camera(self) -> Camera:
+        """The best camera known."""
+        return self._calibration.camera if self._calibration else self._startup.camera
+
+    @property
+    def phase(self) -> Phase:
+        """Where the session stands."""
+        return self._phase
+
+    def snapshot(self) -> Snapshot:
+        """Everything about this moment."""
+        headline, instruction = self._said()
+        return Snapshot(
+            number=self._number,
+            phase=self._phase,
+            board=self.board,
+            camera=self.camera,
+            observation=self._observation,
+            pose=self._pose,
+            target=self._target,
+            match=self._match,
+            calibration=self._calibration,
+            convergence=self._convergence,
+            history=self._history,
+            headline=headline,
+            instruction=instruction,
+            warnings=self._warnings,
+        )
+
+    def _said(self) -> tuple[str, Words]:
+        if self._phase == "captured":
+            return "Captured", words.CALCULATING
+        if self._phase == "converged":
+            return "Calibrated", words.CONVERGED
+        if self._phase == "finished":
+            return "Finished", words.FINISHED
+        if self._phase == "startup" and not self._startup.determined and self._target is None:
+            count = self._observation.count
+            return "Show the board", words.words_for_startup(count, self.board.corner_count)
+        if self._pose is None or self._match is None:
+            return "Board not seen", words.NOT_SEEN
+        if self._match.reached:
+            return "Hold still", words.HOLD_STILL
+        active = self._match.active_step
+        return f"Step {active} of 4", self._match.steps[active - 1].words
+
+    # -- how it goes on --------------------------------------------------------------------------
+
+    def _aim_startup(self) -> None:
+        """Keep the start-up target (3.1) on the present estimate of the camera and of z."""
+        if self._startup.distance is None:
+            return
+        pose = self._startup.target
+        old = self._target
+        if old is not None and old.pose.distance_to(pose) < _STARTUP_DRIFT * pose.t[2]:
+            return
+        nothing = float("nan")
+        self._target = Target(
+            number=self._next_target,
+            pose=pose,
+            steps=decompose(pose, self.camera, self.board),
+            method=self.settings.method,
+            cost=self.settings.cost or "projection-variance",
+            serves=("fx", "fy"),
+            reason=words.STARTUP_REASON,
+            predicted_sigma=np.full(9, nothing),
+            predicted_error_px=nothing,
+            evaluated=0,
+            search_s=0.0,
+        )
+
+    def _matched(self, before: Observation | None) -> Match | None:
+        if self._pose is None or self._target is None:
+            return None
+        return match(
+            self.camera,
+            self.board,
+            self._pose,
+            self._target.pose,
+            observation=self._observation,
+            before=before,
+            previous=self._match,
+            overlap_needed=self.settings.overlap_needed,
+            still_px=self.settings.still_px,
+            tolerance=self.settings.tolerance,
+        )
+
+    def _is_equivalent(self) -> bool:
+        """Whether this observation is worth nearly as much as the target (see the settings)."""
+        share = self.settings.equivalent_gain
+        if share is None or self._pose is None or self._match is None:
+            return False
+        if self._match.motion_px > self.settings.still_px:
+            return False
+        if self._phase == "startup":
+            return self._startup.determined
+        if self._calibration is None or self._target is None:
+            return False
+        camera, sigma = self.camera, self._calibration.residual_sigma_px
+        known = self._information + prior_information(camera, sigma)
+        points = self.board.points_of(self._observation.ids)
+        seen = view_information(camera, points, self._pose.R[None], self._pose.t[None])[0]
+        asked = view_information(
+            camera, self.board.corners, self._target.pose.R[None], self._target.pose.t[None]
+        )[0]
+        now, with_seen, with_asked = (
+            np.log(projection_error_px(camera, covariance_of(known + more, sigma)))
+            for more in (np.zeros((9, 9)), seen, asked)
+        )
+        return bool(now - with_seen >= share * (now - with_asked))
+
+    def _recalibrate(self) -> None:
+        numbers = tuple(number for number, _ in self._captured)
+        self.pending = Work(
+            board=self.board,
+            settings=self.settings,
+            observations=tuple(observation for _, observation in self._captured),
+            numbers=numbers,
+            history=tuple(p for p in self._history if p.views < len(numbers)),
+            generation=self._generation,
+            skipped=self._skipped,
+            target_number=self._next_target if self._target is None else self._target.number + 1,
+            keep_going=self._keep_going,
+        )
+        self._phase = "captured"
+        self._held = 0

@@ -1,0 +1,163 @@
+"""The slow half of the session: calibrate, judge, search. Pure, so that any thread can run it.
+
+The session hands out a frozen `Work`, somebody runs it, the session takes the `Outcome` back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.calibration import calibrate, warnings_for
+from venus3d.engine.convergence import Rule, judge
+from venus3d.engine.costs import projection_error_px
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.generation import GenerationState
+from venus3d.engine.information import view_information
+from venus3d.engine.limits import Limits
+from venus3d.engine.matching import Tolerance
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.search import Move
+from venus3d.engine.snapshot import Calibration, Convergence, Cost, Method, Progress
+from venus3d.engine.suggest import Suggestion, suggest
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a session is run."""
+
+    method: Method = "global"
+    cost: Cost | None = None
+    """None: the method's own."""
+    limits: Limits | None = None
+    """None: the limits that suit the board and the camera."""
+    seed: int = 0
+    max_views: int = 20
+    auto_capture: bool = True
+    """Capture when the target is reached and held; otherwise only on command."""
+    hold_frames: int = 3
+    """For how many observations in a row the target must be reached."""
+    equivalent_gain: float | None = None
+    """Recordings cannot follow a target: a view that brings this share of the target's predicted
+    gain is captured too. None: only the target counts."""
+    overlap_needed: float = 0.85
+    still_px: float = 2.0
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    epsilon: float = 0.1
+    rule: Rule = "repaired"
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What came of a `Work`."""
+
+    work: Work
+    calibration: Calibration
+    information: Array
+    """(9, 9) sum over the views, for corner noise of one pixel."""
+    history: tuple[Progress, ...]
+    convergence: Convergence
+    suggestion: Suggestion | None
+    """None once converged or when enough views are taken."""
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """Calibrate these views, then search the next pose."""
+
+    board: Board
+    settings: Settings
+    observations: tuple[Observation, ...]
+    numbers: tuple[int, ...]
+    history: tuple[Progress, ...]
+    """Of the earlier calibrations with fewer views."""
+    generation: GenerationState
+    skipped: tuple[Pose, ...]
+    target_number: int
+    keep_going: bool = False
+    """Search on although everything has converged."""
+
+    def run(
+        self,
+        stop: Callable[[], bool] | None = None,
+        on_move: Callable[[Move], None] | None = None,
+    ) -> Outcome:
+        """Do it. `stop` ends the search early with the best pose so far; `on_move` watches it.
+
+        Raises `CalibrationError` if the views determine no camera at all.
+        """
+        calibration, warnings = self._calibrated()
+        information = information_of(calibration, self.board)
+        error = projection_error_px(calibration.camera, calibration.covariance)
+        progress = Progress(
+            len(self.observations),
+            calibration.rms_px,
+            calibration.camera.parameters,
+            calibration.sigma,
+            error if all(calibration.free) else float("nan"),
+        )
+        history = (*self.history, progress)
+        convergence = judge(history, epsilon=self.settings.epsilon, rule=self.settings.rule)
+        enough = len(self.observations) >= self.settings.max_views
+        suggestion = None
+        if not enough and (self.keep_going or not convergence.converged):
+            suggestion = self._suggested(calibration, information, stop, on_move)
+            warnings = (*warnings, *([suggestion.note] if suggestion.note else []))
+        return Outcome(self, calibration, information, history, convergence, suggestion, warnings)
+
+    def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
+        if len(self.observations) == 1:
+            first = calibrate(
+                self.board, self.observations, model="startup", numbers=self.numbers
+            )
+            return first, ()
+        try:
+            full = calibrate(self.board, self.observations, numbers=self.numbers)
+            return full, warnings_for(full)
+        except CalibrationError as error:
+            # Nothing is lost: the views stay, the simple model serves until more views come.
+            simple = calibrate(
+                self.board, self.observations, model="startup", numbers=self.numbers
+            )
+            return simple, (f"Still on the start-up model (no distortion): {error}",)
+
+    def _suggested(
+        self,
+        calibration: Calibration,
+        information: Array,
+        stop: Callable[[], bool] | None,
+        on_move: Callable[[Move], None] | None,
+    ) -> Suggestion:
+        # Seeded by the target's number, so that a replayed session asks for the same poses.
+        return suggest(
+            self.board,
+            calibration.camera,
+            information,
+            calibration.residual_sigma_px,
+            method=self.settings.method,
+            cost=self.settings.cost,
+            limits=self.settings.limits,
+            rng=np.random.default_rng([self.settings.seed, self.target_number]),
+            number=self.target_number,
+            state=self.generation,
+            views=calibration.views,
+            skipped=self.skipped,
+            stop=stop,
+            on_move=on_move,
+        )
+
+
+def information_of(calibration: Calibration, board: Board) -> Array:
+    """(9, 9) information of all captured views at the calibration's optimum, unit noise."""
+    total = np.zeros((9, 9))
+    for view in calibration.views:
+        points = board.points_of(view.observation.ids)
+        total += view_information(
+            calibration.camera, points, view.pose.R[None], view.pose.t[None]
+        )[0]
+    return total
