@@ -1,0 +1,140 @@
+"""result.json: all that a calibration found, for programs; and its short form for --json."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.costs import mean_projection_error_px
+from venus3d.engine.observation import View
+from venus3d.engine.pose import Array
+from venus3d.engine.snapshot import Calibration, Progress
+from venus3d.storage.camera_yaml import write_camera_yaml
+from venus3d.storage.folder import write_bytes
+
+
+def summary_of(
+    calibration: Calibration,
+    board: Board,
+    *,
+    warnings: Sequence[str] = (),
+    converged: bool | None = None,
+    truth: Camera | None = None,
+) -> dict[str, Any]:
+    """The result in short: what --json prints. Pixels; the board's lengths in millimetres.
+
+    Args:
+        converged: for a guided calibration; None leaves it out.
+        truth: the simulated camera; adds `truth` and `mean_projection_error_px`.
+    """
+    camera = calibration.camera
+    summary: dict[str, Any] = {
+        "rms_px": calibration.rms_px,
+        "views": len(calibration.views),
+        "intrinsics": _named(camera.parameters),
+        "std": _named(calibration.sigma),
+        "image_size": list(camera.image_size),
+        "board": board_summary(board),
+        "warnings": list(warnings),
+    }
+    if converged is not None:
+        summary["converged"] = converged
+    if truth is not None:
+        summary["truth"] = _named(truth.parameters)
+        summary["mean_projection_error_px"] = mean_projection_error_px(truth, camera)
+    return summary
+
+
+def board_summary(board: Board) -> dict[str, Any]:
+    """The board as the command line names it."""
+    return {
+        "columns": board.columns,
+        "rows": board.rows,
+        "square_mm": round(board.square * 1000, 9),
+        "marker_mm": round(board.marker * 1000, 9),
+        "dictionary": board.dictionary,
+        "legacy": board.legacy,
+        "inverted": board.inverted,
+    }
+
+
+def full_result(
+    summary: Mapping[str, Any], calibration: Calibration, history: Sequence[Progress] = ()
+) -> dict[str, Any]:
+    """The summary with the covariance, each view and how the estimate went, view by view."""
+    return {
+        **summary,
+        "parameters": list(PARAMETERS),
+        "free": list(calibration.free),
+        "covariance": calibration.covariance.tolist(),
+        "residual_sigma_px": calibration.residual_sigma_px,
+        "captured": [_view(view) for view in calibration.views],
+        "history": [
+            {
+                "views": progress.views,
+                "rms_px": progress.rms_px,
+                "intrinsics": _named(progress.parameters),
+                "std": _named(progress.sigma),
+                "projection_error_px": progress.error_px,
+            }
+            for progress in history
+        ],
+    }
+
+
+def write_result(
+    directory: Path,
+    calibration: Calibration,
+    board: Board,
+    summary: Mapping[str, Any],
+    history: Sequence[Progress] = (),
+) -> tuple[Path, Path]:
+    """Write camera.yaml and result.json into `directory`. Raises `StorageError`."""
+    text = to_json(full_result(summary, calibration, history), indent=2) + "\n"
+    return (
+        write_camera_yaml(directory / "camera.yaml", calibration, board),
+        write_bytes(directory / "result.json", text.encode()),
+    )
+
+
+def to_json(content: Mapping[str, Any], indent: int | None = None) -> str:
+    """JSON that every reader takes: numbers that are not finite become null."""
+    return json.dumps(_finite(content), indent=indent, allow_nan=False, ensure_ascii=False)
+
+
+def _view(view: View) -> dict[str, Any]:
+    return {
+        "number": view.number,
+        "name": view.observation.name,
+        "rms_px": view.rms_px,
+        # Angles in degrees about the camera's fixed axes, the board's centre in millimetres.
+        "angles_deg": view.pose.vector()[:3].tolist(),
+        "translation_mm": (view.pose.t * 1000).tolist(),
+        "T_camera_board": view.pose.matrix.tolist(),
+        "ids": view.observation.ids.tolist(),
+        "corners_px": view.observation.corners.tolist(),
+        "errors_px": view.errors.tolist(),
+    }
+
+
+def _named(values: Array) -> dict[str, float]:
+    return {name: float(value) for name, value in zip(PARAMETERS, values, strict=True)}
+
+
+def _finite(content: Any) -> Any:
+    if isinstance(content, Mapping):
+        return {key: _finite(value) for key, value in content.items()}
+    if isinstance(content, (list, tuple)):
+        return [_finite(value) for value in content]
+    if isinstance(content, (bool, np.bool_)):
+        return bool(content)
+    if isinstance(content, (float, np.floating)):
+        return float(content) if math.isfinite(content) else None
+    return content
