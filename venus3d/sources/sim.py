@@ -1,0 +1,223 @@
+"""A simulated camera that looks at a simulated board: everything about it is known.
+
+The board is rendered through the true lens, then gets a room behind it, a dull light, blur and
+noise. Two hands can hold it: an autopilot that walks the four steps, and the user who drags it.
+The renderer is `scene.offscreen`, the hand's motion `autopilot`.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.pose import Pose
+from venus3d.engine.snapshot import Target
+from venus3d.scene.board_shape import board_shape
+from venus3d.scene.offscreen import Offscreen
+from venus3d.sources.autopilot import Autopilot
+from venus3d.sources.frame import Frame
+from venus3d.sources.room import room
+
+PAPER_CAMERA = Camera(1280, 720, 1068, 1073, 635, 355, -0.0031, -0.2059, -0.0028, -0.0038, 0.2478)
+"""The camera of the paper's simulation (4.1.2), its distortion read in OpenCV's order."""
+NEAREST, FARTHEST = 0.06, 3.0
+"""How near to the lens's plane a corner, and how far the board's centre, may be moved; metres."""
+# A colour that no board has: what shines through it is the room (see `_composed`).
+_KEY = (255, 0, 255)
+_NOISE_STRIDE = 64
+
+
+class Simulation:
+    """A source whose truth is known. `read` may run in one thread, the rest in another."""
+
+    def __init__(
+        self,
+        camera: Camera = PAPER_CAMERA,
+        board: Board | None = None,
+        *,
+        seed: int = 0,
+        fps: float = 25.0,
+        realtime: bool = False,
+        noise_sigma: float = 2.0,
+        blur_sigma: float = 0.6,
+        background: NDArray[np.uint8] | None = None,
+        light: float = 0.86,
+        autopilot: bool = True,
+        speed: float = 1.0,
+        tremor: float = 1.0,
+        overshoot: float = 1.0,
+        start: Pose | None = None,
+        offscreen: Offscreen | None = None,
+    ) -> None:
+        """
+        Args:
+            camera: the truth.
+            board: what is held; the default board if None.
+            seed: for room, noise and autopilot.
+            fps: frames per simulated second.
+            realtime: frames come at `fps` by the clock on the wall, instead of at once.
+            noise_sigma: of a pixel, in grey values.
+            blur_sigma: of the picture, pixels.
+            background: BGR picture behind the board, of the camera's size; a room if None.
+            light: how bright white paper is, 0 ... 1.
+            autopilot: whether the simulated hand holds the board from the start.
+            speed, tremor, overshoot: of the simulated hand (see `Autopilot`).
+            start: `T_camera_board` at the start; so near that the board is cut off if None.
+            offscreen: a renderer to share; an own one is opened and closed if None.
+        """
+        self.truth = camera
+        self.board = Board() if board is None else board
+        self.autopilot_on = autopilot
+        self._realtime, self._fps = realtime, fps
+        self._noise_sigma, self._blur_sigma, self._light = noise_sigma, blur_sigma, light
+        room_rng, self._rng, hand_rng = np.random.default_rng(seed).spawn(3)
+        self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot)
+        self._background = room(camera.image_size, room_rng) if background is None else background
+        self._noise = _noise_sheet(camera, noise_sigma, self._rng)
+        self._lock = threading.Lock()
+        self._hand = near_pose(camera, self.board) if start is None else start
+        self._target: Target | None = None
+        self._seen: Pose | None = None
+        self._number = 0
+        self._time_s = 0.0
+        self._due = 0.0
+        self._closed = False
+        self._owned = offscreen is None
+        self._offscreen = Offscreen() if offscreen is None else offscreen
+        self.notes: tuple[str, ...] = (self._offscreen.note,) if self._offscreen.note else ()
+        """What a person should know: that OpenGL is missing."""
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """(width, height) of the frames."""
+        return self.truth.image_size
+
+    @property
+    def is_live(self) -> bool:
+        """Whether it keeps to the clock."""
+        return self._realtime
+
+    @property
+    def hand(self) -> Pose:
+        """The board's true pose, `T_camera_board`."""
+        return self._hand
+
+    @property
+    def step(self) -> int:
+        """Which of the four steps the autopilot is at, 1 ... 4."""
+        return self._autopilot.step
+
+    def follow(self, target: Target | None, seen: Pose | None = None) -> None:
+        """Tell the autopilot where to go, and where the calibration sees the board now.
+
+        With `seen` it mends what is off once it has arrived: the target is a pose in a camera
+        that is only estimated, so the true board has to be somewhat beside it.
+        """
+        with self._lock:
+            self._target, self._seen = target, seen
+
+    def move_to(self, pose: Pose) -> None:
+        """Put the board there, `T_camera_board`; kept in front of the lens and within sight."""
+        with self._lock:
+            self._hand = _before_the_lens(pose, self.board)
+
+    def read(self) -> Frame | None:
+        """The frame one time step later; None once closed."""
+        if self._closed:
+            return None
+        dt_s = self._wait()
+        with self._lock:
+            if self.autopilot_on and self._number > 0:
+                moved = self._autopilot.advance(self._hand, self._target, dt_s, self._seen)
+                self._hand = moved
+            pose = self._hand
+        self._number += 1
+        image = self._picture(pose)
+        frame = Frame(image, self._time_s, f"frame {self._number}")
+        self._time_s += 1 / self._fps if not self._realtime else dt_s
+        return frame
+
+    def close(self) -> None:
+        """Release the renderer. May be called twice."""
+        self._closed = True
+        if self._owned:
+            self._offscreen.close()
+
+    def _wait(self) -> float:
+        """Keep the rate if asked to; the simulated time since the last frame, seconds."""
+        period = 1 / self._fps
+        if not self._realtime:
+            return period
+        now = time.monotonic()
+        time.sleep(max(0.0, self._due - now))
+        late = max(0.0, now - self._due) if self._number else 0.0
+        self._due = max(now, self._due) + period
+        # A slow machine shows fewer frames, not a slower hand; after a pause it does not jump.
+        return min(period + late, 0.2)
+
+    def _picture(self, pose: Pose) -> NDArray[np.uint8]:
+        rendered = self._offscreen.render(
+            self.truth, (board_shape(self.board, pose),), background=_KEY
+        )
+        # A sheet that turns away from the lamp above gets a little darker.
+        facing = float(np.clip(pose.R[:, 2] @ np.array([0.0, 0.45, 0.89]), 0.0, 1.0))
+        image = _composed(rendered, self._background, self._light * (0.75 + 0.25 * facing))
+        if self._blur_sigma > 0:
+            image = cv2.GaussianBlur(image, (0, 0), self._blur_sigma)
+        if self._noise is not None:
+            y, x = self._rng.integers(0, _NOISE_STRIDE, 2)
+            noise = self._noise[y : y + image.shape[0], x : x + image.shape[1]]
+            image = cv2.add(image, noise, dtype=cv2.CV_8U)
+        return np.asarray(image, dtype=np.uint8)
+
+
+def near_pose(camera: Camera, board: Board) -> Pose:
+    """A board so near that it does not fit into the picture: where a person starts (3.1)."""
+    fills = max(board.width * camera.fx / camera.width, board.height * camera.fy / camera.height)
+    return Pose.from_vector([5.0, -7.0, 3.0, 0.12 * fills, -0.06 * fills, 0.72 * fills])
+
+
+def _before_the_lens(pose: Pose, board: Board) -> Pose:
+    nearest = float(pose.apply(board.outline)[:, 2].min())
+    back = max(0.0, NEAREST - nearest)
+    t = pose.t + np.array([0.0, 0.0, back])
+    t[2] = min(t[2], max(FARTHEST, t[2] - nearest))
+    # Beyond 45 degrees off the axis nobody would find it again.
+    t[:2] = np.clip(t[:2], -t[2], t[2])
+    return Pose(pose.R, t)
+
+
+def _composed(
+    rendered: NDArray[np.uint8], background: NDArray[np.uint8], light: float
+) -> NDArray[np.uint8]:
+    """The grey board out of an RGB picture on the key colour, lit, before the background (BGR).
+
+    The board is grey, so red minus green is what the key (255, 0, 255) shows of itself, edges
+    included, and green is the board times its coverage: one rendering gives an exact cut-out.
+    """
+    green = cv2.extractChannel(rendered, 1)
+    through = cv2.subtract(cv2.extractChannel(rendered, 0), green)
+    # Printed black is no darkness: it throws back some 5 % of the light.
+    board = cv2.addWeighted(green, 0.95 * light, cv2.bitwise_not(through), 0.05 * light, 0)
+    behind = cv2.multiply(background, cv2.merge([through] * 3), scale=1 / 255)
+    return np.asarray(cv2.add(behind, cv2.merge([board] * 3)), dtype=np.uint8)
+
+
+def _noise_sheet(
+    camera: Camera, sigma: float, rng: np.random.Generator
+) -> NDArray[np.int16] | None:
+    """Noise somewhat larger than a frame: each frame cuts its own part out at random.
+
+    Two million normal numbers a frame would cost more than the rendering.
+    """
+    if sigma <= 0:
+        return None
+    shape = (camera.height + _NOISE_STRIDE, camera.width + _NOISE_STRIDE, 3)
+    noise = rng.standard_normal(shape, dtype=np.float32) * np.float32(sigma)
+    return np.round(noise).astype(np.int16)
