@@ -1,0 +1,41 @@
+"""Fixtures that every room's tests share."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+
+_ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The folder of real recordings; they are not part of the project, so a test may go without."""
+    folder = Path(os.environ.get("VENUS3D_DATA", _ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no real recordings at {folder}; set VENUS3D_DATA to their folder")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def paper_camera() -> Camera:
+    """The paper's simulated camera (4.1.2), its distortion read in OpenCV's order."""
+    return Camera(1280, 720, 1068, 1073, 635, 355, -0.0031, -0.2059, -0.0028, -0.0038, 0.2478)
+
+
+@pytest.fixture(scope="session")
+def default_board() -> Board:
+    """The paper's board: 9 x 6 squares of 28 mm."""
+    return Board()
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Random numbers that are the same in every run."""
+    return np.random.default_rng(20200720)
