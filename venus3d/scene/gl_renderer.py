@@ -53,12 +53,11 @@ class GlRenderer:
         self._nodes: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
     def render(
-        self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour | None
+        self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour
     ) -> NDArray[np.uint8]:
-        """RGBA (H, W, 4) of the shapes; without a `background`, alpha is what they cover."""
+        """RGBA (H, W, 4) of the shapes before a plain background; alpha means nothing."""
         self._platform.make_current()
-        colour = (0, 0, 0, 0) if background is None else (*background, 255)
-        self._scene.bg_color = np.array(colour) / 255.0
+        self._scene.bg_color = np.array((*background, 255)) / 255.0
         lens = self._camera_node.camera
         lens.fx, lens.fy = camera.fx, camera.fy
         # pyrender counts from the pixel's edge, OpenCV from its centre.

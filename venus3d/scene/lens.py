@@ -17,7 +17,6 @@ from scipy.ndimage import map_coordinates
 
 from venus3d.engine.camera import Camera
 from venus3d.engine.pose import Array
-from venus3d.scene.shapes import Colour
 
 _LARGEST_RATIO = 2.0
 """An ideal picture wider than this many pictures is rendered at a lower resolution instead."""
@@ -30,20 +29,22 @@ class Lens:
     camera: Camera
     ideal: Camera
     """No distortion; large enough to hold every ray of `camera`'s pixels."""
-    map_xy: tuple[NDArray[np.float32], NDArray[np.float32]] | None
-    """Where each pixel of `camera` is found in the ideal picture; None if they are the same."""
+    map_xy: NDArray[np.float32] | None
+    """(H, W, 2) where each pixel is found in the ideal picture; None if they are the same."""
 
-    def bend(self, picture: NDArray[np.uint8], border: Colour) -> NDArray[np.uint8]:
-        """The ideal picture as the camera sees it; `border` fills pixels that no ray reaches."""
+    def bend(self, picture: NDArray[np.uint8], border: tuple[int, ...]) -> NDArray[np.uint8]:
+        """The ideal picture (H, W, C) as the camera sees it; `border` (C,) fills pixels that no ray
+        reaches.
+        """
         if self.map_xy is None:
             return picture
-        fill = (*border, 0) if picture.shape[2] == 4 else border
         bent = cv2.remap(
             picture,
-            *self.map_xy,
+            self.map_xy,
+            None,
             interpolation=cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_CONSTANT,
-            borderValue=fill,
+            borderValue=border,
         )
         return np.asarray(bent, dtype=np.uint8)
 
@@ -54,17 +55,17 @@ def lens_of(camera: Camera) -> Lens:
     if not camera.distortion.any():
         return Lens(camera, camera, None)
     rays = _rays(camera)
-    seen = rays[np.isfinite(rays).all(axis=-1)]
-    low, high = seen.min(axis=0), seen.max(axis=0)
+    flat = rays.reshape(-1, 2)
+    low, high = np.nanmin(flat, axis=0), np.nanmax(flat, axis=0)
     span = (high - low) * [camera.fx, camera.fy] + 4
     scale = min(1.0, float((_LARGEST_RATIO * np.array(camera.image_size) / span).min()))
-    fx, fy = camera.fx * scale, camera.fy * scale
-    cx, cy = 2 - low[0] * fx, 2 - low[1] * fy
-    width = int(np.ceil((cx + high[0] * fx + 3) / 4)) * 4
-    height = int(np.ceil(cy + high[1] * fy + 3))
-    pixels = rays * [fx, fy] + [cx, cy]
-    map_x, map_y = np.nan_to_num(np.moveaxis(pixels, -1, 0), nan=-10.0).astype(np.float32)
-    return Lens(camera, Camera(width, height, fx, fy, cx, cy), (map_x, map_y))
+    f = np.array([camera.fx, camera.fy]) * scale
+    centre = 2 - low * f  # two pixels to spare on the left and above
+    width, height = (np.ceil((centre + high * f + 3) / 4) * 4).astype(int)
+    map_xy = (rays * f + centre).astype(np.float32)
+    map_xy[np.isnan(map_xy)] = -10
+    ideal = Camera(int(width), int(height), *map(float, (*f, *centre)))
+    return Lens(camera, ideal, map_xy)
 
 
 def _rays(camera: Camera) -> Array:

@@ -29,9 +29,9 @@ class Painter:
     """Draws meshes and lines through an ideal pinhole with OpenCV. Holds nothing."""
 
     def render(
-        self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour | None
+        self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour
     ) -> NDArray[np.uint8]:
-        """RGBA (H, W, 4) of the shapes; without a `background`, alpha is what they cover."""
+        """RGBA (H, W, 4) of the shapes before a plain background; alpha means nothing."""
         canvas = _Canvas(camera, background)
         # Solid things first, then translucent ones in the order of the list.
         for shape in sorted(shapes, key=lambda s: isinstance(s, MeshShape) and s.opacity < 1):
@@ -58,11 +58,10 @@ class Painter:
 class _Canvas:
     """A picture with the inverse depth of what is on it."""
 
-    def __init__(self, camera: Camera, background: Colour | None) -> None:
+    def __init__(self, camera: Camera, background: Colour) -> None:
         self.camera = camera
         size = (camera.height, camera.width)
-        ground = (0, 0, 0, 0) if background is None else (*background, 255)
-        self.picture = np.full((*size, 4), ground, dtype=np.uint8)
+        self.picture = np.full((*size, 4), (*background, 255), dtype=np.uint8)
         self.nearness = np.zeros(size, dtype=np.float32)
         """1 / z of what is seen in each pixel, 1/m."""
 
@@ -145,9 +144,11 @@ def _warped(
     """The flat, printed part of a mesh as the pinhole sees it, RGBA (H, W, 4)."""
     texels, points = face_uv.reshape(-1, 2), triangles.reshape(-1, 3)
     pixels = points[:, :2] / points[:, 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
-    # Shrink the picture first: a warp that skips texels would scatter the corners.
-    spread = np.ptp(texels, axis=0) / np.maximum(np.ptp(pixels, axis=0), 1)
-    halvings = int(np.clip(np.floor(np.log2(max(spread.min(), 1))), 0, 5))
+    # Shrink the picture first, as a mipmap would: a warp that skips texels scatters the corners.
+    texel_edges = np.linalg.norm(np.diff(face_uv, axis=1), axis=-1)
+    pixel_edges = np.linalg.norm(np.diff(pixels.reshape(-1, 3, 2), axis=1), axis=-1)
+    coarsest = float((texel_edges / np.maximum(pixel_edges, 1e-6)).max())
+    halvings = int(np.clip(np.ceil(np.log2(max(coarsest, 1))), 0, 5))
     for _ in range(halvings):
         picture = np.asarray(cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
     # Texels are counted from their edges, OpenCV's pixels from their centres.
