@@ -1,0 +1,140 @@
+"""The large text: what state we are in, what to do now, how much of it is left.
+
+It must be readable at two metres, so it holds one headline, one sentence and four short facts.
+"""
+
+from __future__ import annotations
+
+from html import escape
+
+from venus3d.engine.decomposition import Steps
+from venus3d.engine.snapshot import Match, Snapshot
+from venus3d.engine.words import Words
+from venus3d.scene.style import Theme, css_colour
+from venus3d.scene.view_state import ViewState
+
+STEP_TITLES = ("Move", "Tilt", "Swing", "Rotate")
+"""One verb for each step; the axes of the turns are X, Y and Z."""
+_STEP_AXES = ("", "X", "Y", "Z")
+_HEADLINES = {
+    "startup": "Show me the whole board",
+    "captured": "Captured – calculating",
+    "converged": "Done – the camera is calibrated",
+    "finished": "Finished",
+}
+_NEXT = {
+    "converged": "The result is saved. Capture more views if you like, or press Finish.",
+    "finished": "The result is saved. You may close this page.",
+}
+
+
+def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, note: str) -> str:
+    """The whole text for this moment."""
+    if snapshot is None:
+        return _card(theme.info, "…", "Starting", "Waiting for the first picture.", "", "", note)
+    if state.paused:
+        text = "Press Pause again, or the space bar, to go on."
+        return _card(theme.quiet, "II", "Paused", text, "", _chips(snapshot, state, theme), note)
+    if snapshot.phase in ("captured", "converged", "finished"):
+        return _state_card(snapshot, state, theme, note)
+    if snapshot.match is None or snapshot.pose is None:
+        return _unseen_card(snapshot, state, theme, note)
+    if snapshot.match.reached:
+        sentence = snapshot.instruction.holder
+        chips = _chips(snapshot, state, theme)
+        return _card(theme.good, "✓", "Hold still", sentence, "", chips, note)
+    return _step_card(snapshot, snapshot.match, state, theme, note)
+
+
+def _state_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) -> str:
+    busy = snapshot.phase == "captured"
+    colour, mark = (theme.info, "…") if busy else (theme.good, "✓")
+    sentence = snapshot.instruction.holder
+    second = _NEXT.get(snapshot.phase, "")
+    chips = f"<div class='v-second'>{escape(second)}</div>" if second else ""
+    return _card(colour, mark, _HEADLINES[snapshot.phase], sentence, "", chips, note)
+
+
+def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) -> str:
+    startup = snapshot.phase == "startup" and snapshot.target is None
+    headline = _HEADLINES["startup"] if startup else snapshot.headline
+    sentence = snapshot.instruction.holder
+    chips = "" if startup else _chips(snapshot, state, theme)
+    return _card(theme.info, "?", headline, sentence, "", chips, note)
+
+
+def _step_card(
+    snapshot: Snapshot, match: Match, state: ViewState, theme: Theme, note: str
+) -> str:
+    step = match.steps[state.step - 1]
+    title = STEP_TITLES[state.step - 1]
+    axis = _STEP_AXES[state.step - 1]
+    headline = f"Step {state.step} of 4: {title}" + (f" about {axis}" if axis else "")
+    words: Words = step.words
+    if state.follow and state.step == match.active_step:
+        words = snapshot.instruction
+    amount = remaining_text(match, state.step)
+    colour = theme.steps[state.step - 1]
+    chips = _chips(snapshot, state, theme)
+    picture = "" if words.camera == words.holder else f"In the camera's picture: {words.camera}"
+    return _card(colour, str(state.step), headline, words.holder, amount, chips, note, picture)
+
+
+def remaining_text(match: Match, step: int) -> str:
+    """What is left of one step, with its unit: "+31°" or "120 mm"."""
+    if step == 1:
+        return f"{float((match.remaining_mm**2).sum()) ** 0.5:.0f} mm"
+    return f"{float(match.remaining_deg[step - 2]):+.0f}°".replace("-", "−")
+
+
+def _card(
+    colour: str,
+    badge: str,
+    headline: str,
+    sentence: str,
+    amount: str,
+    below: str,
+    note: str,
+    picture: str = "",
+) -> str:
+    left = f"<div class='v-amount'>{escape(amount)}<small>to go</small></div>" if amount else ""
+    extra = note or picture
+    kind = "v-note" if note else "v-picture"
+    foot = f"<div class='{kind}'>{escape(extra)}</div>" if extra else ""
+    return (
+        f"<div class='v-guide' style='--step:{colour}'>"
+        f"<div class='v-head'><span class='v-badge'>{escape(badge)}</span>"
+        f"<span class='v-title'>{escape(headline)}</span>{left}</div>"
+        f"<div class='v-sentence'>{escape(sentence)}</div>{foot}{below}</div>"
+    )
+
+
+def _chips(snapshot: Snapshot, state: ViewState, theme: Theme) -> str:
+    """The four steps in one row, each with number, word, what is left and whether it is right."""
+    match = snapshot.match
+    if match is None and snapshot.target is None:
+        return ""
+    cells: list[str] = []
+    for number, title in enumerate(STEP_TITLES, start=1):
+        shown = " v-on" if number == state.step else ""
+        if match is not None:
+            done = match.within[number - 1]
+            fact = "✓ right" if done else remaining_text(match, number)
+            shown += " v-done" if done else ""
+        else:
+            fact = _whole_text(snapshot.target.steps if snapshot.target else None, number)
+        colour = css_colour(theme.step_colours[number - 1])
+        cells.append(
+            f"<div class='v-chip{shown}' style='--step:{colour}'>"
+            f"<b>{number}</b><span>{title}</span><i>{escape(fact)}</i></div>"
+        )
+    return f"<div class='v-chips'>{''.join(cells)}</div>"
+
+
+def _whole_text(steps: Steps | None, number: int) -> str:
+    if steps is None:
+        return ""
+    step = steps[number - 1]
+    if number == 1:
+        return f"{float((step.translation**2).sum()) ** 0.5 * 1000:.0f} mm"
+    return f"{step.angle_deg:+.0f}°".replace("-", "−")

@@ -1,0 +1,60 @@
+"""What a person asks for in the browser. The viewer queues these, the guidance loop obeys them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from venus3d.engine.pose import Pose
+
+
+@dataclass(frozen=True)
+class Capture:
+    """Take the present view, matched or not."""
+
+
+@dataclass(frozen=True)
+class SkipTarget:
+    """Ask for another target."""
+
+
+@dataclass(frozen=True)
+class UndoView:
+    """Take back the last captured view."""
+
+
+@dataclass(frozen=True)
+class DropView:
+    """Leave one captured view out of the calibration."""
+
+    number: int
+    """The view's number, as in `View.number`."""
+
+
+@dataclass(frozen=True)
+class Finish:
+    """End the calibration and keep what is known."""
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Stop taking frames, or go on."""
+
+    on: bool
+
+
+@dataclass(frozen=True, eq=False)
+class DragBoard:
+    """The simulated board was dragged in the scene."""
+
+    pose: Pose
+    """`T_camera_board`."""
+
+
+@dataclass(frozen=True)
+class Autopilot:
+    """Let the simulated hand move the board by itself, or not."""
+
+    on: bool
+
+
+Intent = Capture | SkipTarget | UndoView | DropView | Finish | Pause | DragBoard | Autopilot

@@ -1,0 +1,173 @@
+"""The page's layout: what stands where, and how one moment is put on it.
+
+    left    progress: views, parameters, trend, captured views
+    middle  the 3D scene, with the large guidance text below it
+    right   live picture, the four steps as the camera sees them, controls
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.control_panel import Action, ControlPanel
+from venus3d.scene.guidance_panel import guidance_html
+from venus3d.scene.picture import PICTURE_WIDTH
+from venus3d.scene.progress_panel import progress_html, trend, trend_caption, trend_series
+from venus3d.scene.projections_panel import projections_html
+from venus3d.scene.style import Theme
+from venus3d.scene.view_state import ViewState
+
+_LEFT_WIDTH, _RIGHT_WIDTH, _GUIDE_WIDTH = 340, 520, 1000
+_SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 370
+_BRAND = (110, 150, 230)
+_JPEG_QUALITY = 75
+_PICTURE_LEGEND = (
+    "<div class='v-steps'><div class='v-legend'><b>Thick outline</b>: where this step ends &nbsp; "
+    "<b>dashes</b>: the target &nbsp; <b>dots</b>: corners found</div></div>"
+)
+# Where the person looks from: behind, above and to the side of the camera.
+_LOOK_FROM, _LOOK_AT, _FOV_RAD = (-0.62, -0.46, -0.42), (0.05, 0.10, 0.36), np.radians(50.0)
+
+
+class Page:
+    """All panels of one server. `act` and `drop` are called on viser's threads."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        act: Callable[[Action], None],
+        drop: Callable[[int], None],
+        *,
+        dark: bool,
+        simulated: bool,
+    ) -> None:
+        """Lay everything out."""
+        self._server, self._gui = server, server.gui
+        self._dark: bool | None = None
+        self._styles: list[Any] = []
+        self._drop = drop
+        camera = server.initial_camera
+        camera.position, camera.look_at, camera.fov = _LOOK_FROM, _LOOK_AT, float(_FOV_RAD)
+        camera.near, camera.far = 0.01, 50.0
+        theme = Theme(dark)
+        self._set_theme(theme)
+        self._make_right(act, simulated)
+        self._make_left(theme)
+        self._make_guidance()
+        self._set_theme(theme, force=True)
+        server.on_client_connect(_fit_small_screen)
+
+    def show_picture(self, rgb: NDArray[np.uint8]) -> None:
+        """The live picture (H, W, 3) RGB."""
+        self.picture.image = rgb
+
+    def show(
+        self, snapshot: Snapshot | None, state: ViewState, projections: tuple[str, ...], note: str
+    ) -> None:
+        """Put one moment on the page."""
+        theme = Theme(state.dark)
+        self._set_theme(theme)
+        self.guidance.content = f"<div class='v-wide'>{guidance_html(snapshot, state, theme, note)}</div>"
+        self.progress.content = progress_html(snapshot)
+        self.projections.content = projections_html(projections, state.step, theme)
+        self.controls.show(state)
+        if snapshot is not None:
+            self._show_trend(snapshot)
+            self._show_views(snapshot)
+
+    def _make_right(self, act: Callable[[Action], None], simulated: bool) -> None:
+        gui = self._gui
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(_RIGHT_WIDTH)
+        self._add_style()
+        blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
+        self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
+        gui.add_html(_PICTURE_LEGEND)
+        self.projections = gui.add_html("")
+        self.controls = ControlPanel(self._server, act, simulated=simulated)
+
+    def _make_left(self, theme: Theme) -> None:
+        gui = self._gui
+        panel = gui.add_panel()
+        with panel.add_tab("How well the camera is known", viser.Icon.CHART_LINE):
+            self._add_style()
+            self.progress = gui.add_html("")
+            self._caption = gui.add_html("", visible=False)
+            start = np.array([0.0, 1.0])
+            self.trend = gui.add_uplot(
+                (start, *(np.ones(2) for _ in range(9))),
+                trend_series(theme),
+                scales={"x": {"time": False}, "y": {"distr": 3}},
+                axes=(
+                    {"label": "views", "labelSize": 18, "size": 30, "incrs": [1, 2, 5, 10]},
+                    {"label": "%", "labelSize": 16, "size": 44},
+                ),
+                legend={"show": False},
+                height=190,
+                visible=False,
+            )
+            self._views = gui.add_dropdown("View", ["–"], visible=False)
+            self._drop_button = gui.add_button(
+                "Leave this view out",
+                icon=viser.Icon.TRASH,
+                visible=False,
+                hint="Calibrate again without the view chosen above.",
+            )
+            self._drop_button.on_click(lambda _: self._drop_chosen())
+        panel.dock_left()
+        panel.set_width(_LEFT_WIDTH)
+
+    def _make_guidance(self) -> None:
+        panel = self._gui.add_panel()
+        with panel.add_tab("What to do now", viser.Icon.HAND_MOVE):
+            self._add_style()
+            self.guidance = self._gui.add_html("")
+        panel.float(x=16, y=-16, width=_GUIDE_WIDTH)
+
+    def _add_style(self) -> None:
+        # A panel that is folded takes its style sheet along, so each has its own.
+        self._styles.append(self._gui.add_html(""))
+
+    def _set_theme(self, theme: Theme, *, force: bool = False) -> None:
+        if theme.dark == self._dark and not force:
+            return
+        changed = self._dark is not None and self._dark != theme.dark
+        self._dark = theme.dark
+        self._gui.configure_theme(
+            dark_mode=theme.dark, show_logo=False, show_share_button=False, brand_color=_BRAND
+        )
+        for style in self._styles:
+            style.content = theme.sheet
+        if changed:
+            self.trend.series = trend_series(theme)
+        if self._styles:
+            self._caption.content = trend_caption(theme)
+
+    def _show_trend(self, snapshot: Snapshot) -> None:
+        lines = trend(snapshot.history)
+        self._caption.visible = self.trend.visible = lines is not None
+        if lines is not None:
+            self.trend.data = lines
+
+    def _show_views(self, snapshot: Snapshot) -> None:
+        options = tuple(f"{view.number} · {view.rms_px:.2f} px" for view in snapshot.views)
+        self._views.visible = self._drop_button.visible = len(options) > 1
+        if options and self._views.options != options:
+            self._views.options = options
+
+    def _drop_chosen(self) -> None:
+        number = str(self._views.value).split(" ")[0]
+        if number.isdigit():
+            self._drop(int(number))
+
+
+def _fit_small_screen(client: viser.ClientHandle) -> None:
+    # Only this client's own window: another one may be on a large screen.
+    if client.camera.image_height < _SMALL_SCREEN_HEIGHT:
+        client.gui.main_panel.set_width(_SMALL_RIGHT_WIDTH)

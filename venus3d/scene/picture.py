@@ -1,0 +1,101 @@
+"""The live camera picture with what to do drawn on it: the target, this step's end, the corners."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.shapes import Colour
+
+PICTURE_WIDTH = 640
+_TARGET_COLOUR = (255, 255, 255)
+_CORNER_COLOUR = (255, 255, 255)
+_CASING = (20, 20, 20)
+# Straight edges of the board are curves behind a lens.
+_POINTS_PER_EDGE = 16
+_SHIFT = 4  # cv2 draws at 1/16 px
+
+
+def small_picture(image: NDArray[np.generic], width: int = PICTURE_WIDTH) -> NDArray[np.uint8]:
+    """An RGB copy of a BGR or grey image, 8 or 16 bit, at most `width` wide."""
+    picture = np.asarray(image)
+    if picture.dtype != np.uint8:
+        picture = (picture >> 8).astype(np.uint8) if picture.dtype == np.uint16 else picture
+    if picture.shape[1] > width:
+        height = round(picture.shape[0] * width / picture.shape[1])
+        picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+    code = cv2.COLOR_GRAY2RGB if picture.ndim == 2 else cv2.COLOR_BGR2RGB
+    return np.asarray(cv2.cvtColor(picture, code), dtype=np.uint8)
+
+
+def annotate(
+    rgb: NDArray[np.uint8],
+    snapshot: Snapshot,
+    observation: Observation | None,
+    step: int,
+    colour: Colour,
+) -> NDArray[np.uint8]:
+    """Draw on an RGB picture, in place: outline of the target (dashed, white), of the board after
+    `step` (solid, in the step's colour), and the corners that were detected.
+
+    The observation is in pixels of its own image size, which may be larger than the picture.
+    """
+    camera = snapshot.camera.scaled((rgb.shape[1], rgb.shape[0]))
+    if snapshot.target is not None and snapshot.phase in ("startup", "guiding"):
+        target = _outline(camera, snapshot.board, snapshot.target.pose)
+        steps = snapshot.target.steps if snapshot.match is None else snapshot.match.steps
+        _dashes(rgb, target)
+        if snapshot.match is not None:
+            after = _outline(camera, snapshot.board, steps[step - 1].after)
+            _line(rgb, after, colour, 4, closed=True)
+            _mark_top(rgb, camera, snapshot.board, steps[step - 1].after, colour)
+    seen = snapshot.observation if observation is None else observation
+    if seen.count:
+        scale = np.array([rgb.shape[1], rgb.shape[0]]) / np.asarray(seen.image_size)
+        for x, y in ((seen.corners + 0.5) * scale - 0.5).astype(np.float64):
+            centre = (round(x * 16), round(y * 16))
+            cv2.circle(rgb, centre, 56, _CASING, -1, cv2.LINE_AA, _SHIFT)
+            cv2.circle(rgb, centre, 36, _CORNER_COLOUR, -1, cv2.LINE_AA, _SHIFT)
+    return rgb
+
+
+def _outline(camera: Camera, board: Board, pose: Pose) -> Array:
+    """(4 * n, 2) pixels around the board; NaN where the lens does not see it."""
+    corners = board.outline
+    along = np.linspace(0.0, 1.0, _POINTS_PER_EDGE, endpoint=False)[:, None]
+    edges = [a + along * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)]
+    return camera.project(pose.apply(np.concatenate(edges)))
+
+
+def _line(
+    rgb: NDArray[np.uint8], points: Array, colour: Colour, width: int, *, closed: bool
+) -> None:
+    whole = np.vstack([points, points[:1]]) if closed else points
+    # Far outside the picture cv2's fixed-point coordinates would overflow.
+    good = np.isfinite(whole).all(axis=1) & (np.abs(whole) < 1e4).all(axis=1)
+    for ink, thickness in ((_CASING, width + 3), (colour, width)):
+        for first, second in zip(range(len(whole) - 1), range(1, len(whole)), strict=True):
+            if good[first] and good[second]:
+                a, b = (np.round(whole[i] * 16).astype(int).tolist() for i in (first, second))
+                cv2.line(rgb, a, b, ink, thickness, cv2.LINE_AA, _SHIFT)
+
+
+def _dashes(rgb: NDArray[np.uint8], outline: Array) -> None:
+    ring = np.vstack([outline, outline[:1]])
+    for start in range(0, len(outline), 2):
+        _line(rgb, ring[start : start + 2], _TARGET_COLOUR, 2, closed=False)
+
+
+def _mark_top(
+    rgb: NDArray[np.uint8], camera: Camera, board: Board, pose: Pose, colour: Colour
+) -> None:
+    """A short spike on the top edge, so that an outline shows which way up it stands."""
+    h = board.height
+    spike = np.array([[-0.08 * h, -0.5 * h, 0], [0, -0.62 * h, 0], [0.08 * h, -0.5 * h, 0]])
+    _line(rgb, camera.project(pose.apply(spike)), colour, 3, closed=False)

@@ -1,0 +1,131 @@
+"""How well the camera is known: views, each parameter with its sigma, and the trend of the sigmas."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+import numpy as np
+from viser import uplot
+
+from venus3d.engine.camera import PARAMETERS
+from venus3d.engine.pose import Array
+from venus3d.engine.snapshot import Progress, Snapshot
+from venus3d.scene.style import ACCENT_GOOD, ACCENT_INFO, Theme, css_colour
+
+PARAMETER_WORDS = (
+    "focal length, horizontal",
+    "focal length, vertical",
+    "image centre, horizontal",
+    "image centre, vertical",
+    "barrel distortion, 1st",
+    "barrel distortion, 2nd",
+    "tilted lens, vertical",
+    "tilted lens, horizontal",
+    "barrel distortion, 3rd",
+)
+_IN_PIXELS = 4
+"""The first four parameters are in pixels, the others have no unit."""
+
+
+def progress_html(snapshot: Snapshot | None) -> str:
+    """Views, errors, what the next pose is for, and the table of parameters."""
+    if snapshot is None or (snapshot.calibration is None and snapshot.target is None):
+        return (
+            "<div class='v-progress'><h3>Progress</h3>The camera is not known yet. "
+            "After the first view its parameters appear here.</div>"
+        )
+    return f"<div class='v-progress'>{_summary(snapshot)}{_reason(snapshot)}{_table(snapshot)}</div>"
+
+
+def _summary(snapshot: Snapshot) -> str:
+    last = snapshot.history[-1] if snapshot.history else None
+    boxes = [(str(len(snapshot.views)), "views captured")]
+    if last is not None:
+        boxes.append((_short(last.rms_px), "px rms: how well the corners fit"))
+        boxes.append((_short(last.error_px), "px: expected error in the image"))
+    cells = "".join(f"<div><b>{value}</b><span>{words}</span></div>" for value, words in boxes)
+    return f"<h3>Progress</h3><div class='v-big'>{cells}</div>"
+
+
+def _reason(snapshot: Snapshot) -> str:
+    target = snapshot.target
+    if target is None:
+        return ""
+    looked = f"Best of {target.evaluated} poses looked at. " if target.evaluated > 1 else ""
+    serves = ", ".join(target.serves[:3])
+    serves = f"Helps most: {serves}." if serves else ""
+    small = f"<small>{escape(looked + serves)}</small>" if looked or serves else ""
+    return f"<h3>What pose {target.number} is for</h3><div class='v-reason'>{escape(target.reason)}{small}</div>"
+
+
+def _table(snapshot: Snapshot) -> str:
+    calibration = snapshot.calibration
+    if calibration is None:
+        return ""
+    settled = (False,) * 9
+    if snapshot.convergence is not None:
+        settled = snapshot.convergence.parameters
+    rows: list[str] = []
+    values, sigmas = calibration.camera.parameters, calibration.sigma
+    for index, name in enumerate(PARAMETERS):
+        if not calibration.free[index]:
+            mark, kind = "not yet estimated", ""
+        elif settled[index]:
+            mark, kind = "✓ settled", " v-yes"
+        else:
+            mark, kind = "improving", ""
+        amount = _value_text(values[index], sigmas[index], index)
+        rows.append(
+            f"<div class='v-row'><b>{name}</b><span class='v-word'>{PARAMETER_WORDS[index]}</span>"
+            f"<span class='v-mark{kind}'>{mark}</span><span class='v-value'>{amount}</span></div>"
+        )
+    return "<h3>Camera parameters, value ± one sigma</h3>" + "".join(rows)
+
+
+def _value_text(value: float, sigma: float, index: int) -> str:
+    unit = " px" if index < _IN_PIXELS else ""
+    if not sigma > 0:
+        return f"{value:.1f}{unit}" if index < _IN_PIXELS else f"{value:.4f}"
+    # Two figures of the sigma are all that it is worth.
+    places = min(max(1 - math.floor(math.log10(sigma)), 0), 6)
+    return f"{value:.{places}f} <i>± {sigma:.{places}f}{unit}</i>"
+
+
+def _short(value: float) -> str:
+    return "–" if not np.isfinite(value) else f"{value:.3f}" if value < 1 else f"{value:.2f}"
+
+
+def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:
+    """Numbers of views, then nine sigmas over those of the first full calibration.
+
+    None until two calibrations estimated all nine parameters.
+    """
+    full = [entry for entry in history if (entry.sigma > 0).all()]
+    if len(full) < 2:
+        return None
+    sigmas = np.array([entry.sigma for entry in full])
+    relative = 100 * sigmas / sigmas[0]
+    views = np.array([entry.views for entry in full], dtype=np.float64)
+    return (views, *(relative[:, index].copy() for index in range(9)))
+
+
+def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
+    """Looks of the nine lines: one colour for each kind of parameter."""
+    info, good = css_colour(ACCENT_INFO[theme.dark]), css_colour(ACCENT_GOOD[theme.dark])
+    colours = [info, info, good, good] + [theme.quiet] * 5
+    series: list[uplot.Series] = [{"label": "views"}]
+    for name, colour in zip(PARAMETERS, colours, strict=True):
+        series.append({"label": name, "stroke": colour, "width": 2, "points": {"show": False}})
+    return tuple(series)
+
+
+def trend_caption(theme: Theme) -> str:
+    """Words for the plot: what it shows, and which line is which."""
+    info, good = theme.info, theme.good
+    return (
+        "<div class='v-progress'><h3>Uncertainty over the views (first full set = 100 %)</h3>"
+        f"<span style='color:{info}'>━ focal length</span> &nbsp; "
+        f"<span style='color:{good}'>━ centre</span> &nbsp; "
+        f"<span style='color:{theme.quiet}'>━ distortion</span></div>"
+    )

@@ -1,0 +1,285 @@
+"""The page in the browser: takes snapshots and pictures, gives back what people asked for.
+
+Any thread may call it. Two small threads draw, each from a one-slot box in which the newest wins:
+one the scene and the panels, one the live picture, which so never waits for the rest. Callbacks
+only queue intents or change the view's options; what an intent means is the guidance loop's.
+
+Another program can feed it: `Viewer().show(snapshot)`.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Pose
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene import intents
+from venus3d.scene.control_panel import Action
+from venus3d.scene.describe import SceneOptions, describe
+from venus3d.scene.gizmo import BoardGizmo
+from venus3d.scene.page import Page
+from venus3d.scene.picture import annotate, small_picture
+from venus3d.scene.projections import Projections
+from venus3d.scene.projections_panel import Tiles
+from venus3d.scene.server import start_server
+from venus3d.scene.style import Theme
+from venus3d.scene.view import SceneView
+from venus3d.scene.view_state import ViewState
+
+_SCENE_PERIOD_S, _PICTURE_PERIOD_S = 1 / 25, 1 / 15
+_NOTE_SECONDS = 6.0
+
+
+class Viewer:
+    """One page, shared by all tabs that are open on it."""
+
+    def __init__(
+        self,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        *,
+        dark: bool = True,
+        projections: Projections | None = None,
+        draggable_board: bool = False,
+        autopilot: bool = False,
+    ) -> None:
+        """Serve the page.
+
+        Args:
+            host, port: where; if the port is taken, the next free one is used and `notes` says so.
+            dark: start with the dark page.
+            projections: draws the four steps as the camera sees them; the caller closes it.
+            draggable_board: put a gizmo on the board; for the simulation.
+            autopilot: whether the simulation's autopilot is on at the start.
+
+        Raises `AddressError` if the address cannot be bound.
+        """
+        self._server, note = start_server(host, port)
+        self.host, self.port = host, self._server.get_port()
+        self.notes: tuple[str, ...] = (note,) if note else ()
+        self._intents: queue.SimpleQueue[intents.Intent] = queue.SimpleQueue()
+        self._wake = threading.Condition()
+        self._state = ViewState(dark=dark, autopilot=autopilot)
+        self._snapshot: Snapshot | None = None
+        self._changed = True
+        self._note, self._note_until = "", 0.0
+        self._picture: tuple[NDArray[np.generic], Observation | None] | None = None
+        self._picture_came = threading.Event()
+        self._stop = threading.Event()
+        self._failure: BaseException | None = None
+        self._projections, self._tiles = projections, Tiles()
+        self._scene = SceneView(self._server)
+        self._page = Page(self._server, self._act, self._drop, dark=dark, simulated=draggable_board)
+        self._gizmo = BoardGizmo(self._server, self._dragged) if draggable_board else None
+        self._threads = [
+            threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
+            for name, loop in (("scene", self._scene_loop), ("picture", self._picture_loop))
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    @property
+    def url(self) -> str:
+        """The page's address on this machine."""
+        host = "localhost" if self.host in ("0.0.0.0", "::", "") else self.host
+        return f"http://{host}:{self.port}"
+
+    @property
+    def state(self) -> ViewState:
+        """What is shown now."""
+        return self._state
+
+    @property
+    def scene_names(self) -> tuple[str, ...]:
+        """Names of the shapes that the scene shows now."""
+        return self._scene.names
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show this moment; the newest wins. Raises what broke the drawing, if anything did."""
+        self._raise_failure()
+        with self._wake:
+            self._snapshot, self._changed = snapshot, True
+            self._wake.notify_all()
+
+    def show_picture(
+        self, image: NDArray[np.generic], observation: Observation | None = None
+    ) -> None:
+        """Show this live picture (BGR or grey), with the corners of `observation`, or by default
+        of the newest snapshot; the newest wins."""
+        self._raise_failure()
+        self._picture = (image, observation)
+        self._picture_came.set()
+
+    def say(self, text: str) -> None:
+        """Show a sentence for a few seconds."""
+        with self._wake:
+            self._note, self._note_until = text, time.monotonic() + _NOTE_SECONDS
+            self._changed = True
+            self._wake.notify_all()
+
+    def drain_intents(self) -> list[intents.Intent]:
+        """What people asked for since the last call, in order."""
+        drained: list[intents.Intent] = []
+        while True:
+            try:
+                drained.append(self._intents.get_nowait())
+            except queue.Empty:
+                return drained
+
+    def close(self) -> None:
+        """Stop drawing and serving. May be called twice."""
+        if self._stop.is_set():
+            return
+        self._stop.set()
+        self._picture_came.set()
+        with self._wake:
+            self._wake.notify_all()
+        for thread in self._threads:
+            thread.join(timeout=5)
+        self._server.stop()
+
+    # -- what people do; on viser's threads ------------------------------------------------------
+
+    def _act(self, action: Action) -> None:
+        plain: dict[str, intents.Intent] = {
+            "capture": intents.Capture(),
+            "skip": intents.SkipTarget(),
+            "undo": intents.UndoView(),
+            "finish": intents.Finish(),
+        }
+        if action in plain:
+            self._intents.put(plain[action])
+            return
+        state = self._change(lambda state: _after_action(state, action))
+        if action == "pause":
+            self._intents.put(intents.Pause(state.paused))
+        elif action == "autopilot":
+            self._intents.put(intents.Autopilot(state.autopilot))
+
+    def _drop(self, number: int) -> None:
+        self._intents.put(intents.DropView(number))
+
+    def _dragged(self, pose: Pose) -> None:
+        if self._state.autopilot:
+            self._change(lambda state: replace(state, autopilot=False))
+            self._intents.put(intents.Autopilot(False))
+        self._intents.put(intents.DragBoard(pose))
+
+    def _change(self, change: Callable[[ViewState], ViewState]) -> ViewState:
+        with self._wake:
+            self._state, self._changed = change(self._state), True
+            self._wake.notify_all()
+            return self._state
+
+    # -- drawing ---------------------------------------------------------------------------------
+
+    def _guarded(self, loop: Callable[[], None]) -> None:
+        try:
+            loop()
+        except BaseException as error:  # raised in the thread that feeds us
+            if not self._stop.is_set():
+                self._failure = error
+
+    def _raise_failure(self) -> None:
+        if self._failure is not None:
+            raise self._failure
+
+    def _scene_loop(self) -> None:
+        before = time.monotonic()
+        while not self._stop.is_set():
+            with self._wake:
+                if not self._changed:
+                    self._wake.wait(timeout=_SCENE_PERIOD_S if self._is_moving else 0.5)
+                now = time.monotonic()
+                state = self._state.after(now - before)
+                if self._snapshot is not None:
+                    state = state.seeing(self._snapshot)
+                due = self._changed or self._is_moving or (self._note and now > self._note_until)
+                self._state, self._changed, snapshot = state, False, self._snapshot
+                if now > self._note_until:
+                    self._note = ""
+                note = self._note
+            before = now
+            if due:
+                self._draw(snapshot, state, note)
+            self._stop.wait(max(0.0, now + _SCENE_PERIOD_S - time.monotonic()))
+
+    @property
+    def _is_moving(self) -> bool:
+        return self._state.playing or self._tiles.waiting
+
+    def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
+        sources = self._sources(snapshot, state)
+        shapes = None
+        if snapshot is not None:
+            options = SceneOptions(
+                step=state.step,
+                strip=state.strip,
+                dark=state.dark,
+                sweep=state.sweep,
+                show_live=not state.playing,
+            )
+            shapes = describe(snapshot, options)
+            if not note and snapshot.warnings:
+                note = snapshot.warnings[-1]
+        with self._server.atomic():
+            if shapes is not None:
+                self._scene.draw(shapes, dark=state.dark)
+            self._page.show(snapshot, state, sources, note)
+            if self._gizmo is not None and snapshot is not None:
+                self._gizmo.follow(snapshot.pose)
+
+    def _sources(self, snapshot: Snapshot | None, state: ViewState) -> tuple[str, ...]:
+        target = None if snapshot is None else snapshot.target
+        if snapshot is None or target is None or self._projections is None:
+            self._tiles.forget()
+            return self._tiles.sources()
+        key = (id(target), state.dark)
+        if key != self._tiles.key:
+            pictures = self._projections.of(
+                target, snapshot.camera, snapshot.board, dark=state.dark
+            )
+            self._tiles.expect(key, pictures)
+        return self._tiles.sources()
+
+    def _picture_loop(self) -> None:
+        while not self._stop.is_set():
+            self._picture_came.wait()
+            self._picture_came.clear()
+            started, came = time.monotonic(), self._picture
+            if came is None or self._stop.is_set():
+                continue
+            rgb, state, snapshot = small_picture(came[0]), self._state, self._snapshot
+            self._scene.set_picture(rgb)
+            if snapshot is not None:
+                colour = Theme(True).step_colours[state.step - 1]
+                annotate(rgb, snapshot, came[1], state.step, colour)
+            self._page.show_picture(rgb)
+            self._stop.wait(max(0.0, started + _PICTURE_PERIOD_S - time.monotonic()))
+
+
+def _after_action(state: ViewState, action: Action) -> ViewState:
+    if action == "previous":
+        return state.turned_to(state.step - 1)
+    if action == "next":
+        return state.turned_to(state.step + 1)
+    if action == "play":
+        return state.play(not state.playing)
+    if action == "follow":
+        return state.following(not state.follow)
+    if action == "strip":
+        return replace(state, strip=not state.strip)
+    if action == "theme":
+        return replace(state, dark=not state.dark)
+    if action == "pause":
+        return replace(state, paused=not state.paused)
+    return replace(state, autopilot=not state.autopilot)
