@@ -11,13 +11,21 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
+from tyro.conf import FlagCreatePairsOff, Positional, arg
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import VenusError
 from venus3d.engine.limits import Limits
 from venus3d.engine.snapshot import Cost, Method
+
+Switch = FlagCreatePairsOff[bool]
+"""An option that is off unless it is named."""
+
+
+def _optional(unit: str, usual: str) -> object:
+    """How `--help` shows an option that is None unless given."""
+    return arg(metavar=unit, help_behavior_hint=f"(usual: {usual})")
 
 
 @dataclass(frozen=True)
@@ -34,9 +42,9 @@ class BoardOptions:
     """Side of a marker in millimetres."""
     dictionary: str = "DICT_5X5_100"
     """OpenCV's name of the marker dictionary."""
-    legacy: bool = False
+    legacy: Switch = False
     """The layout of boards printed before OpenCV 4.6; found out by itself where it matters."""
-    inverted: bool = False
+    inverted: Switch = False
     """White on black; found out by itself."""
 
     def board(self) -> Board:
@@ -54,20 +62,20 @@ class BoardOptions:
 
 @dataclass(frozen=True)
 class LimitOptions:
-    """What a target pose may ask for. None: what suits the board and the camera."""
+    """What a target pose may ask of a person; by itself what suits the board and the camera."""
 
-    max_angle_deg: float | None = None
-    """Largest turn about each axis in degrees (70)."""
-    max_tilt_deg: float | None = None
-    """Largest angle between the board's normal and the line of sight in degrees (55)."""
-    nearest_mm: float | None = None
-    """Nearest distance of a corner in millimetres (200)."""
-    farthest_mm: float | None = None
-    """Farthest distance of a corner in millimetres (1200)."""
-    max_depth_ratio: float | None = None
-    """Largest ratio of the farthest to the nearest corner's distance: focus (2.2)."""
-    min_square_px: float | None = None
-    """Smallest width of a square in the picture in pixels: detection (12)."""
+    max_angle_deg: Annotated[float | None, _optional("DEG", "70")] = None
+    """Largest turn about each axis in degrees."""
+    max_tilt_deg: Annotated[float | None, _optional("DEG", "55")] = None
+    """Largest angle between the board's normal and the line of sight in degrees."""
+    nearest_mm: Annotated[float | None, _optional("MM", "200")] = None
+    """Nearest distance of a corner in millimetres."""
+    farthest_mm: Annotated[float | None, _optional("MM", "1200")] = None
+    """Farthest distance of a corner in millimetres."""
+    max_depth_ratio: Annotated[float | None, _optional("RATIO", "2.2")] = None
+    """Largest ratio of the farthest to the nearest corner's distance: focus."""
+    min_square_px: Annotated[float | None, _optional("PX", "12")] = None
+    """Smallest width of a square in the picture in pixels: detection."""
 
     def limits(self, board: Board, camera: Camera) -> Limits | None:
         """The engine's limits, or None if nothing was chosen: the session then finds its own."""
@@ -87,18 +95,17 @@ class LimitOptions:
 class GuideOptions:
     """One guided calibration."""
 
-    source: tyro.conf.Positional[str] = "sim"
-    """Where pictures come from: sim (a simulated camera), a camera's number (0), a device
-    (/dev/video0), a stream's address, a video file, a folder or a pattern of pictures."""
+    source: Annotated[Positional[str], arg(metavar="SOURCE")] = "sim"
+    """sim, a camera's number or device, a stream's address, a video, a folder or a pattern."""
     board: BoardOptions = field(default_factory=BoardOptions)
-    camera_size: Annotated[str | None, tyro.conf.arg(metavar="WIDTHxHEIGHT")] = None
+    camera_size: Annotated[
+        str | None, arg(metavar="WIDTHxHEIGHT", help_behavior_hint="(usual: as it comes)")
+    ] = None
     """Size of the picture to ask a camera for, or to simulate (sim: 1280x720)."""
     method: Method = "global"
-    """How the next pose is found: global searches all poses, venus is the paper's search,
-    pose-selection is Rojtberg's choice, random is any valid pose."""
-    cost: Cost | None = None
-    """What the search makes small; None: the method's own (projection-variance, or sum-iod for
-    venus)."""
+    """How the next pose is found: ours (global), the paper's (venus), Rojtberg's, or by chance."""
+    cost: Annotated[Cost | None, arg(help_behavior_hint="(the method's own)")] = None
+    """What the search makes small: by itself projection-variance for global, sum-iod for venus."""
     limits: LimitOptions = field(default_factory=LimitOptions)
     overlap: float = 0.85
     """How much the board must cover its target in the picture, 0 to 1, to be captured."""
@@ -114,15 +121,15 @@ class GuideOptions:
     """Let a simulated hand walk the board through the four steps (sim only)."""
     speed: float = 1.0
     """How fast the simulated hand moves; 1 is a calm person."""
-    headless: bool = False
+    headless: Switch = False
     """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
     host: str = "127.0.0.1"
     """Address the viewer listens on; 0.0.0.0 lets other machines in, without a password."""
     port: int = 8080
     """Port of the viewer; the next free one is used if it is taken."""
-    output: Path | None = None
+    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
     """Folder for camera.yaml and result.json."""
-    json: bool = False
+    json: Switch = False
     """Print the result as one JSON object on the last line."""
 
     @property

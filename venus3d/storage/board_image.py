@@ -1,4 +1,4 @@
-"""The board as a picture that prints at its size: pixels chosen, resolution written into the PNG."""
+"""The board as a picture that prints at its size: the PNG holds its resolution."""
 
 from __future__ import annotations
 
@@ -54,6 +54,8 @@ def write_board(
     """
     picture, resolution = board_picture(board, dpi=dpi, margin_mm=margin_mm)
     buffer = io.BytesIO()
-    Image.fromarray(picture).convert("1", dither=Image.Dither.NONE).save(buffer, "PNG", dpi=(resolution, resolution))
+    Image.fromarray(picture).convert("1", dither=Image.Dither.NONE).save(
+        buffer, "PNG", dpi=(resolution, resolution)
+    )
     write_bytes(path, buffer.getvalue())
     return picture.shape[1], picture.shape[0], resolution

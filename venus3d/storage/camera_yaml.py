@@ -1,8 +1,8 @@
 """camera.yaml: OpenCV's FileStorage with the names that its calibration sample uses.
 
-    fs = cv2.FileStorage("camera.yaml", cv2.FILE_STORAGE_READ)
-    K = fs.getNode("camera_matrix").mat()
-    d = fs.getNode("distortion_coefficients").mat()
+fs = cv2.FileStorage("camera.yaml", cv2.FILE_STORAGE_READ)
+K = fs.getNode("camera_matrix").mat()
+d = fs.getNode("distortion_coefficients").mat()
 """
 
 from __future__ import annotations

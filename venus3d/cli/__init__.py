@@ -1,0 +1,94 @@
+"""The commands: the only place that knows every room.
+
+Here options are parsed and mistakes become one sentence and exit code 2. What a command does is
+in the module of its name. Heavy rooms are imported by the command that needs them, so that
+`--help` and mistakes answer at once.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from typing import Annotated
+
+import tyro
+
+from venus3d import __version__
+from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
+from venus3d.engine.errors import VenusError
+from venus3d.options import GuideOptions
+
+DESCRIPTION = """Camera calibration that a person can see.
+
+Lengths and translations are in millimetres, angles in degrees. `venus3d COMMAND --help` explains a
+command, `venus3d --version` names the version.
+"""
+
+Command = (
+    Annotated[
+        GuideOptions,
+        tyro.conf.subcommand(
+            "guide", description="Calibrate a camera with guidance, pose by pose, in the browser."
+        ),
+    ]
+    | Annotated[
+        CalibrateOptions,
+        tyro.conf.subcommand(
+            "calibrate", description="Calibrate from pictures or a video that exist already."
+        ),
+    ]
+    | Annotated[
+        DecomposeOptions,
+        tyro.conf.subcommand(
+            "decompose", description="Take a pose apart into four steps, in words and pictures."
+        ),
+    ]
+    | Annotated[
+        BoardCommand,
+        tyro.conf.subcommand("board", description="Write the board as a picture to print."),
+    ]
+)
+
+OK, MISTAKE, INTERRUPTED = 0, 2, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code. Reads `sys.argv` if no arguments are given."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    if given == ["--version"]:
+        print(f"venus3d {__version__}")
+        return OK
+    options = tyro.cli(
+        Command,  # type: ignore[arg-type]  # tyro takes a union, which no annotation can say
+        prog="venus3d",
+        description=DESCRIPTION,
+        args=given or ["--help"],
+    )
+    try:
+        _command_of(options)()
+    except VenusError as error:
+        print(f"venus3d: {error}", file=sys.stderr)
+        return MISTAKE
+    except KeyboardInterrupt:
+        print("venus3d: stopped.", file=sys.stderr)
+        return INTERRUPTED
+    return OK
+
+
+def _command_of(options: object) -> Callable[[], None]:
+    if isinstance(options, GuideOptions):
+        from venus3d.cli.guide import guide
+
+        return lambda: guide(options)
+    if isinstance(options, CalibrateOptions):
+        from venus3d.cli.calibrate import calibrate_command
+
+        return lambda: calibrate_command(options)
+    if isinstance(options, DecomposeOptions):
+        from venus3d.cli.decompose import decompose_command
+
+        return lambda: decompose_command(options)
+    assert isinstance(options, BoardCommand)
+    from venus3d.cli.board import board_command
+
+    return lambda: board_command(options)

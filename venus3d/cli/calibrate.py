@@ -1,0 +1,91 @@
+"""`venus3d calibrate`: pictures or a video that exist already, without guidance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from venus3d.cli.options import CalibrateOptions
+from venus3d.cli.report import deliver, print_result, tell
+from venus3d.engine.calibration import calibrate, warnings_for
+from venus3d.engine.detection import Detector
+from venus3d.engine.errors import CalibrationError, SourceError, VenusError
+from venus3d.engine.observation import Observation
+from venus3d.engine.selection import choose_informative
+from venus3d.sources.opening import OpenedSource, open_source
+from venus3d.sources.video import Video
+from venus3d.storage.folder import prepare
+from venus3d.storage.result import summary_of
+
+FEWEST_VIEWS = 3
+"""Two views determine nine parameters on paper only; three can contradict each other."""
+
+
+def calibrate_command(options: CalibrateOptions) -> None:
+    """Detect, calibrate, print, write. Raises `VenusError` for a user's mistake."""
+    detector = Detector(options.board.board())
+    if options.max_frames < FEWEST_VIEWS:
+        raise VenusError(f"--max-frames must be at least {FEWEST_VIEWS}.")
+    if options.output is not None:
+        prepare(options.output)
+    observations, notes, is_video = observe_all(options.source, detector)
+    warnings = [*notes, *detector.notes]
+    seen = [o for o in observations if o.count]
+    if is_video:
+        chosen = choose_informative(detector.board, seen, limit=options.max_frames)
+        tell(f"Of {len(observations)} frames {len(seen)} show the board; {len(chosen)} are taken.")
+        seen = [seen[index] for index in chosen]
+    else:
+        missed = [o.name for o in observations if not o.count]
+        if missed and seen:
+            warnings.append(f"The board was not found in {_listed(missed)}.")
+    _check_count(seen)
+    calibration = calibrate(detector.board, seen)
+    warnings += warnings_for(calibration)
+    print_result(calibration, warnings)
+    summary = summary_of(calibration, detector.board, warnings=warnings)
+    deliver(summary, calibration, detector.board, output=options.output, as_json=options.json)
+
+
+def observe_all(spec: str, detector: Detector) -> tuple[list[Observation], tuple[str, ...], bool]:
+    """What is seen of the board in every frame, the source's notes, and whether it is a video."""
+    for _ in range(2):
+        source = open_source(spec)
+        try:
+            if source.is_live:
+                raise SourceError(
+                    "A live camera has no end to wait for; use venus3d guide for it, or record a "
+                    "video first."
+                )
+            boards, observations = _observe(source, detector)
+        finally:
+            source.close()
+        # The layout is found out on the way; what was read with another one is read again.
+        if all(board == detector.board for board in boards):
+            break
+    return observations, tuple(source.notes), isinstance(source, Video)
+
+
+def _observe(source: OpenedSource, detector: Detector) -> tuple[list[object], list[Observation]]:
+    boards: list[object] = []
+    observations: list[Observation] = []
+    while (frame := source.read()) is not None:
+        observations.append(detector.detect(frame.image, time_s=frame.time_s, name=frame.name))
+        boards.append(detector.board)
+        if len(observations) % 100 == 0:
+            tell(f"{len(observations)} frames looked at ...")
+    return boards, observations
+
+
+def _check_count(seen: Sequence[Observation]) -> None:
+    if 0 < len(seen) < FEWEST_VIEWS:
+        picture = "picture shows" if len(seen) == 1 else "pictures show"
+        raise CalibrationError(
+            f"Only {len(seen)} {picture} the board, and a calibration needs at least "
+            f"{FEWEST_VIEWS}, better 10 with the board tilted in different directions."
+        )
+
+
+def _listed(names: Sequence[str]) -> str:
+    if len(names) > 5:
+        return f"{', '.join(names[:4])} and {len(names) - 4} more"
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

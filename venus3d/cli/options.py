@@ -1,0 +1,70 @@
+"""Options of the commands that only the command line knows (see also `venus3d.options`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import Positional, arg
+
+from venus3d.engine.pose import Axes
+from venus3d.options import BoardOptions, LimitOptions, Switch
+
+Number = Positional[float]
+
+
+@dataclass(frozen=True)
+class CalibrateOptions:
+    """Calibrating from what exists already."""
+
+    source: Annotated[Positional[str], arg(metavar="SOURCE")]
+    """A folder of pictures, a pattern such as "shots/*.jpg", or a video."""
+    board: BoardOptions = field(default_factory=BoardOptions)
+    max_frames: int = 40
+    """How many frames to take from a video: those that tell most."""
+    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    """Folder for camera.yaml and result.json."""
+    json: Switch = False
+    """Print the result as one JSON object on the last line."""
+
+
+@dataclass(frozen=True)
+class DecomposeOptions:
+    """Taking a pose apart."""
+
+    xr: Annotated[Number, arg(metavar="XR")]
+    """Turn about X in degrees: positive brings the top edge towards the camera."""
+    yr: Annotated[Number, arg(metavar="YR")]
+    """Turn about Y in degrees: positive brings the picture's right edge towards the camera."""
+    zr: Annotated[Number, arg(metavar="ZR")]
+    """Turn about Z in degrees: positive is clockwise in the picture."""
+    xt: Annotated[Number, arg(metavar="XT")]
+    """The board's centre in millimetres, to the right of the camera's axis."""
+    yt: Annotated[Number, arg(metavar="YT")]
+    """The board's centre in millimetres, below the camera's axis."""
+    zt: Annotated[Number, arg(metavar="ZT")]
+    """The board's centre in millimetres, in front of the camera."""
+    axes: Axes = "fixed"
+    """Turns about the camera's fixed axes, or about the board's own axes as they turn with it."""
+    board: BoardOptions = field(default_factory=BoardOptions)
+    limits: LimitOptions = field(default_factory=LimitOptions)
+    camera: Annotated[
+        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(usual: the simulated one)")
+    ] = None
+    """The camera that looks, from a camera.yaml."""
+    output: Annotated[Path, arg(metavar="DIR")] = Path("steps")
+    """Folder for the pictures step-1.png to step-4.png."""
+
+
+@dataclass(frozen=True)
+class BoardCommand:
+    """Drawing the board."""
+
+    board: BoardOptions = field(default_factory=BoardOptions)
+    dpi: float = 300.0
+    """Resolution in dots per inch, adapted a little so that a square is a whole number of dots."""
+    margin_mm: float = 10.0
+    """Free border around the board in millimetres."""
+    output: Annotated[Path, arg(metavar="PATH")] = Path("board.png")
+    """The picture to write; a folder gets a board.png."""

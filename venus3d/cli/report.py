@@ -1,0 +1,89 @@
+"""A calibration in words and aligned columns, and the files and the JSON line that go with it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.snapshot import Calibration, Progress
+from venus3d.storage.result import to_json, write_result
+
+# What a parameter is, in words, and its unit.
+MEANING = {
+    "fx": ("focal length, horizontal", "px"),
+    "fy": ("focal length, vertical", "px"),
+    "cx": ("principal point, horizontal", "px"),
+    "cy": ("principal point, vertical", "px"),
+    "k1": ("radial distortion", ""),
+    "k2": ("radial distortion", ""),
+    "p1": ("tangential distortion", ""),
+    "p2": ("tangential distortion", ""),
+    "k3": ("radial distortion", ""),
+}
+
+
+def parameter_table(calibration: Calibration, truth: Camera | None = None) -> str:
+    """The nine parameters with their standard deviations, and the truth where it is known."""
+    head = f"{'':4}{'value':>12}   {'± σ':>10}" + ("" if truth is None else f"{'truth':>12}")
+    rows = [head]
+    for index, name in enumerate(PARAMETERS):
+        value, sigma = calibration.camera.parameters[index], calibration.sigma[index]
+        meaning, unit = MEANING[name]
+        digits = 2 if unit else 5
+        known = f"± {sigma:.{digits}f}" if calibration.free[index] else "held"
+        row = f"{name:4}{value:12.{digits}f}   {known:>10}"
+        if truth is not None:
+            row += f"{truth.parameters[index]:12.{digits}f}"
+        rows.append(f"{row}  {unit:2}  {meaning}")
+    return "\n".join(rows)
+
+
+def view_table(calibration: Calibration) -> str:
+    """Each view's name, number of corners and error."""
+    names = [view.observation.name or str(view.number) for view in calibration.views]
+    width = max(len("view"), *(len(name) for name in names))
+    rows = [f"{'view':{width}}  corners   rms"]
+    for name, view in zip(names, calibration.views, strict=True):
+        rows.append(f"{name:{width}}  {view.observation.count:7d}   {view.rms_px:.3f} px")
+    return "\n".join(rows)
+
+
+def print_result(
+    calibration: Calibration, warnings: Sequence[str], truth: Camera | None = None
+) -> None:
+    """Print the result for a person."""
+    corners = sum(view.observation.count for view in calibration.views)
+    width, height = calibration.camera.image_size
+    print(view_table(calibration), end="\n\n")
+    print(parameter_table(calibration, truth), end="\n\n")
+    print(
+        f"rms {calibration.rms_px:.3f} px over {corners} corners in {len(calibration.views)} views "
+        f"of {width} x {height} px"
+    )
+    for warning in warnings:
+        print(f"Mind: {warning}")
+
+
+def deliver(
+    summary: dict[str, Any],
+    calibration: Calibration,
+    board: Any,
+    *,
+    output: Path | None,
+    as_json: bool,
+    history: Sequence[Progress] = (),
+) -> None:
+    """Write the files and print the JSON line, as asked."""
+    if output is not None:
+        for path in write_result(output, calibration, board, summary, history):
+            print(f"Written: {path}")
+    if as_json:
+        print(to_json(summary))
+
+
+def tell(text: str) -> None:
+    """A remark on how the work goes; to stderr, so that stdout holds results only."""
+    print(text, file=sys.stderr, flush=True)
