@@ -104,7 +104,7 @@ class Live:
                 good, image = self._capture.read()
                 if not good:
                     failures += 1
-                    self._stop.wait(0.02)
+                    self._stop.wait(0.05)
                     continue
                 failures, number = 0, number + 1
                 self._box.put(Frame(image, time.monotonic() - start, f"frame {number}"))
