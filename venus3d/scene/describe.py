@@ -1,0 +1,115 @@
+"""What is seen at one moment, as a list of named shapes: the one description both renderers draw.
+
+Names are paths that others may rely on. No name is the beginning of another one's path.
+
+    /camera/frustum, /camera/border, /camera/axis    the camera; its true border; principal point
+    /camera/axes/x, /camera/axes/x_label             and y, z
+    /board/live                                      the board as it is estimated now
+    /target/board, /target/label                     the goal
+    /steps/N/outline                                 where the board is after step N
+    /steps/N/before, /steps/N/after                  active step only: faint outline; tinted board
+    /steps/N/arrow, /steps/N/label                   active step only: what to do, and how much
+    /steps/N/sector, axis, axis_label                active turn only
+    /steps/N/trails                                  active move only
+    /strip/N/...                                     the same with /strip/N/caption, side by side
+
+All poses are in the camera's frame. The geometry of arrows and boards is made elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.decomposition import Step
+from venus3d.engine.pose import Pose, interpolate
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.board_shape import board_ghost, board_outline, board_shape
+from venus3d.scene.frustum import camera_shapes
+from venus3d.scene.instruction import instruction_shapes
+from venus3d.scene.palette import ground, mixed, step_colour
+from venus3d.scene.shapes import LabelShape, Shape
+from venus3d.scene.strip import strip_shapes
+
+
+@dataclass(frozen=True)
+class SceneOptions:
+    """What the viewer may choose."""
+
+    step: int = 1
+    """The active step, 1 ... 4."""
+    strip: bool = False
+    """All four steps side by side instead of the active one in place."""
+    dark: bool = True
+    sweep: float = 1.0
+    """How far the active step's board has got, 0 (before) ... 1 (after)."""
+    show_live: bool = True
+    """Whether the board as it is now is drawn."""
+
+
+def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
+    """Everything in the scene of this snapshot. Calls no algorithm of the engine."""
+    shapes: list[Shape] = [*camera_shapes(snapshot.camera, dark=options.dark)]
+    board, target = snapshot.board, snapshot.target
+    if snapshot.pose is not None and options.show_live:
+        shapes.append(board_shape(board, snapshot.pose))
+    if target is None:
+        return tuple(shapes)
+    shapes += _target_shapes(board, target.pose, options.dark)
+    if options.strip:
+        return (*shapes, *strip_shapes(board, snapshot.camera, target.steps, options))
+    for step in target.steps:
+        if step.number == options.step:
+            shapes += active_shapes(board, snapshot.camera, step, options)
+        elif not step.is_idle and step.number != 4:  # step 4 ends where the target is drawn
+            colour = mixed(step_colour(step.number, options.dark), ground(options.dark).background, 0.35)
+            shapes.append(
+                board_outline(board, step.after, f"/steps/{step.number}/outline", colour, 1.5)
+            )
+    return tuple(shapes)
+
+
+def describe_step(
+    board: Board, camera: Camera, step: Step, *, dark: bool = False
+) -> tuple[Shape, ...]:
+    """One step as its projection shows it: the real board after it, its outline before, arrows."""
+    colours = ground(dark)
+    name = f"/steps/{step.number}"
+    shapes: list[Shape] = [board_shape(board, step.after, f"{name}/board")]
+    if not step.is_idle:
+        shapes.append(board_outline(board, step.before, f"{name}/before", colours.ghost, 2.5))
+        shapes += instruction_shapes(board, camera, step, dark=dark)
+    return tuple(shapes)
+
+
+def active_shapes(
+    board: Board, camera: Camera, step: Step, options: SceneOptions
+) -> list[Shape]:
+    """The active step in place: before, after, and what to do."""
+    colours = ground(options.dark)
+    colour = step_colour(step.number, options.dark)
+    name = f"/steps/{step.number}"
+    shapes: list[Shape] = [board_outline(board, step.after, f"{name}/outline", colour, 4.0)]
+    if step.is_idle:
+        return [*shapes, board_ghost(board, step.after, f"{name}/after", colour)]
+    shapes.append(board_outline(board, step.before, f"{name}/before", colours.ghost, 2.0))
+    shapes.append(board_ghost(board, swept(step, options.sweep), f"{name}/after", colour, 0.45))
+    return [*shapes, *instruction_shapes(board, camera, step, dark=options.dark)]
+
+
+def swept(step: Step, fraction: float) -> Pose:
+    """Where the board is a `fraction` (0 ... 1) of the way through a step."""
+    if step.axis is None:
+        return interpolate(step.before, step.after, fraction)
+    # A turn of more than 180 degrees must go the long way round, as its arrow does.
+    return step.before.turned(step.axis, fraction * step.angle_deg)
+
+
+def _target_shapes(board: Board, pose: Pose, dark: bool) -> list[Shape]:
+    colours = ground(dark)
+    outline = board_outline(board, pose, "/target/board", colours.target, 3.0)
+    below = pose.apply([0, board.height / 2 + 0.7 * board.square, 0])
+    return [outline, LabelShape("/target/label", "Target", np.asarray(below), colours.target)]
