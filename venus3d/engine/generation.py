@@ -9,7 +9,7 @@ What has been used is an explicit frozen `GenerationState`; nothing is searched 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -51,6 +51,30 @@ class GenerationState:
     """How many poses were made for each of the nine `PARAMETERS`."""
     windows: tuple[Window, ...] = ()
     """Distortion windows already shown."""
+    sigma: tuple[float, ...] = ()
+    """(9,) standard deviations when the last pose was made; empty before."""
+    aimed: str = ""
+    """The parameter that the last pose was made for."""
+    settled: tuple[str, ...] = ()
+    """Parameters passed over because the view made for them changed them little."""
+
+    def observed(self, sigma: ArrayLike, epsilon: float = 0.1) -> GenerationState:
+        """The state after the views so far gave standard deviations `sigma` (9,).
+
+        A parameter whose sigma fell by less than `epsilon` through the view made for it is
+        settled and not aimed at again, as in Rojtberg's program; else k3, which hardly ever stops
+        being the worst, would claim all poses. When all are settled it begins anew. Unchanged
+        values (a target was skipped) say nothing.
+        """
+        now = np.asarray(sigma, dtype=np.float64)
+        begun = replace(self, sigma=tuple(float(v) for v in now))
+        if not self.sigma or not self.aimed or np.allclose(now, self.sigma, rtol=1e-6, atol=0):
+            return begun
+        aimed = PARAMETERS.index(self.aimed)
+        if not 0 <= 1 - now[aimed] / self.sigma[aimed] < epsilon:
+            return begun
+        settled = tuple(sorted({*self.settled, self.aimed}))
+        return replace(begun, settled=() if len(settled) == len(PARAMETERS) else settled)
 
     def count(self, *names: str) -> int:
         """How many poses were made for these parameters together."""
@@ -61,7 +85,7 @@ class GenerationState:
         counts = list(self.counts)
         counts[PARAMETERS.index(name)] += 1
         windows = self.windows if window is None else (*self.windows, window)
-        return replace(self, counts=tuple(counts), windows=windows)
+        return replace(self, counts=tuple(counts), windows=windows, aimed=name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +102,13 @@ class Generated:
     """How the rule's own pose had to be changed to stay within the limits; empty if it was not."""
 
 
-def weakest_parameter(camera: Camera, covariance: ArrayLike) -> str:
-    """The parameter with the largest index of dispersion, eq. (13)."""
-    return PARAMETERS[int(np.argmax(index_of_dispersion(camera, covariance)))]
+def weakest_parameter(
+    camera: Camera, covariance: ArrayLike, settled: Collection[str] = ()
+) -> str:
+    """The parameter with the largest index of dispersion, eq. (13), among those not settled."""
+    dispersion = index_of_dispersion(camera, covariance)
+    passed_over = [name in settled for name in PARAMETERS]
+    return PARAMETERS[int(np.argmax(np.where(passed_over, -np.inf, dispersion)))]
 
 
 def paper_angle_deg(i: int) -> float:
@@ -122,7 +150,7 @@ def generate_rojtberg(
     board: Board, camera: Camera, limits: Limits, parameter: str, state: GenerationState
 ) -> Generated:
     """Rojtberg's pose for `parameter`; his very first one is frontal and fills the image."""
-    if state == GenerationState():
+    if not any(state.counts):
         wanted = _nearest_visible(board, camera, limits, np.array([0.0, 0, 0, 0, 0, 1]))
         return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
     if parameter not in _ABOUT_X + _ABOUT_Y:

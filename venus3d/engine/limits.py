@@ -62,7 +62,14 @@ class Limits:
 
     def accepts(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
         """Which of the pose vectors (N, 6) may be asked for: (N,) bool."""
-        return (self._excess(camera, board, vectors)[0] <= 0).all(axis=1)
+        p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
+        # Most candidates of a search fail on what costs little to see; the rest is projected.
+        cosine = np.einsum("ni,ni->n", _normals(p), p[:, 3:]) / np.linalg.norm(p[:, 3:], axis=1)
+        good = cosine >= np.cos(np.radians(self.max_tilt_deg)) - 1e-9
+        good &= (p[:, 5] > 0) & (p[:, 5] <= self.farthest)
+        left = np.flatnonzero(good)
+        good[left] = (self._excess(camera, board, p[left])[0] <= 0).all(axis=1)
+        return good
 
     def refusal(self, camera: Camera, board: Board, pose: Pose) -> str | None:
         """One sentence that says why this pose is refused, or None if it is not."""
@@ -118,6 +125,12 @@ class Limits:
         limit = np.append(limit, [self.max_depth_ratio, 0.0, self.min_square_px])
         sign = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0])
         return sign * (figures - limit) - 1e-9, figures
+
+
+def _normals(vectors: Array) -> Array:
+    """(N, 3) the board's z axes under pose vectors (N, 6): the last column of Rz Ry Rx."""
+    (sx, sy, sz), (cx, cy, cz) = (f(np.radians(vectors[:, :3])).T for f in (np.sin, np.cos))
+    return np.stack([cz * sy * cx + sz * sx, sz * sy * cx - cz * sx, cy * cx], axis=1)
 
 
 @lru_cache(maxsize=8)

@@ -90,6 +90,19 @@ class Space:
         y = (unit[:, 4] * camera.height - 0.5 - camera.cy) / camera.fy * z
         return np.column_stack([angles, x, y, z])
 
+    def to_unit(self, vectors: Array) -> Array:
+        """The inverse of `from_unit`."""
+        limits, camera = self.limits, self.camera
+        z = vectors[:, 5]
+        return np.column_stack(
+            [
+                (vectors[:, :3] / limits.max_angle_deg + 1) / 2,
+                (vectors[:, 3] / z * camera.fx + camera.cx + 0.5) / camera.width,
+                (vectors[:, 4] / z * camera.fy + camera.cy + 0.5) / camera.height,
+                np.log(z / limits.nearest) / np.log(limits.farthest / limits.nearest),
+            ]
+        )
+
 
 def random_pose(space: Space, rng: np.random.Generator) -> Array:
     """(6,) a random pose vector of the space. Raises `VenusError` if there seems to be none."""
@@ -172,7 +185,8 @@ def search_globally(
     samples: int = 500,
     rounds: int = 12,
     neighbours: int = 256,
-    parents: int = 16,
+    parents: int = 32,
+    sigma: float = 0.12,
     shrink: float = 0.8,
     stop: Stop | None = None,
     on_move: Watch | None = None,
@@ -180,42 +194,62 @@ def search_globally(
     """The whole space: well-spread samples, then ever closer neighbours of the best ones.
 
     `samples` poses of the space come from a Sobol sequence, shifted at random. Then each of the
-    `rounds` looks at up to `neighbours` Gaussian neighbours of the `parents` best poses met, with
-    standard deviations that shrink by `shrink` each time. A population, so that a good corner of
-    the space is not lost to a better one found first.
+    `rounds` looks at up to `neighbours` Gaussian neighbours of the `parents` best poses met, in the
+    coordinates of `Space.from_unit`: moving away keeps the place in the picture. The standard
+    deviation starts at `sigma` (of the unit cube: 17 degrees, an eighth of the picture) and shrinks
+    by `shrink` each round. A population, so that a good corner of the space is not lost to a better
+    one found first.
 
     Raises `VenusError` if no pose fits the limits.
     """
-    pool = _samples(space, samples, rng)
-    costs = _costs_in_parts(cost, pool, stop)
-    pool = pool[: costs.size]
+    vectors = _samples(space, samples, rng)
+    costs = _costs_in_parts(cost, vectors, stop)
     evaluated = costs.size
-    order = np.argsort(costs, kind="stable")[:parents]
-    pool, costs = pool[order], costs[order]
-    if on_move is not None:
-        on_move(Move(pool[0], float(costs[0]), True, pool[0], float(costs[0]), evaluated))
-    spread = neighbour_sigma(space.board)
+    pool, costs = _cheapest(space.to_unit(vectors[:evaluated]), costs, parents)
+    _report(on_move, space, pool, costs, pool[0], float(costs[0]), evaluated)
     stopped = False
     for _ in range(rounds):
         stopped = stop is not None and stop()
         if stopped:
             break
-        around = np.repeat(pool, -(-neighbours // len(pool)), axis=0)
-        around = around + spread * rng.standard_normal(around.shape)
-        around = around[space.accepts(around)]
-        spread = spread * shrink
+        # About half of the neighbours leave the space; twice as many are drawn as are looked at.
+        around = np.repeat(pool, -(-2 * neighbours // len(pool)), axis=0)
+        around = around + sigma * rng.standard_normal(around.shape)
+        sigma *= shrink
+        around = around[space.accepts(space.from_unit(around))]
+        around = around[rng.permutation(len(around))[:neighbours]]
         if not len(around):
             continue
-        values = cost(around)
+        values = cost(space.from_unit(around))
         evaluated += len(around)
-        first, improved = int(np.argmin(values)), float(values.min()) < costs[0]
-        shown, shown_cost = around[first], float(values[first])
-        pool, costs = np.concatenate([pool, around]), np.concatenate([costs, values])
-        order = np.argsort(costs, kind="stable")[:parents]
-        pool, costs = pool[order], costs[order]
-        if on_move is not None:
-            on_move(Move(shown, shown_cost, improved, pool[0], float(costs[0]), evaluated))
-    return Found(pool[0], float(costs[0]), evaluated, stopped)
+        shown, shown_cost = around[int(np.argmin(values))], float(values.min())
+        pool, costs = _cheapest(
+            np.concatenate([pool, around]), np.concatenate([costs, values]), parents
+        )
+        _report(on_move, space, pool, costs, shown, shown_cost, evaluated)
+    return Found(space.from_unit(pool[:1])[0], float(costs[0]), evaluated, stopped)
+
+
+def _cheapest(pool: Array, costs: Array, count: int) -> tuple[Array, Array]:
+    order = np.argsort(costs, kind="stable")[:count]
+    return pool[order], costs[order]
+
+
+def _report(
+    on_move: Watch | None,
+    space: Space,
+    pool: Array,
+    costs: Array,
+    shown: Array,
+    shown_cost: float,
+    evaluated: int,
+) -> None:
+    """Tell of a round's best pose; it counts as accepted if it is the best of all."""
+    if on_move is None:
+        return
+    vector, best = space.from_unit(np.stack([shown, pool[0]]))
+    best_cost = float(costs[0])
+    on_move(Move(vector, shown_cost, shown_cost <= best_cost, best, best_cost, evaluated))
 
 
 def _samples(space: Space, count: int, rng: np.random.Generator) -> Array:

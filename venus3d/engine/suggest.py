@@ -112,10 +112,11 @@ def suggest(
     bounds = Limits.for_board(board, plan) if limits is None else limits
     space = Space(board, plan, bounds, tuple(skipped))
     before = covariance_of(known, sigma_px)
-    begun = GenerationState() if state is None else state
+    begun = (state or GenerationState()).observed(np.sqrt(np.diag(before)))
     generated: Generated | None = None
     if method in ("pose-selection", "venus"):
-        generated = _generated(method, space, weakest_parameter(camera, before), begun)
+        worst = weakest_parameter(camera, before, begun.settled)
+        generated = _generated(method, space, worst, begun)
     if method in ("venus", "global"):
         price = make_cost(
             chosen,
