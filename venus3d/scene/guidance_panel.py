@@ -9,13 +9,10 @@ from html import escape
 
 from venus3d.engine.decomposition import Steps
 from venus3d.engine.snapshot import Match, Snapshot
-from venus3d.engine.words import Words
-from venus3d.scene.style import Theme, css_colour
+from venus3d.scene.palette import STEP_STYLES, step_style
+from venus3d.scene.style import Theme
 from venus3d.scene.view_state import ViewState
 
-STEP_TITLES = ("Move", "Tilt", "Swing", "Rotate")
-"""One verb for each step; the axes of the turns are X, Y and Z."""
-_STEP_AXES = ("", "X", "Y", "Z")
 _HEADLINES = {
     "startup": "Show me the whole board",
     "captured": "Captured – calculating",
@@ -63,20 +60,17 @@ def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) 
     return _card(theme.info, "?", headline, sentence, "", chips, note)
 
 
-def _step_card(
-    snapshot: Snapshot, match: Match, state: ViewState, theme: Theme, note: str
-) -> str:
+def _step_card(snapshot: Snapshot, match: Match, state: ViewState, theme: Theme, note: str) -> str:
     step = match.steps[state.step - 1]
-    title = STEP_TITLES[state.step - 1]
-    axis = _STEP_AXES[state.step - 1]
-    headline = f"Step {state.step} of 4: {title}" + (f" about {axis}" if axis else "")
-    words: Words = step.words
-    if state.follow and state.step == match.active_step:
-        words = snapshot.instruction
+    headline = f"Step {state.step} of 4: {step_style(state.step).title}"
+    words = step.words
     amount = remaining_text(match, state.step)
     colour = theme.steps[state.step - 1]
     chips = _chips(snapshot, state, theme)
     picture = "" if words.camera == words.holder else f"In the camera's picture: {words.camera}"
+    if not state.playing and state.step != match.active_step:
+        picture = f"You are looking at step {state.step}; the board is on step {match.active_step}."
+        picture += " Press F to go there."
     return _card(colour, str(state.step), headline, words.holder, amount, chips, note, picture)
 
 
@@ -115,7 +109,8 @@ def _chips(snapshot: Snapshot, state: ViewState, theme: Theme) -> str:
     if match is None and snapshot.target is None:
         return ""
     cells: list[str] = []
-    for number, title in enumerate(STEP_TITLES, start=1):
+    for style in STEP_STYLES:
+        number, verb = style.number, style.title.split()[0]
         shown = " v-on" if number == state.step else ""
         if match is not None:
             done = match.within[number - 1]
@@ -123,10 +118,9 @@ def _chips(snapshot: Snapshot, state: ViewState, theme: Theme) -> str:
             shown += " v-done" if done else ""
         else:
             fact = _whole_text(snapshot.target.steps if snapshot.target else None, number)
-        colour = css_colour(theme.step_colours[number - 1])
         cells.append(
-            f"<div class='v-chip{shown}' style='--step:{colour}'>"
-            f"<b>{number}</b><span>{title}</span><i>{escape(fact)}</i></div>"
+            f"<div class='v-chip{shown}' style='--step:{theme.steps[number - 1]}'>"
+            f"<b>{number}</b><span>{verb}</span><i>{escape(fact)}</i></div>"
         )
     return f"<div class='v-chips'>{''.join(cells)}</div>"
 

@@ -1,8 +1,8 @@
 """The page's layout: what stands where, and how one moment is put on it.
 
-    left    progress: views, parameters, trend, captured views
-    middle  the 3D scene, with the large guidance text below it
-    right   live picture, the four steps as the camera sees them, controls
+left    progress: views, parameters, trend, captured views
+middle  the 3D scene, with the large guidance text below it
+right   live picture, the four steps as the camera sees them, controls
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ from venus3d.scene.projections_panel import projections_html
 from venus3d.scene.style import Theme
 from venus3d.scene.view_state import ViewState
 
-_LEFT_WIDTH, _RIGHT_WIDTH, _GUIDE_WIDTH = 340, 520, 1000
+_LEFT_WIDTH, _RIGHT_WIDTH, _GUIDE_WIDTH = 340, 600, 940
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 370
-_BRAND = (110, 150, 230)
+# Neutral: the steps have the colours.
+_BRAND = {True: (150, 163, 184), False: (70, 82, 102)}
 _JPEG_QUALITY = 75
 _PICTURE_LEGEND = (
     "<div class='v-steps'><div class='v-legend'><b>Thick outline</b>: where this step ends &nbsp; "
@@ -73,7 +74,8 @@ class Page:
         """Put one moment on the page."""
         theme = Theme(state.dark)
         self._set_theme(theme)
-        self.guidance.content = f"<div class='v-wide'>{guidance_html(snapshot, state, theme, note)}</div>"
+        text = guidance_html(snapshot, state, theme, note)
+        self.guidance.content = f"<div class='v-wide'>{text}</div>"
         self.progress.content = progress_html(snapshot)
         self.projections.content = projections_html(projections, state.step, theme)
         self.controls.show(state)
@@ -95,7 +97,7 @@ class Page:
     def _make_left(self, theme: Theme) -> None:
         gui = self._gui
         panel = gui.add_panel()
-        with panel.add_tab("How well the camera is known", viser.Icon.CHART_LINE):
+        with panel.add_tab("Progress", viser.Icon.CHART_LINE):
             self._add_style()
             self.progress = gui.add_html("")
             self._caption = gui.add_html("", visible=False)
@@ -105,11 +107,12 @@ class Page:
                 trend_series(theme),
                 scales={"x": {"time": False}, "y": {"distr": 3}},
                 axes=(
-                    {"label": "views", "labelSize": 18, "size": 30, "incrs": [1, 2, 5, 10]},
+                    {"label": "views", "labelSize": 18, "size": 30, "incrs": (1.0, 2.0, 5.0, 10.0)},
                     {"label": "%", "labelSize": 16, "size": 44},
                 ),
                 legend={"show": False},
                 height=190,
+                padding=(12, 16, 0, 0),
                 visible=False,
             )
             self._views = gui.add_dropdown("View", ["–"], visible=False)
@@ -140,7 +143,10 @@ class Page:
         changed = self._dark is not None and self._dark != theme.dark
         self._dark = theme.dark
         self._gui.configure_theme(
-            dark_mode=theme.dark, show_logo=False, show_share_button=False, brand_color=_BRAND
+            dark_mode=theme.dark,
+            show_logo=False,
+            show_share_button=False,
+            brand_color=_BRAND[theme.dark],
         )
         for style in self._styles:
             style.content = theme.sheet

@@ -13,6 +13,8 @@ from venus3d.engine.pose import Array, Pose
 from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.shapes import Colour
 
+LivePicture = NDArray[np.uint8] | NDArray[np.uint16]
+"""(H, W, 3) BGR or (H, W) grey."""
 PICTURE_WIDTH = 640
 _TARGET_COLOUR = (255, 255, 255)
 _CORNER_COLOUR = (255, 255, 255)
@@ -22,11 +24,9 @@ _POINTS_PER_EDGE = 16
 _SHIFT = 4  # cv2 draws at 1/16 px
 
 
-def small_picture(image: NDArray[np.generic], width: int = PICTURE_WIDTH) -> NDArray[np.uint8]:
+def small_picture(image: LivePicture, width: int = PICTURE_WIDTH) -> NDArray[np.uint8]:
     """An RGB copy of a BGR or grey image, 8 or 16 bit, at most `width` wide."""
-    picture = np.asarray(image)
-    if picture.dtype != np.uint8:
-        picture = (picture >> 8).astype(np.uint8) if picture.dtype == np.uint16 else picture
+    picture = image if image.dtype == np.uint8 else np.right_shift(image, 8).astype(np.uint8)
     if picture.shape[1] > width:
         height = round(picture.shape[0] * width / picture.shape[1])
         picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
@@ -78,7 +78,7 @@ def _line(
 ) -> None:
     whole = np.vstack([points, points[:1]]) if closed else points
     # Far outside the picture cv2's fixed-point coordinates would overflow.
-    good = np.isfinite(whole).all(axis=1) & (np.abs(whole) < 1e4).all(axis=1)
+    good = [bool(np.isfinite(p).all() and (np.abs(p) < 1e4).all()) for p in whole]
     for ink, thickness in ((_CASING, width + 3), (colour, width)):
         for first, second in zip(range(len(whole) - 1), range(1, len(whole)), strict=True):
             if good[first] and good[second]:

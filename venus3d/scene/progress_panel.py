@@ -1,4 +1,4 @@
-"""How well the camera is known: views, each parameter with its sigma, and the trend of the sigmas."""
+"""How well the camera is known: views, each parameter with its sigma, the trend of the sigmas."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from viser import uplot
 from venus3d.engine.camera import PARAMETERS
 from venus3d.engine.pose import Array
 from venus3d.engine.snapshot import Progress, Snapshot
-from venus3d.scene.style import ACCENT_GOOD, ACCENT_INFO, Theme, css_colour
+from venus3d.scene.style import Theme
 
 PARAMETER_WORDS = (
     "focal length, horizontal",
@@ -32,20 +32,21 @@ def progress_html(snapshot: Snapshot | None) -> str:
     """Views, errors, what the next pose is for, and the table of parameters."""
     if snapshot is None or (snapshot.calibration is None and snapshot.target is None):
         return (
-            "<div class='v-progress'><h3>Progress</h3>The camera is not known yet. "
+            "<div class='v-progress'>The camera is not known yet. "
             "After the first view its parameters appear here.</div>"
         )
-    return f"<div class='v-progress'>{_summary(snapshot)}{_reason(snapshot)}{_table(snapshot)}</div>"
+    parts = _summary(snapshot) + _reason(snapshot) + _table(snapshot)
+    return f"<div class='v-progress'>{parts}</div>"
 
 
 def _summary(snapshot: Snapshot) -> str:
     last = snapshot.history[-1] if snapshot.history else None
     boxes = [(str(len(snapshot.views)), "views captured")]
     if last is not None:
-        boxes.append((_short(last.rms_px), "px rms: how well the corners fit"))
-        boxes.append((_short(last.error_px), "px: expected error in the image"))
+        boxes.append((_short(last.rms_px), "px rms, misfit of the corners"))
+        boxes.append((_short(last.error_px), "px, error to expect in the image"))
     cells = "".join(f"<div><b>{value}</b><span>{words}</span></div>" for value, words in boxes)
-    return f"<h3>Progress</h3><div class='v-big'>{cells}</div>"
+    return f"<div class='v-big'>{cells}</div>"
 
 
 def _reason(snapshot: Snapshot) -> str:
@@ -56,7 +57,8 @@ def _reason(snapshot: Snapshot) -> str:
     serves = ", ".join(target.serves[:3])
     serves = f"Helps most: {serves}." if serves else ""
     small = f"<small>{escape(looked + serves)}</small>" if looked or serves else ""
-    return f"<h3>What pose {target.number} is for</h3><div class='v-reason'>{escape(target.reason)}{small}</div>"
+    reason = f"<div class='v-reason'>{escape(target.reason)}{small}</div>"
+    return f"<h3>What pose {target.number} is for</h3>{reason}"
 
 
 def _table(snapshot: Snapshot) -> str:
@@ -112,20 +114,28 @@ def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:
 
 def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
     """Looks of the nine lines: one colour for each kind of parameter."""
-    info, good = css_colour(ACCENT_INFO[theme.dark]), css_colour(ACCENT_GOOD[theme.dark])
-    colours = [info, info, good, good] + [theme.quiet] * 5
+    colours = [theme.info] * 2 + [theme.good] * 2 + [theme.quiet] * 5
+    solid: tuple[float, ...] = ()
+    dashes = [solid] * 4 + [(6.0, 5.0)] * 5
     series: list[uplot.Series] = [{"label": "views"}]
-    for name, colour in zip(PARAMETERS, colours, strict=True):
-        series.append({"label": name, "stroke": colour, "width": 2, "points": {"show": False}})
+    for name, colour, dash in zip(PARAMETERS, colours, dashes, strict=True):
+        series.append(
+            {
+                "label": name,
+                "stroke": colour,
+                "width": 2,
+                "dash": dash,
+                "points": {"show": False},
+            }
+        )
     return tuple(series)
 
 
 def trend_caption(theme: Theme) -> str:
     """Words for the plot: what it shows, and which line is which."""
-    info, good = theme.info, theme.good
     return (
-        "<div class='v-progress'><h3>Uncertainty over the views (first full set = 100 %)</h3>"
-        f"<span style='color:{info}'>━ focal length</span> &nbsp; "
-        f"<span style='color:{good}'>━ centre</span> &nbsp; "
-        f"<span style='color:{theme.quiet}'>━ distortion</span></div>"
+        "<div class='v-progress'><h3>Sigma over the views (first full set = 100 %)</h3>"
+        f"<span style='color:{theme.info}'>━ focal length</span> &nbsp; "
+        f"<span style='color:{theme.good}'>━ centre</span> &nbsp; "
+        f"<span style='color:{theme.quiet}'>┅ distortion</span></div>"
     )

@@ -22,7 +22,11 @@ def encoded(picture: Picture) -> str:
 
 
 def projections_html(pictures: tuple[str, ...], step: int, theme: Theme, note: str = "") -> str:
-    """Four tiles; an empty source is a picture that is still being drawn."""
+    """Four tiles; an empty source is a picture that is still being drawn; none: no target."""
+    if not pictures:
+        return (
+            "<div class='v-steps'><h3>The four steps appear here with the first target.</h3></div>"
+        )
     tiles: list[str] = []
     for number, source in enumerate(pictures, start=1):
         shown = " v-on" if number == step else ""
@@ -49,7 +53,7 @@ class Tiles:
         """No pictures yet."""
         self.key: object = None
         self._futures: tuple[Future[Picture], ...] = ()
-        self._sources: list[str] = ["", "", "", ""]
+        self._sources: tuple[str, ...] = ()
 
     @property
     def waiting(self) -> bool:
@@ -59,14 +63,15 @@ class Tiles:
     def expect(self, key: object, futures: tuple[Future[Picture], ...]) -> None:
         """Wait for these four; the old ones stay until then."""
         self.key, self._futures = key, futures
+        self._sources = self._sources or ("",) * len(futures)
 
     def forget(self) -> None:
         """There is no target."""
-        self.key, self._futures, self._sources = None, (), ["", "", "", ""]
+        self.key, self._futures, self._sources = None, (), ()
 
     def sources(self) -> tuple[str, ...]:
         """Sources of the four images; never waits. Raises what broke the drawing of one."""
         if self._futures and all(future.done() for future in self._futures):
-            self._sources = [encoded(future.result()) for future in self._futures]
+            self._sources = tuple(encoded(future.result()) for future in self._futures)
             self._futures = ()
-        return tuple(self._sources)
+        return self._sources

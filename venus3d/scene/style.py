@@ -8,13 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from venus3d.scene.palette import step_colour
+from venus3d.scene.palette import ground, hex_of, mixed, step_colour
 from venus3d.scene.shapes import Colour
-
-ACCENT_INFO: dict[bool, Colour] = {True: (138, 173, 244), False: (38, 84, 170)}
-"""Something is going on, or is needed. By dark or light."""
-ACCENT_GOOD: dict[bool, Colour] = {True: (220, 224, 232), False: (40, 44, 52)}
-"""Something is right. By dark or light; always with a tick and a word."""
 
 
 @dataclass(frozen=True)
@@ -32,39 +27,34 @@ class Theme:
     @property
     def steps(self) -> tuple[str, ...]:
         """The steps' colours in CSS."""
-        return tuple(css_colour(colour) for colour in self.step_colours)
+        return tuple(hex_of(colour) for colour in self.step_colours)
 
     @property
     def info(self) -> str:
         """Something is going on, or is needed."""
-        return css_colour(ACCENT_INFO[self.dark])
+        return hex_of(ground(self.dark).warning)
 
     @property
     def good(self) -> str:
-        """Something is right."""
-        return css_colour(ACCENT_GOOD[self.dark])
+        """Something is right; always with a tick and a word."""
+        return hex_of(ground(self.dark).text)
 
     @property
     def quiet(self) -> str:
         """Nothing is going on."""
-        return "#8b8f98" if self.dark else "#666a73"
+        return hex_of(ground(self.dark).quiet_text)
 
     @property
     def sheet(self) -> str:
         """The style sheet, once for each panel."""
-        text, soft, line, tile = (
-            ("#f1f2f4", "#a9adb6", "#3b3e45", "#26282d")
-            if self.dark
-            else ("#16181c", "#565a63", "#d3d6dc", "#f1f2f5")
+        neutral = ground(self.dark)
+        line = mixed(neutral.background, neutral.text, 0.17)
+        tile = mixed(neutral.background, neutral.text, 0.05)
+        root = (
+            f"--text:{self.good};--soft:{self.quiet};--info:{self.info};--line:{hex_of(line)};"
+            f"--tile:{hex_of(tile)};--ink:{hex_of(neutral.background)}"
         )
-        root = f"--text:{text};--soft:{soft};--line:{line};--tile:{tile};--info:{self.info};"
-        root += f"--good:{self.good};--ink:{'#101114' if self.dark else '#ffffff'}"
         return f"<style>.v-guide,.v-progress,.v-steps,.v-keys{{{root}}}{_SHEET}</style>"
-
-
-def css_colour(colour: Colour) -> str:
-    """A colour in CSS: "#56b4e9"."""
-    return "#{:02x}{:02x}{:02x}".format(*colour)
 
 
 _SHEET = """
@@ -72,14 +62,14 @@ _SHEET = """
 .v-guide,.v-progress,.v-steps,.v-keys{color:var(--text);font-family:Inter,"Segoe UI",Roboto,
 "Helvetica Neue",Arial,sans-serif;font-variant-numeric:tabular-nums;box-sizing:border-box}
 .v-guide *,.v-progress *,.v-steps *{box-sizing:border-box}
-.v-guide{padding:0 2cqw 1.6cqw;height:27cqw;display:flex;flex-direction:column;gap:1cqw}
+.v-guide{padding:0 2cqw 1.6cqw;min-height:29.5cqw;display:flex;flex-direction:column;gap:1cqw}
 .v-head{display:flex;align-items:center;gap:1.8cqw;line-height:1.05}
 .v-badge{flex:none;width:7.4cqw;height:7.4cqw;border-radius:50%;background:var(--step);
 color:var(--ink);font-size:4.9cqw;font-weight:800;display:grid;place-items:center}
 .v-title{font-size:5.3cqw;font-weight:750;flex:1;letter-spacing:-.01em}
 .v-amount{color:var(--step);font-size:6.6cqw;font-weight:800;text-align:right;white-space:nowrap}
 .v-amount small{font-size:2cqw;font-weight:600;color:var(--soft);margin-left:.8cqw}
-.v-sentence{font-size:3.7cqw;line-height:1.18;font-weight:550;min-height:4.4cqw}
+.v-sentence{font-size:3.6cqw;line-height:1.18;font-weight:550;min-height:4.4cqw}
 .v-picture,.v-note,.v-second{font-size:2cqw;line-height:1.25;color:var(--soft)}
 .v-note{color:var(--info);font-weight:650}
 .v-second{font-size:2.6cqw}
@@ -92,7 +82,7 @@ color:var(--ink);display:grid;place-items:center;font-size:2.1cqw}
 .v-chip i{font-style:normal;margin-left:auto;font-weight:700;white-space:nowrap}
 .v-chip.v-done i{color:var(--soft);font-weight:550}
 .v-chip.v-on{border-color:var(--step);box-shadow:inset 0 0 0 .15cqw var(--step)}
-.v-steps{padding:0 .6em}
+.v-steps{padding:0 .6em .5em}
 .v-steps h3,.v-progress h3,.v-keys h3{margin:.9em 0 .45em;font-size:13px;font-weight:700;
 letter-spacing:.01em;color:var(--soft)}
 .v-grid{display:grid;grid-template-columns:1fr 1fr;gap:7px}
@@ -111,12 +101,13 @@ font-size:13px}
 .v-big span{font-size:12px;color:var(--soft);line-height:1.2;display:block;margin-top:2px}
 .v-reason{font-size:15px;line-height:1.35;border-left:4px solid var(--info);padding:2px 0 2px 9px}
 .v-reason small{display:block;font-size:12px;color:var(--soft);margin-top:3px}
+@media (max-width:1500px){.mantine-Paper-root:has(.v-guide){width:calc(100vw - 742px)!important}}
 .v-row{display:grid;grid-template-columns:2.1em 1fr auto;column-gap:7px;align-items:baseline;
 padding:3.5px 0;border-bottom:1px solid var(--line)}
 .v-row b{font-weight:750}
 .v-row .v-word{color:var(--soft);font-size:13px}
 .v-row .v-mark{font-size:13px;font-weight:650;white-space:nowrap;color:var(--soft)}
-.v-row .v-mark.v-yes{color:var(--good)}
+.v-row .v-mark.v-yes{color:var(--text)}
 .v-row .v-value{grid-column:2/4;font-size:14.5px}
 .v-row .v-value i{font-style:normal;color:var(--soft)}
 .v-key{display:inline-block;border:1px solid var(--line);border-radius:4px;padding:0 5px;

@@ -17,12 +17,11 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.pose import Array, Pose
+from venus3d.scene.palette import ground
 from venus3d.scene.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
 
 _FRUSTUM_PICTURE_WIDTH = 320
 _LABEL_SCALE = 1.5
-# viser's own label background is light in both themes; the eye needs the frustum on either.
-_FRUSTUM_COLOUR = {True: (178, 178, 186), False: (70, 70, 78)}
 
 
 @dataclass
@@ -90,7 +89,7 @@ class SceneView:
         else:
             node.handle.fov, node.handle.aspect = shape.fov_y_rad, shape.aspect
             node.handle.scale = shape.scale
-            node.handle.color = _FRUSTUM_COLOUR[dark]
+            node.handle.color = ground(dark).camera
         node.handle.visible = True
         node.shape = shape
 
@@ -135,7 +134,7 @@ class SceneView:
             scale=shape.scale,
             thickness=2.0,
             thickness_units="screen",
-            color=_FRUSTUM_COLOUR[dark],
+            color=ground(dark).camera,
             image=self._picture if shape.image is None else shape.image,
             jpeg_quality=75,
             cast_shadow=False,

@@ -13,11 +13,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable
-
 from dataclasses import replace
-
-import numpy as np
-from numpy.typing import NDArray
 
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
@@ -27,7 +23,7 @@ from venus3d.scene.control_panel import Action
 from venus3d.scene.describe import SceneOptions, describe
 from venus3d.scene.gizmo import BoardGizmo
 from venus3d.scene.page import Page
-from venus3d.scene.picture import annotate, small_picture
+from venus3d.scene.picture import LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Tiles
 from venus3d.scene.server import start_server
@@ -72,7 +68,7 @@ class Viewer:
         self._snapshot: Snapshot | None = None
         self._changed = True
         self._note, self._note_until = "", 0.0
-        self._picture: tuple[NDArray[np.generic], Observation | None] | None = None
+        self._picture: tuple[LivePicture, Observation | None] | None = None
         self._picture_came = threading.Event()
         self._stop = threading.Event()
         self._failure: BaseException | None = None
@@ -110,9 +106,7 @@ class Viewer:
             self._snapshot, self._changed = snapshot, True
             self._wake.notify_all()
 
-    def show_picture(
-        self, image: NDArray[np.generic], observation: Observation | None = None
-    ) -> None:
+    def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
         """Show this live picture (BGR or grey), with the corners of `observation`, or by default
         of the newest snapshot; the newest wins."""
         self._raise_failure()
@@ -261,6 +255,7 @@ class Viewer:
             rgb, state, snapshot = small_picture(came[0]), self._state, self._snapshot
             self._scene.set_picture(rgb)
             if snapshot is not None:
+                state = state.seeing(snapshot)
                 colour = Theme(True).step_colours[state.step - 1]
                 annotate(rgb, snapshot, came[1], state.step, colour)
             self._page.show_picture(rgb)
