@@ -140,8 +140,9 @@ def test_a_replayed_session_asks_for_the_same_poses(rig: Rig) -> None:
         if replay.pending is not None:
             snapshot = replay.apply(replay.pending.run())
     assert live.target is not None and snapshot.target is not None
-    np.testing.assert_array_equal(snapshot.target.pose.matrix, live.target.pose.matrix)
-    np.testing.assert_array_equal(snapshot.camera.parameters, live.camera.parameters)
+    # OpenCV's and BLAS's threads add in no fixed order: equal but for the last digits.
+    np.testing.assert_allclose(snapshot.target.pose.matrix, live.target.pose.matrix, atol=1e-6)
+    np.testing.assert_allclose(snapshot.camera.parameters, live.camera.parameters, rtol=1e-6)
 
 
 def test_the_number_of_views_is_a_limit(paper_camera: Camera, default_board: Board) -> None:
@@ -168,7 +169,7 @@ def test_a_frame_of_another_size_is_refused(rig: Rig) -> None:
 def test_recordings_may_count_a_view_worth_as_much_as_the_target(
     paper_camera: Camera, default_board: Board
 ) -> None:
-    settings = Settings(equivalent_gain=0.5, still_px=np.inf, max_views=8)
+    settings = Settings(equivalent_gain=0.2, still_px=np.inf, max_views=8)
     rig = Rig(paper_camera, default_board, settings)
     rng = np.random.default_rng(3)
     snapshot = rig.session.snapshot()

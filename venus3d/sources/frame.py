@@ -39,6 +39,11 @@ class Source(Protocol):
         """Whether frames pass by whether they are read or not."""
         ...
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a person should know of how the frames come: a fallback, a part not readable."""
+        ...
+
     def read(self) -> Frame | None:
         """The next frame of a recording, the newest of a live source; None at the end.
 

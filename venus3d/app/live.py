@@ -1,8 +1,4 @@
-"""The guidance loop: newest frame in, snapshot out.
-
-`run_guide` drives one session from a source. Headless, everything happens in order on one thread,
-so that a seed repeats a run. With the viewer, four threads hand things on through one-slot boxes
-in which the newest wins:
+"""Guiding with the viewer: four threads that hand things on through one-slot, newest-wins boxes.
 
     watch   source -> frame box, and the picture to the viewer at once
     look    frame box -> detection -> observation box
@@ -16,13 +12,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from contextlib import closing
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
 
-from venus3d.engine.camera import Camera
-from venus3d.engine.detection import Detector, search_region
-from venus3d.engine.errors import CalibrationError, SourceError
+from venus3d.app.eyes import Eyes
+from venus3d.engine.errors import CalibrationError
 from venus3d.engine.observation import Observation
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
@@ -32,149 +25,6 @@ from venus3d.scene.viewer import Viewer
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.latest import Latest
 from venus3d.sources.sim import Simulation
-
-
-PAPER_CAMERA = Camera(1280, 720, 1068, 1073, 635, 355, -0.0031, -0.2059, -0.0028, -0.0038, 0.2478)
-"""The simulated camera of the paper (4.1.2), its five distortion numbers in OpenCV's order."""
-
-# A recording does not follow a target: a view with this share of the target's gain counts as well.
-_EQUIVALENT_GAIN = 0.7
-# Headless, the simulated hand is looked at this often; a person's viewer gets every frame.
-_HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
-
-
-@dataclass(frozen=True, eq=False)
-class GuideResult:
-    """What a guided calibration came to."""
-
-    snapshot: Snapshot
-    warnings: tuple[str, ...]
-    truth: Camera | None
-    """The simulated camera; None for a real one."""
-
-
-def run_guide(
-    options: GuideOptions, on_result: Callable[[GuideResult], None] | None = None
-) -> GuideResult:
-    """Guide one calibration as the options say, until it ends (headless) or is stopped (viewer).
-
-    `on_result` is called whenever a result is complete, while the viewer stays open. Raises
-    `VenusError` for whatever the user can mend.
-    """
-    board = options.board.board()
-    source = _opened(options, board)
-    truth = source.truth if isinstance(source, Simulation) else None
-    try:
-        detector = Detector(board, find_layout=truth is None)
-        session = Session(board, source.image_size, _settings(options, board, source))
-        eyes = Eyes(detector)
-
-        def result(snapshot: Snapshot, *more: str) -> GuideResult:
-            notes = (*source.notes, *detector.notes, *snapshot.warnings, *more)
-            return GuideResult(snapshot, tuple(dict.fromkeys(notes)), truth)
-
-        if options.headless:
-            return result(run_headless(session, source, eyes))
-        with closing(Projections(Offscreen())) as projections, closing(
-            Viewer(
-                options.host,
-                options.port,
-                projections=projections,
-                draggable_board=truth is not None,
-                autopilot=options.autopilot,
-            )
-        ) as viewer:
-            for note in viewer.notes:
-                print(note, flush=True)
-            print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
-
-            def hand_on(snapshot: Snapshot) -> None:
-                if on_result is not None:
-                    on_result(result(snapshot))
-
-            return result(LiveGuide(session, source, eyes, viewer, hand_on).run(), *viewer.notes)
-    finally:
-        source.close()
-
-
-def _opened(options: GuideOptions, board: Board) -> Source:
-    if options.source != "sim":
-        return open_source(
-            options.source, size=options.image_size, realtime=not options.headless
-        )
-    camera = PAPER_CAMERA
-    if options.image_size is not None:
-        camera = camera.scaled(options.image_size)
-    return Simulation(
-        camera,
-        board,
-        seed=options.seed,
-        fps=_HEADLESS_FPS if options.headless else _LIVE_FPS,
-        realtime=not options.headless,
-        autopilot=options.autopilot,
-        speed=options.speed * (_LIVE_FPS / _HEADLESS_FPS / 2 if options.headless else 1),
-    )
-
-
-def _settings(options: GuideOptions, board: Board, source: Source) -> Settings:
-    is_recording = not source.is_live
-    return Settings(
-        method=options.method,
-        cost=options.cost,
-        limits=options.limits.limits(board, Camera.guess(source.image_size)),
-        seed=options.seed,
-        max_views=options.max_views,
-        auto_capture=options.auto_capture,
-        equivalent_gain=_EQUIVALENT_GAIN if is_recording else None,
-        overlap_needed=options.overlap,
-        still_px=float("inf") if isinstance(source, Folder) else 2.0,
-        rule=options.convergence,
-    )
-
-
-class Eyes:
-    """Frames to observations: the detector with its memory of where the board was."""
-
-    def __init__(self, detector: Detector) -> None:
-        self.detector = detector
-        self._last: Observation | None = None
-
-    def look(self, frame: Frame) -> Observation:
-        """The board in this frame; searched near its last place first, then everywhere."""
-        region = None
-        if self._last is not None and self.detector.settled:
-            region = search_region(self._last, frame.image_size)
-        seen = self._detect(frame, region)
-        if region is not None and seen.count < 0.9 * (self._last.count if self._last else 0):
-            seen = self._detect(frame, None)
-        self._last = seen if seen.count else None
-        return seen
-
-    def _detect(self, frame: Frame, region: tuple[int, int, int, int] | None) -> Observation:
-        return self.detector.detect(
-            frame.image, region=region, time_s=frame.time_s, name=frame.name
-        )
-
-
-def run_headless(session: Session, source: Source, eyes: Eyes) -> Snapshot:
-    """Guide without a screen until convergence, enough views, or the recording's end."""
-    snapshot = session.snapshot()
-    while snapshot.phase not in ("converged", "finished"):
-        frame = source.read()
-        if frame is None:
-            break
-        observation = eyes.look(frame)
-        session.use_board(eyes.detector.board)
-        snapshot = session.observe(observation)
-        while session.pending is not None:
-            work = session.pending
-            try:
-                snapshot = session.apply(work.run())
-            except CalibrationError as error:
-                snapshot = session.fail(work, error)
-        if isinstance(source, Simulation):
-            source.follow(snapshot.target)
-    return snapshot
 
 
 class LiveGuide:
@@ -267,7 +117,7 @@ class LiveGuide:
         self._think()
         snapshot = session.snapshot()
         if isinstance(self._source, Simulation):
-            self._source.follow(snapshot.target)
+            self._source.follow(snapshot.target, snapshot.pose)
         self._viewer.show(snapshot)
         state = (snapshot.phase, len(snapshot.views))
         if state != self._settled_at and snapshot.phase in ("converged", "finished"):

@@ -1,0 +1,119 @@
+"""From a person's options to a guided calibration: opens the rooms, runs the loop, closes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+
+from venus3d.app.eyes import Eyes
+from venus3d.app.headless import run_headless
+from venus3d.app.live import LiveGuide
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.detection import Detector
+from venus3d.engine.session import Session
+from venus3d.engine.snapshot import Snapshot
+from venus3d.engine.work import Settings
+from venus3d.options import GuideOptions
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.projections import Projections
+from venus3d.scene.viewer import Viewer
+from venus3d.sources.folder import Folder
+from venus3d.sources.frame import Source
+from venus3d.sources.opening import open_source
+from venus3d.sources.sim import PAPER_CAMERA, Simulation
+
+# A recording does not follow a target: a view with this share of the target's gain counts as well.
+_EQUIVALENT_GAIN = 0.2
+# Headless, the simulated hand is looked at this often; a person's viewer gets every frame.
+_HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
+_HEADLESS_HASTE = 2.5
+
+
+@dataclass(frozen=True, eq=False)
+class GuideResult:
+    """What a guided calibration came to."""
+
+    snapshot: Snapshot
+    warnings: tuple[str, ...]
+    truth: Camera | None
+    """The simulated camera; None for a real one."""
+
+
+def run_guide(
+    options: GuideOptions, on_result: Callable[[GuideResult], None] | None = None
+) -> GuideResult:
+    """Guide one calibration as the options say, until it ends (headless) or is stopped (viewer).
+
+    `on_result` is called whenever a result is complete, while the viewer stays open. Raises
+    `VenusError` for whatever the user can mend.
+    """
+    board = options.board.board()
+    with ExitStack() as rooms:
+        offscreen = None
+        if options.source == "sim" or not options.headless:
+            offscreen = rooms.enter_context(closing(Offscreen()))
+        source = rooms.enter_context(closing(_opened(options, board, offscreen)))
+        truth = source.truth if isinstance(source, Simulation) else None
+        eyes = Eyes(Detector(board, find_layout=truth is None))
+        session = Session(board, source.image_size, _settings(options, board, source))
+
+        def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
+            said = (*source.notes, *eyes.detector.notes, *snapshot.warnings, *notes)
+            return GuideResult(snapshot, tuple(dict.fromkeys(said)), truth)
+
+        if options.headless:
+            return result(run_headless(session, source, eyes))
+        assert offscreen is not None
+        viewer = rooms.enter_context(
+            closing(
+                Viewer(
+                    options.host,
+                    options.port,
+                    projections=Projections(offscreen),
+                    draggable_board=truth is not None,
+                    autopilot=options.autopilot,
+                )
+            )
+        )
+        for note in viewer.notes:
+            print(note, flush=True)
+        print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
+
+        def hand_on(snapshot: Snapshot) -> None:
+            if on_result is not None:
+                on_result(result(snapshot))
+
+        return result(LiveGuide(session, source, eyes, viewer, hand_on).run(), viewer.notes)
+
+
+def _opened(options: GuideOptions, board: Board, offscreen: Offscreen | None) -> Source:
+    if options.source != "sim":
+        return open_source(options.source, size=options.image_size, realtime=not options.headless)
+    size = options.image_size
+    return Simulation(
+        PAPER_CAMERA if size is None else PAPER_CAMERA.scaled(size),
+        board,
+        seed=options.seed,
+        fps=_HEADLESS_FPS if options.headless else _LIVE_FPS,
+        realtime=not options.headless,
+        autopilot=options.autopilot,
+        speed=options.speed * (_HEADLESS_HASTE if options.headless else 1.0),
+        offscreen=offscreen,
+    )
+
+
+def _settings(options: GuideOptions, board: Board, source: Source) -> Settings:
+    return Settings(
+        method=options.method,
+        cost=options.cost,
+        limits=options.limits.limits(board, Camera.guess(source.image_size)),
+        seed=options.seed,
+        max_views=options.max_views,
+        auto_capture=options.auto_capture,
+        equivalent_gain=None if source.is_live or options.source == "sim" else _EQUIVALENT_GAIN,
+        overlap_needed=options.overlap,
+        still_px=float("inf") if isinstance(source, Folder) else 2.0,
+        rule=options.convergence,
+    )
