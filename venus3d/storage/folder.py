@@ -49,6 +49,8 @@ def write_bytes(path: Path, content: bytes) -> Path:
 
 
 def _reason(error: OSError) -> str:
+    if isinstance(error, FileExistsError):  # mkdir's answer where a file has the folder's name
+        return "not a directory"
     return (error.strerror or str(error)).lower()
 
 

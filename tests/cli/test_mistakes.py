@@ -1,0 +1,189 @@
+"""Every mistake a user can make ends in one sentence and exit code 2.
+
+The texts are pinned: a sentence that names cause and cure is part of the program.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.cli.conftest import Ran
+from venus3d.engine.pose import Pose
+
+Run = Callable[..., Ran]
+Photographs = Callable[[str, Sequence[Pose]], Path]
+
+
+def test_no_such_source(run: Run) -> None:
+    assert run("calibrate", "no/such/place").sentence == (
+        "There is no file or folder no/such/place; give an existing video, image or folder, a "
+        "pattern of images, a camera's number, a stream's address, or sim."
+    )
+
+
+def test_text_file_named_jpg(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "text.jpg"
+    path.write_text("no picture")
+    assert run("calibrate", path).sentence == (
+        f"{path} is not an image, whatever its name says; use a PNG, JPEG, TIFF or BMP file."
+    )
+
+
+def test_image_without_board(run: Run, blank_picture: Path) -> None:
+    assert run("calibrate", blank_picture).sentence == (
+        "There is no view to calibrate from: the board was found in no image; check its size, its "
+        "dictionary and that the picture is sharp."
+    )
+
+
+def test_truncated_video(run: Run, tmp_path: Path, shared_data: Path) -> None:
+    whole = (shared_data / "wpilib-charuco-12x8.mp4").read_bytes()
+    path = tmp_path / "cut.mp4"
+    path.write_bytes(whole[: len(whole) // 3])
+    assert "cut.mp4" in run("calibrate", path).sentence
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (
+            ["--board.square-mm", "20", "--board.marker-mm", "20"],
+            "The marker (20 mm) must be smaller than the square (20 mm); are the two swapped?",
+        ),
+        (
+            ["--board.dictionary", "DICT_4X4_50", "--board.columns", "12", "--board.rows", "12"],
+            "DICT_4X4_50 has 50 markers, but a board of 12 x 12 squares needs 72; use a larger "
+            "dictionary.",
+        ),
+        (
+            ["--board.columns", "2"],
+            "A board of 2 x 6 squares has too few inner corners to calibrate with; use at least 3 "
+            "columns and 3 rows.",
+        ),
+        (
+            ["--board.marker-mm", "-3"],
+            "Square and marker sizes must be positive numbers.",
+        ),
+    ],
+)
+@pytest.mark.parametrize("command", [["calibrate", "."], ["board"], ["guide", "--headless"]])
+def test_options_that_make_no_board(
+    run: Run, command: list[str], options: list[str], sentence: str
+) -> None:
+    ran = run(*command, *options)
+    if sentence.endswith("?"):  # the sentence with its question is one sentence all the same
+        assert (ran.code, ran.err) == (2, f"venus3d: {sentence}\n")
+    else:
+        assert ran.sentence == sentence
+
+
+def test_unknown_dictionary(run: Run) -> None:
+    sentence = run("board", "--board.dictionary", "DICT_9X9").sentence
+    assert sentence.startswith("There is no marker dictionary 'DICT_9X9'; use one of DICT_4X4_100")
+
+
+def test_two_images_only(run: Run, tmp_path: Path, tilted_pictures: Path) -> None:
+    for name in ("01.png", "02.png"):
+        shutil.copy(tilted_pictures / name, tmp_path / name)
+    assert run("calibrate", tmp_path).sentence == (
+        "Only 2 pictures show the board, and a calibration needs at least 3, better 10 with the "
+        "board tilted in different directions."
+    )
+
+
+def test_all_views_parallel(run: Run, photographs: Photographs) -> None:
+    poses = [Pose.from_vector((0, 0, 0, x, 0, z)) for x in (-0.05, 0.05) for z in (0.4, 0.5)]
+    sentence = run("calibrate", photographs("parallel", poses)).sentence
+    assert sentence.startswith("The focal length is not determined by these views:")
+    assert sentence.endswith("tilt the board by 20-45° in different directions.")
+
+
+def test_mixed_image_sizes(run: Run, tmp_path: Path, tilted_pictures: Path) -> None:
+    shutil.copy(tilted_pictures / "01.png", tmp_path / "a.png")
+    cv2.imwrite(str(tmp_path / "b.png"), np.zeros((480, 640, 3), np.uint8))
+    sentence = run("calibrate", tmp_path).sentence
+    assert "1280 x 720" in sentence and "640 x 480" in sentence
+    assert "a.png" in sentence and "b.png" in sentence
+
+
+@pytest.mark.parametrize("command", [["calibrate", "."], ["guide", "--headless"]])
+def test_unwritable_output(run: Run, tmp_path: Path, command: list[str]) -> None:
+    """Said before the work starts: a file stands where the folder should be."""
+    (tmp_path / "file").write_text("")
+    place = tmp_path / "file" / "results"
+    assert run(*command, "--output", place).sentence == (
+        f"Nothing can be written to {place} (not a directory); choose another folder with "
+        "--output."
+    )
+
+
+def test_board_into_unwritable_place(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    path = tmp_path / "file" / "board.png"
+    assert run("board", "--output", path).sentence == (
+        f"{path} cannot be written (not a directory); choose another place."
+    )
+
+
+def test_board_too_coarse(run: Run, tmp_path: Path) -> None:
+    assert run("board", "--dpi", "10", "--output", tmp_path).sentence == (
+        "At 10 dpi a square of 28 mm is 11 px wide, too coarse for the markers; use a higher --dpi."
+    )
+
+
+@pytest.mark.parametrize(
+    ("pose", "limit"),
+    [
+        ((80, 0, 0, 0, 0, 500), "One of the angles is 80°; the limit is 70°"),
+        ((0, 62, 0, 0, 0, 700), "The board is tilted by 62° away from the line of sight"),
+        ((0, 0, 0, 0, 0, 5000), "the farthest allowed is 1200 mm"),
+        ((0, 0, 0, 0, 0, 120), "the nearest allowed is 200 mm"),
+        ((0, 0, 0, 400, 0, 500), "past the picture's border"),
+    ],
+)
+def test_pose_outside_the_limits(
+    run: Run, tmp_path: Path, pose: tuple[float, ...], limit: str
+) -> None:
+    sentence = run("decompose", *pose, "--output", tmp_path).sentence
+    assert limit in sentence and "--limits" in sentence
+    assert not list(tmp_path.iterdir())
+
+
+def test_pose_behind_the_lens(run: Run) -> None:
+    assert run("decompose", 0, 0, 0, 0, 0, -500).sentence == (
+        "The board's centre would be 500 mm behind the lens; ZT must be positive."
+    )
+
+
+def test_pose_that_is_no_number(run: Run) -> None:
+    ran = run("decompose", "nan", 0, 0, 0, 0, 500)
+    assert ran.sentence.startswith("A pose is six finite numbers")
+    ran = run("decompose", "left", 0, 0, 0, 0, 500)
+    assert ran.code == 2 and "Traceback" not in ran.err
+
+
+def test_camera_file_that_holds_none(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "camera.yaml"
+    path.write_text("%YAML:1.0\n---\nfocal: 3\n")
+    assert run("decompose", 0, 0, 0, 0, 0, 500, "--camera", path).sentence == (
+        f"There is no camera in {path}; a camera.yaml holds image_width, image_height, "
+        "camera_matrix and distortion_coefficients."
+    )
+
+
+def test_camera_size_that_is_none(run: Run) -> None:
+    assert run("guide", "--headless", "--camera-size", "big").sentence == (
+        "A picture's size is WIDTHxHEIGHT, such as 1280x720, not 'big'."
+    )
+
+
+def test_address_that_cannot_be_bound(run: Run) -> None:
+    """viser would hang for ever on such an address; 192.0.2.1 is reserved for documentation."""
+    sentence = run("guide", "sim", "--host", "192.0.2.1", "--port", "8400").sentence
+    assert "192.0.2.1" in sentence

@@ -1,0 +1,73 @@
+"""`venus3d decompose`: a pose as four steps, in words and in pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+
+from venus3d.cli.options import DecomposeOptions
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.decomposition import Step, decompose
+from venus3d.engine.errors import PoseError, StorageError
+from venus3d.engine.limits import Limits
+from venus3d.engine.pose import Pose
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.projections import Projections
+from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.storage.camera_yaml import read_camera_yaml
+from venus3d.storage.folder import prepare, write_bytes
+
+PICTURE_WIDTH = 960
+
+
+def decompose_command(options: DecomposeOptions) -> None:
+    """Print the steps and write their pictures. Raises `VenusError` for a user's mistake."""
+    board = options.board.board()
+    camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
+    target = _target(options, board, camera)
+    folder = prepare(options.output)
+    steps = decompose(target, camera, board)
+    print(_heading(target, board))
+    for step in steps:
+        print(_told(step))
+    for path in _write_pictures(folder, steps, camera, board):
+        print(f"Written: {path}")
+
+
+def _target(options: DecomposeOptions, board: Board, camera: Camera) -> Pose:
+    millimetres = (options.xt, options.yt, options.zt)
+    vector = [options.xr, options.yr, options.zr, *(length / 1000 for length in millimetres)]
+    target = Pose.from_vector(vector, axes=options.axes)
+    if options.zt <= 0:
+        raise PoseError(
+            f"The board's centre would be {-options.zt:g} mm behind the lens; ZT must be positive."
+        )
+    limits = options.limits.limits(board, camera) or Limits.for_board(board, camera)
+    refusal = limits.refusal(camera, board, target)
+    if refusal is not None:
+        raise PoseError(
+            f"{refusal.rstrip('.')}; choose another pose, or move the limit (--limits)."
+        )
+    return target
+
+
+def _heading(target: Pose, board: Board) -> str:
+    x, y, z = target.t * 1000
+    xr, yr, zr = target.vector()[:3]
+    return (
+        f"Target: turned {xr:+.1f}° about X, {yr:+.1f}° about Y, {zr:+.1f}° about Z (the camera's "
+        f"axes);\n        centre {x:+.0f} mm right, {y:+.0f} mm down, {z:.0f} mm in front."
+    )
+
+
+def _told(step: Step) -> str:
+    lines = [
+        f"\nStep {step.number} of 4",
+        f"  camera: {step.words.camera}",
+        f"  holder: {step.words.holder}",
+    ]
+    if step.corners_outside:
+        lines.append(f"  Mind: {len(step.corners_outside)} corners leave the picture here.")
+    return "\n".join(lines)
