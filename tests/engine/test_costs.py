@@ -1,0 +1,175 @@
+"""Costs and projection errors, against Monte Carlo, matrix algebra and real calibrations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.spatial.transform import Rotation
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.costs import (
+    GRID,
+    grid_pixels,
+    make_cost,
+    mean_projection_error_px,
+    projection_error_px,
+)
+from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.information import covariance_of, view_information
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Array, Pose, rotations_of
+
+VIEWS = np.array(
+    [
+        [45, 0, 0, 0, 0, 0.4],
+        [-30, 20, 10, 0.05, 0, 0.4],
+        [10, -40, -20, -0.05, 0.03, 0.45],
+        [0, 10, 5, 0.1, 0.05, 0.5],
+        [-20, -20, 0, -0.1, -0.05, 0.5],
+    ]
+)
+SIGMA = float(np.sqrt(0.1))
+
+
+def information_of_views(camera: Camera, board: Board, views: Array = VIEWS) -> Array:
+    return view_information(camera, board.corners, rotations_of(views), views[:, 3:]).sum(axis=0)
+
+
+def test_projection_variance_by_monte_carlo(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """Cameras drawn from the covariance, the best common rotation found by least squares."""
+    covariance = covariance_of(information_of_views(paper_camera, default_board), 0.1)
+    drawn = rng.multivariate_normal(paper_camera.parameters, covariance, size=300)
+    squares = [
+        mean_projection_error_px(paper_camera, Camera.from_parameters(p, paper_camera.image_size)) ** 2
+        for p in drawn
+    ]
+    # The mean of 300 such squares, of about three effective degrees of freedom, is good to 5 %.
+    assert projection_error_px(paper_camera, covariance) ** 2 == pytest.approx(
+        np.mean(squares), rel=0.15
+    )
+
+
+def test_mean_projection_error_against_another_minimiser(paper_camera: Camera) -> None:
+    other = Camera(1280, 720, 1075, 1079, 640, 350, 0.01, -0.19, -0.002, -0.004, 0.2)
+    xy = paper_camera.unproject(grid_pixels(paper_camera.image_size))
+    rays = np.column_stack([xy, np.ones(len(xy))])
+
+    def mean_square(rotvec: Array) -> float:
+        turned = Rotation.from_rotvec(rotvec).apply(rays)
+        return float(np.mean(np.sum((other.project(turned) - paper_camera.project(rays)) ** 2, 1)))
+
+    best = minimize(mean_square, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12})
+    assert mean_projection_error_px(paper_camera, other) == pytest.approx(
+        np.sqrt(best.fun), rel=1e-5
+    )
+
+
+def test_a_turned_camera_and_a_shifted_principal_point_are_nearly_the_same(
+    paper_camera: Camera,
+) -> None:
+    """3 px of principal point are mostly a turn: what is left is a small part of it."""
+    assert mean_projection_error_px(paper_camera, paper_camera) < 1e-9
+    from dataclasses import replace
+
+    shifted = replace(paper_camera, cx=paper_camera.cx + 3)
+    assert mean_projection_error_px(paper_camera, shifted) < 1.0
+    longer = replace(paper_camera, fx=paper_camera.fx * 1.01, fy=paper_camera.fy * 1.01)
+    assert mean_projection_error_px(paper_camera, longer) > 2.0
+    with pytest.raises(CalibrationError, match="same size"):
+        mean_projection_error_px(paper_camera, paper_camera.scaled((640, 360)))
+
+
+def test_the_grid_is_the_centres_of_equal_cells() -> None:
+    pixels = grid_pixels((1280, 720))
+    assert pixels.shape == (GRID[0] * GRID[1], 2)
+    # Pixel centres are integers, so the image reaches from -0.5 to 1279.5.
+    np.testing.assert_allclose(pixels.mean(axis=0), [639.5, 359.5])
+    assert pixels[0, 0] - -0.5 == pytest.approx((pixels[1, 0] - pixels[0, 0]) / 2)
+
+
+def test_dispersion_costs_by_plain_inversion(paper_camera: Camera, default_board: Board) -> None:
+    """Eqs (13), (14) from the inverse of the whole normal matrix, poses included."""
+    candidate = np.array([[20.0, -25, 5, 0.02, 0.01, 0.4], [0, 30, 0, 0, 0, 0.5]])
+    information = information_of_views(paper_camera, default_board)
+    for row, vector in enumerate(candidate):
+        views = np.vstack([VIEWS, vector])
+        _, Ji, Je = paper_camera.project_with_jacobians(
+            default_board.corners, rotations_of(views), views[:, 3:]
+        )
+        J = np.zeros((len(views) * 80, 9 + 6 * len(views)))
+        for i in range(len(views)):
+            J[80 * i : 80 * i + 80, :9] = Ji[i].reshape(80, 9)
+            J[80 * i : 80 * i + 80, 9 + 6 * i : 15 + 6 * i] = Je[i].reshape(80, 6)
+        scale = np.linalg.norm(J, axis=0)
+        pseudo = np.linalg.pinv(J / scale)
+        variance = SIGMA**2 * (np.sum(pseudo**2, axis=1) / scale**2)[:9]
+        iod = variance / np.abs(paper_camera.parameters)
+        for name, expected in (("sum-iod", iod.sum()), ("max-iod", iod.max())):
+            cost = make_cost(
+                name,  # type: ignore[arg-type]
+                board=default_board,
+                camera=paper_camera,
+                information=information,
+                sigma_px=SIGMA,
+            )
+            assert cost(candidate)[row] == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_value_of_exactly_zero_divides_by_one(default_board: Board) -> None:
+    plain = Camera(1280, 720, 1000, 1000, 640, 360)
+    information = information_of_views(plain, default_board)
+    cost = make_cost("max-iod", board=default_board, camera=plain, information=information)
+    after = covariance_of(information + information_of_views(plain, default_board, VIEWS[:1]))
+    values = [1000, 1000, 640, 360, 1, 1, 1, 1, 1]
+    assert cost(VIEWS[:1])[0] == pytest.approx(np.max(np.diag(after) / values))
+
+
+def test_projection_variance_falls_with_every_view(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    few = information_of_views(paper_camera, default_board, VIEWS[:3])
+    cost = make_cost(
+        "projection-variance", board=default_board, camera=paper_camera, information=few, sigma_px=2.0
+    )
+    now = projection_error_px(paper_camera, covariance_of(few, 2.0)) ** 2
+    assert (cost(VIEWS) < now).all()
+    expected = projection_error_px(
+        paper_camera,
+        covariance_of(few + information_of_views(paper_camera, default_board, VIEWS[3:4]), 2.0),
+    )
+    assert cost(VIEWS[3:4])[0] == pytest.approx(expected**2, rel=1e-9)
+
+
+def test_rms_really_calibrates(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    observations: list[Observation] = []
+    ids = np.arange(default_board.corner_count)
+    for vector in VIEWS:
+        pixels = paper_camera.project(Pose.from_vector(vector).apply(default_board.corners))
+        noisy = pixels + rng.normal(0, SIGMA, pixels.shape)
+        observations.append(Observation(ids, noisy, paper_camera.image_size))
+    cost = make_cost(
+        "rms",
+        board=default_board,
+        camera=paper_camera,
+        information=np.eye(9),
+        sigma_px=SIGMA,
+        observations=observations,
+        rng=rng,
+    )
+    values = cost(VIEWS[:2] + 1e-3)
+    # 480 coordinates of sigma 0.316 less 45 unknowns: rms distance about 0.316 sqrt(2 (1 - 45/480)).
+    np.testing.assert_allclose(values, SIGMA * np.sqrt(2 * (1 - 45 / 480)), rtol=0.12)
+
+
+def test_costs_that_do_not_exist(paper_camera: Camera, default_board: Board) -> None:
+    with pytest.raises(VenusError, match="no cost 'beauty'; use one of projection-variance"):
+        make_cost("beauty", board=default_board, camera=paper_camera, information=np.eye(9))  # type: ignore[arg-type]
+    with pytest.raises(VenusError, match="needs the views"):
+        make_cost("rms", board=default_board, camera=paper_camera, information=np.eye(9))
+    assert len(PARAMETERS) == 9

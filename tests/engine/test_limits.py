@@ -1,0 +1,103 @@
+"""Which poses may be asked for; OpenCV's projection and plain geometry are the oracles."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.limits import Limits
+from venus3d.engine.pose import Pose
+from venus3d.engine.search import Space, random_pose
+
+
+def test_accepted_poses_keep_every_limit_by_opencvs_projection(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    limits = Limits()
+    space = Space(default_board, paper_camera, limits)
+    low = limits.margin * paper_camera.width - 0.5
+    edge = np.linspace(0, 1, 21)[:, None]
+    outline = default_board.outline
+    # The whole border of the board, not only its corners.
+    border = np.concatenate([a + edge * (np.roll(outline, -1, 0)[i] - a) for i, a in enumerate(outline)])
+    for _ in range(40):
+        pose = Pose.from_vector(random_pose(space, rng))
+        pixels, _ = cv2.projectPoints(
+            border, pose.rvec, pose.t, paper_camera.K, paper_camera.distortion
+        )
+        pixels = pixels.reshape(-1, 2)
+        assert pixels.min() > low - 0.5
+        assert (pixels.max(0) < np.array(paper_camera.image_size) - 1 - low + 0.5).all()
+        distance = np.linalg.norm(pose.apply(outline), axis=1)
+        assert 0.2 <= distance.min() and distance.max() <= 1.2
+        assert distance.max() / distance.min() <= 2.2
+        line = pose.t / np.linalg.norm(pose.t)
+        assert np.degrees(np.arccos(pose.R[:, 2] @ line)) <= 55 + 1e-6
+        assert np.abs(pose.vector()[:3]).max() <= 70 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("vector", "words"),
+    [
+        ([0, 0, 80, 0, 0, 0.5], "angles is 80°"),
+        ([60, 0, 0, 0, 0, 0.6], "tilted by 60°"),
+        ([0, 0, 0, 0, 0, 0.1], "100 mm|18[0-9] mm|nearest"),
+        ([0, 0, 0, 0, 0, 1.3], "farthest allowed is 1200 mm"),
+        ([0, 0, 0, 0.3, 0, 0.5], "past the picture's border"),
+        ([0, 0, 0, 0, 0, -0.5], "tilted by 180°"),
+        ([50, 0, 0, 0, 0, 0.21], "border|times as far|nearest"),
+    ],
+)
+def test_a_refusal_names_the_limit_and_agrees_with_accepts(
+    vector: list[float], words: str, paper_camera: Camera, default_board: Board
+) -> None:
+    import re
+
+    limits = Limits()
+    said = limits.refusal(paper_camera, default_board, Pose.from_vector(vector))
+    assert said is not None and re.search(words, said), said
+    assert said.count(".") - len(re.findall(r"\d\.\d", said)) == 1, "one sentence"
+    assert not limits.accepts(paper_camera, default_board, [vector])[0]
+
+
+def test_accepts_and_refusal_agree_on_anything(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    limits = Limits()
+    wild = np.column_stack(
+        [rng.uniform(-90, 90, (300, 3)), rng.uniform(-0.3, 0.3, (300, 2)), rng.uniform(-0.2, 1.4, 300)]
+    )
+    likely = Space(default_board, paper_camera, limits).from_unit(rng.random((300, 6)))
+    # An angle beyond +-90 degrees about Y has another vector for the same pose.
+    vectors = np.array([Pose.from_vector(v).vector() for v in np.concatenate([wild, likely])])
+    good = limits.accepts(paper_camera, default_board, vectors)
+    said = [limits.refusal(paper_camera, default_board, Pose.from_vector(v)) is None for v in vectors]
+    np.testing.assert_array_equal(good, said)
+    assert 5 < good.sum() < 300
+
+
+def test_small_squares_are_refused(paper_camera: Camera) -> None:
+    board = Board(columns=12, rows=9, square=0.012, marker=0.009)
+    said = Limits().refusal(paper_camera, board, Pose.from_vector([0, 0, 0, 0, 0, 1.19]))
+    assert said is not None and "square is 10." in said
+
+
+def test_a_point_beyond_the_models_fold_is_not_taken_for_visible(default_board: Board) -> None:
+    folding = Camera(1280, 720, 900, 900, 640, 360, k1=-0.6)
+    pose = Pose.from_vector([0, 0, 0, 1.2, 0, 0.4])  # r = 3, which folds back into the image
+    assert Limits().refusal(folding, default_board, pose) is not None
+    assert not Limits().accepts(folding, default_board, pose.vector()[None])[0]
+
+
+@pytest.mark.parametrize("scale", [0.02, 0.1, 0.5, 1.0, 3.0, 20.0])
+def test_any_size_of_board_has_poses(
+    scale: float, paper_camera: Camera, rng: np.random.Generator
+) -> None:
+    board = Board(square=0.028 * scale, marker=0.021 * scale)
+    limits = Limits.for_board(board, paper_camera)
+    assert random_pose(Space(board, paper_camera, limits), rng).shape == (6,)
+    if scale == 1.0:
+        assert limits == Limits()
