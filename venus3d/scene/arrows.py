@@ -18,8 +18,6 @@ HEAD_RADIUS = 2.6
 """Radius of an arrow's head, in radii of its shaft."""
 HEAD_LENGTH = 5.5
 """Length of an arrow's head, in radii of its shaft."""
-SHORTEST_ARC_DEG = 22.0
-"""An arc arrow's tail reaches at least this far back, so that a small turn has a readable arrow."""
 _SECTIONS = 20
 
 
@@ -40,14 +38,13 @@ def straight_arrow(length: float, radius: float) -> trimesh.Trimesh:
 
 
 @lru_cache(maxsize=256)
-def arc_arrow(angle_deg: float, arc_radius: float, radius: float) -> trimesh.Trimesh:
-    """Thick arrow along a circle about +z, its tip at `angle_deg` from +x, turning with its sign.
+def arc_arrow(start_deg: float, end_deg: float, arc_radius: float, radius: float) -> trimesh.Trimesh:
+    """Thick arrow along a circle about +z, angles counted from +x; the tip is at `end_deg`.
 
-    The tail is at +x; for turns under `SHORTEST_ARC_DEG` it is moved back. Lengths in metres.
+    Lengths in metres. The arc must be long enough for the arrow's head.
     """
-    sign = np.sign(angle_deg) or 1.0
-    span = max(abs(angle_deg), SHORTEST_ARC_DEG)
-    head_deg = float(np.degrees(HEAD_LENGTH * radius / arc_radius))
+    span = abs(end_deg - start_deg)
+    head_deg = min(float(np.degrees(HEAD_LENGTH * radius / arc_radius)), 0.7 * span)
     shaft_deg = span - head_deg
     circle = np.linspace(0, 2 * np.pi, _SECTIONS // 2 + 1)
     section = np.column_stack([arc_radius + radius * np.cos(circle), radius * np.sin(circle)])
@@ -56,18 +53,17 @@ def arc_arrow(angle_deg: float, arc_radius: float, radius: float) -> trimesh.Tri
     )
     tail = trimesh.creation.icosphere(subdivisions=2, radius=radius)
     tail.apply_translation([arc_radius, 0, 0])
-    head = trimesh.creation.cone(HEAD_RADIUS * radius, HEAD_LENGTH * radius, sections=_SECTIONS)
-    # The cone points along +z; lay it along the circle where the tube ends. Its axis is the chord
-    # over its own length, so that the tip is on the circle again.
-    start, end = np.radians([shaft_deg, span])
-    base = arc_radius * np.array([np.cos(start), np.sin(start), 0])
-    tip = arc_radius * np.array([np.cos(end), np.sin(end), 0])
+    # The cone points along +z; lay it along the chord from the tube's end to the tip.
+    base, tip = arc_point(shaft_deg, arc_radius), arc_point(span, arc_radius)
+    length = float(np.linalg.norm(tip - base))
+    head = trimesh.creation.cone(HEAD_RADIUS * radius, length, sections=_SECTIONS)
     head.apply_transform(frame_along(tip - base, base).matrix)
     arrow = trimesh.util.concatenate([tube, tail, head])
-    arrow.apply_transform(trimesh.transformations.rotation_matrix(
-        np.radians(abs(angle_deg) - span), [0, 0, 1]))
-    if sign < 0:
+    if end_deg < start_deg:
         arrow.apply_transform(np.diag([1.0, -1.0, 1.0, 1.0]))
+    arrow.apply_transform(
+        trimesh.transformations.rotation_matrix(np.radians(start_deg), [0, 0, 1])
+    )
     return arrow
 
 

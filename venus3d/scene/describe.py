@@ -10,7 +10,7 @@ Names are paths that others may rely on. No name is the beginning of another one
     /steps/N/before, /steps/N/after                  active step only: faint outline; tinted board
     /steps/N/arrow, /steps/N/label                   active step only: what to do, and how much
     /steps/N/sector, axis, axis_label                active turn only
-    /steps/N/trails                                  active move only
+    /steps/N/trail_1 ... trail_4                     active move only: the same at the corners
     /strip/N/...                                     the same with /strip/N/caption, side by side
 
 All poses are in the camera's frame. The geometry of arrows and boards is made elsewhere.
@@ -25,11 +25,11 @@ import numpy as np
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.decomposition import Step
-from venus3d.engine.pose import Pose, interpolate
+from venus3d.engine.pose import Pose
 from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.board_shape import board_ghost, board_outline, board_shape
 from venus3d.scene.frustum import camera_shapes
-from venus3d.scene.instruction import instruction_shapes
+from venus3d.scene.instruction import instruction_shapes, swept
 from venus3d.scene.palette import ground, mixed, step_colour
 from venus3d.scene.shapes import LabelShape, Shape
 from venus3d.scene.strip import strip_shapes
@@ -60,7 +60,12 @@ def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
         return tuple(shapes)
     shapes += _target_shapes(board, target.pose, options.dark)
     if options.strip:
-        return (*shapes, *strip_shapes(board, snapshot.camera, target.steps, options))
+        return (
+            *shapes,
+            *strip_shapes(
+                board, target.steps, dark=options.dark, active=options.step, sweep=options.sweep
+            ),
+        )
     for step in target.steps:
         if step.number == options.step:
             shapes += active_shapes(board, snapshot.camera, step, options)
@@ -80,8 +85,10 @@ def describe_step(
     name = f"/steps/{step.number}"
     shapes: list[Shape] = [board_shape(board, step.after, f"{name}/board")]
     if not step.is_idle:
-        shapes.append(board_outline(board, step.before, f"{name}/before", colours.ghost, 2.5))
-        shapes += instruction_shapes(board, camera, step, dark=dark)
+        before = board_outline(board, step.before, f"{name}/before", colours.ghost, 2.5)
+        # A board that comes nearer would hide where it came from.
+        shapes.append(replace(before, on_top=step.axis is None))
+        shapes += instruction_shapes(board, camera, step, dark=dark, for_camera=True)
     return tuple(shapes)
 
 
@@ -98,14 +105,6 @@ def active_shapes(
     shapes.append(board_outline(board, step.before, f"{name}/before", colours.ghost, 2.0))
     shapes.append(board_ghost(board, swept(step, options.sweep), f"{name}/after", colour, 0.45))
     return [*shapes, *instruction_shapes(board, camera, step, dark=options.dark)]
-
-
-def swept(step: Step, fraction: float) -> Pose:
-    """Where the board is a `fraction` (0 ... 1) of the way through a step."""
-    if step.axis is None:
-        return interpolate(step.before, step.after, fraction)
-    # A turn of more than 180 degrees must go the long way round, as its arrow does.
-    return step.before.turned(step.axis, fraction * step.angle_deg)
 
 
 def _target_shapes(board: Board, pose: Pose, dark: bool) -> list[Shape]:

@@ -36,6 +36,8 @@ _FLAGS = (
 )
 _OPENGL_FROM_OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])
 _NEAR, _FAR = 0.01, 20.0
+_ON_TOP = 0.1
+"""The part of the depth picture that is kept for what nothing may hide."""
 
 
 class GlRenderer:
@@ -72,7 +74,9 @@ class GlRenderer:
                 passing.append(node)
                 order.append((False, node))
             else:
-                order.append((shape.opacity < 1, self._node_of(shape, used)))
+                node = self._node_of(shape, used)
+                order.append((shape.opacity < 1, node))
+            node.mesh.primitives[0].on_top = shape.on_top
         # Solid things first, then translucent ones in the order of the list.
         self._renderer.order = [n for late in (False, True) for is_late, n in order if is_late == late]
         try:
@@ -132,6 +136,7 @@ class _Renderer(Renderer):
     def _bind_and_draw_primitive(self, primitive: Any, *args: Any, **kwargs: Any) -> None:
         # A translucent sheet must not hide what is drawn after it.
         GL.glDepthMask(primitive.material.alphaMode != "BLEND")
+        GL.glDepthRange(*((0.0, _ON_TOP) if primitive.on_top else (_ON_TOP, 1.0)))
         super()._bind_and_draw_primitive(primitive, *args, **kwargs)
         GL.glDepthMask(True)
 

@@ -14,7 +14,7 @@ import numpy as np
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.decomposition import Step
-from venus3d.engine.pose import AXES, Array, Pose
+from venus3d.engine.pose import AXES, Array, Pose, interpolate
 from venus3d.scene.arrows import (
     arc_arrow,
     arc_point,
@@ -24,13 +24,17 @@ from venus3d.scene.arrows import (
     turn_frame,
 )
 from venus3d.scene.board_shape import outline_segments
-from venus3d.scene.palette import ground, mixed, step_colour
-from venus3d.scene.shapes import LabelShape, LineShape, MeshShape, Shape
+from venus3d.scene.palette import step_colour
+from venus3d.scene.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
 
 GAP = 0.12
 """Distance of a protractor from the board's side, in board widths."""
 SHAFT = 0.016
 """Radius of an arrow's shaft, in board widths."""
+SHORTEST_ARC_DEG = 22.0
+"""An arc arrow is at least this long."""
+READABLE_ARC_DEG = 60.0
+"""The same for an arc that the camera sees edge-on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,110 +50,156 @@ class Protractor:
 
 
 def instruction_shapes(
-    board: Board, camera: Camera, step: Step, *, dark: bool, prefix: str = "/steps"
+    board: Board,
+    camera: Camera | None,
+    step: Step,
+    *,
+    dark: bool,
+    prefix: str = "/steps",
+    for_camera: bool = False,
 ) -> list[Shape]:
-    """Arrow and all that belongs to it; nothing for an idle step."""
+    """Arrow and all that belongs to it; nothing for an idle step.
+
+    The camera looks along the plane in which a board tilts or swings. With `for_camera` the arrow
+    is made long enough to be read from there; the sector and the number tell the true angle.
+    Without a `camera`, all places are equally good.
+    """
     if step.is_idle:
         return []
     name = f"{prefix}/{step.number}"
     if step.axis is None:
         return _move_shapes(board, step, name, dark)
-    return _turn_shapes(board, camera, step, name, dark)
+    return _turn_shapes(board, camera, step, name, dark, for_camera)
 
 
 def _move_shapes(board: Board, step: Step, name: str, dark: bool) -> list[Shape]:
     colour = step_colour(step.number, dark)
     length = round(float(np.linalg.norm(step.translation)), 4)
     start, end = step.before.t, step.after.t
-    shaft = SHAFT * board.width
-    corners = outline_segments(board)[:, 0]
-    trails = np.stack([step.before.apply(corners), step.after.apply(corners)], axis=1)
+    shaft = _shaft(board, step)
+    along = frame_along(step.translation, start)
+    # Seen from behind, a move straight ahead is a dot; at the corners it is seen all the same.
+    corners = step.before.apply(outline_segments(board)[:, 0]) - start
+    middle = (start + end) / 2 + [0, 0.09 * board.width, 0]
     return [
-        MeshShape(
-            f"{name}/arrow",
-            straight_arrow(length, round(shaft, 5)),
-            frame_along(step.translation, start),
-            colour,
-            shaded=True,
+        _move_arrow(f"{name}/arrow", length, shaft, along, colour),
+        *(
+            _move_arrow(f"{name}/trail_{i}", length, 0.4 * shaft, along.moved(corner), colour)
+            for i, corner in enumerate(corners, start=1)
         ),
-        LineShape(f"{name}/trails", trails, Pose.identity(), colour, 1.5),
-        LabelShape(
-            f"{name}/label", f"{length * 1000:.0f} mm", (start + end) / 2, colour
-        ),
+        LabelShape(f"{name}/label", f"{length * 1000:.0f} mm", middle, colour),
     ]
 
 
+def _move_arrow(name: str, length: float, shaft: float, pose: Pose, colour: Colour) -> MeshShape:
+    arrow = straight_arrow(length, round(shaft, 5))
+    return MeshShape(name, arrow, pose, colour, shaded=True, on_top=True)
+
+
+def _shaft(board: Board, step: Step) -> float:
+    """Radius of the arrow, metres: a far board's arrow is thicker, to be seen from here."""
+    return round(SHAFT * board.width * float(np.clip(step.after.t[2] / 0.5, 1.0, 2.0)), 4)
+
+
+def swept(step: Step, fraction: float) -> Pose:
+    """Where the board is a `fraction` (0 ... 1) of the way through a step."""
+    if step.axis is None:
+        return interpolate(step.before, step.after, fraction)
+    # A turn of more than 180 degrees must go the long way round, as its arrow does.
+    return step.before.turned(step.axis, fraction * step.angle_deg)
+
+
 def _turn_shapes(
-    board: Board, camera: Camera, step: Step, name: str, dark: bool
+    board: Board, camera: Camera | None, step: Step, name: str, dark: bool, for_camera: bool
 ) -> list[Shape]:
     assert step.axis is not None
     colour = step_colour(step.number, dark)
     place = protractor(board, camera, step)
     angle, radius = round(step.angle_deg, 2), round(place.radius, 5)
-    shaft = round(SHAFT * board.width, 5)
+    shaft = _shaft(board, step)
+    sign = 1.0 if angle > 0 else -1.0
+    if for_camera and step.axis != "z":
+        ends = (0.0, sign * max(abs(angle), READABLE_ARC_DEG))
+    else:
+        # The tail of a small turn's arrow is moved back, so that its tip is where the turn ends.
+        ends = (sign * min(0.0, abs(angle) - SHORTEST_ARC_DEG), angle)
+    arrow = arc_arrow(*ends, radius, shaft)
     outward = place.axis_ends[1] - place.axis_ends[0]
-    outward = outward / np.linalg.norm(outward)
-    label = place.frame.apply(arc_point(angle / 2, 1.28 * radius))
+    letter_at = place.axis_ends[1] + outward / np.linalg.norm(outward) * 0.07 * board.width
+    degrees_at = place.frame.apply(arc_point((ends[0] + ends[1]) / 2, 1.28 * radius))
+    # The camera looks along Z: there the axis is a dot.
+    seen = step.axis != "z"
     return [
-        MeshShape(
-            f"{name}/arrow", arc_arrow(angle, radius, shaft), place.frame, colour, shaded=True
-        ),
-        MeshShape(f"{name}/sector", sector(angle, radius), place.frame, colour, 0.35),
-        LineShape(f"{name}/axis", place.axis_ends[None], Pose.identity(), colour, 2.0),
-        LabelShape(
-            f"{name}/axis_label",
-            step.axis.upper(),
-            place.axis_ends[1] + outward * 0.07 * board.width,
-            mixed(colour, ground(dark).text, 0.25),
-        ),
-        LabelShape(f"{name}/label", f"{step.angle_deg:+.0f}°", label, colour),
+        MeshShape(f"{name}/arrow", arrow, place.frame, colour, shaded=True),
+        MeshShape(f"{name}/sector", sector(angle, radius), place.frame, colour, 0.4),
+        LineShape(f"{name}/axis", place.axis_ends[None], Pose.identity(), colour, 2.0, seen),
+        LabelShape(f"{name}/axis_label", step.axis.upper(), letter_at, colour, seen),
+        LabelShape(f"{name}/label", f"{step.angle_deg:+.0f}°", degrees_at, colour),
     ]
 
 
-def protractor(board: Board, camera: Camera, step: Step) -> Protractor:
-    """Where the arc of a turn is best drawn for this camera and this board."""
-    axis = np.eye(3)[AXES.index(step.axis)] if step.axis else np.zeros(3)
-    edge = _leading_edge(step, axis)
-    centre = step.after.t
-    half = np.array([board.width, board.height]) / 2
-    if step.axis == "z":
-        # A dial around the whole board, just wider than its diagonal.
-        radius = 1.08 * float(np.hypot(*half))
-        frame = turn_frame(axis, edge, centre)
-        ends = np.stack([centre + axis * 0.5 * radius, centre - axis * 0.9 * radius])
-        return Protractor(frame, radius, ends)
-    # Turning about an axis does not change how far the board reaches along it.
-    reach = float(np.abs(step.after.R[:, :2] * half).T[:, :] @ axis @ np.ones(2))
-    radius = 1.2 * float(np.abs(edge @ step.before.R[:, :2]) @ half)
-    away = reach + GAP * board.width
-
-    def at(side: float) -> Protractor:
-        origin = centre + side * away * axis
-        ends = np.stack([centre - side * away * axis, origin + side * 0.06 * board.width * axis])
-        return Protractor(turn_frame(axis, edge, origin), radius, ends)
-
-    # The farther from the optical axis, the less edge-on the arc is seen: prefer that side.
-    side = 1.0 if centre @ axis >= 0 else -1.0
-    preferred, other = at(side), at(-side)
-    return other if _hidden(other, step, camera) < _hidden(preferred, step, camera) else preferred
+def protractor(board: Board, camera: Camera | None, step: Step) -> Protractor:
+    """Where the arc of a turn is best drawn: the first place that this camera sees whole."""
+    places = _dials(board, step) if step.axis == "z" else _side_places(board, step)
+    return min(places, key=lambda place: _hidden(place, step, camera)) if camera else places[0]
 
 
-def _leading_edge(step: Step, axis: Array) -> Array:
-    """(3,) direction from the centre to the edge that the step's words name, square to the axis."""
-    up, right = np.array([0.0, -1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+def _dials(board: Board, step: Step) -> list[Protractor]:
+    """Dials around the whole board, starting at one of its four edges; smaller ones before it."""
+    axis, centre = np.array([0.0, 0.0, 1.0]), step.after.t
+    diagonal = float(np.hypot(board.width, board.height)) / 2
+    places: list[Protractor] = []
+    for share in (1.1, 0.8, 0.55):
+        # A dial inside the board's outline stands in front of all of it.
+        forward = _reach(board, step, axis) + 0.03 * board.width if share < 1 else 0.0
+        origin = centre - forward * axis
+        for edge in _edges(step, axis, np.array([0.0, -1.0, 0.0])):
+            radius = share * diagonal
+            ends = np.stack([origin + 0.5 * radius * axis, origin - 0.6 * radius * axis])
+            places.append(Protractor(turn_frame(axis, edge, origin), radius, ends))
+    return places
+
+
+def _side_places(board: Board, step: Step) -> list[Protractor]:
+    """Places beside the board for a turn about X or Y; the last ones cut through the board."""
+    axis = np.eye(3)[AXES.index(step.axis or "x")]
     sign = 1.0 if step.angle_deg > 0 else -1.0
-    wanted = {"x": up * sign, "y": right * sign, "z": up}[step.axis or "z"]
-    candidates = np.concatenate([step.before.R[:, :2].T, -step.before.R[:, :2].T])
-    flat = candidates - np.outer(candidates @ axis, axis)
-    return flat[int(np.argmax(flat @ wanted))]
+    towards = {"x": np.array([0, -sign, 0]), "y": np.array([sign, 0, 0])}[step.axis or "x"]
+    edge = _edges(step, axis, towards)[0]
+    half = np.array([board.width, board.height]) / 2
+    radius = 1.2 * float(np.abs(edge @ step.before.R[:, :2]) @ half)
+    centre, reach = step.after.t, _reach(board, step, axis)
+    # The farther from the optical axis, the less edge-on the arc is seen: prefer that side.
+    first = 1.0 if centre @ axis >= 0 else -1.0
+    places: list[Protractor] = []
+    for beside, share in ((reach + GAP * board.width, 1.0), (0.6 * reach, 0.85)):
+        for side in (first, -first):
+            origin = centre + side * beside * axis
+            far = centre + side * (max(reach, beside) + 0.06 * board.width) * axis
+            ends = np.stack([centre - side * (reach + 0.06 * board.width) * axis, far])
+            places.append(Protractor(turn_frame(axis, edge, origin), share * radius, ends))
+    return places
+
+
+def _reach(board: Board, step: Step, axis: Array) -> float:
+    """How far the board extends from its centre along an axis after the step, metres."""
+    return float(np.abs(axis @ step.after.R[:, :2]) @ [board.width / 2, board.height / 2])
+
+
+def _edges(step: Step, axis: Array, towards: Array) -> Array:
+    """(4, 3) directions to the board's edges, square to the axis, best aligned first."""
+    edges = np.concatenate([step.before.R[:, :2].T, -step.before.R[:, :2].T])
+    flat = edges - np.outer(edges @ axis, axis)
+    return flat[np.argsort(-(flat @ towards), kind="stable")]
 
 
 def _hidden(place: Protractor, step: Step, camera: Camera) -> int:
-    """How many of the arc's points the camera does not see."""
-    angles = np.linspace(0, step.angle_deg, 7)
-    points = place.frame.apply(np.array([arc_point(a, 1.1 * place.radius) for a in angles]))
-    pixels = camera.project(points)
-    margin = 0.03 * camera.width
+    """How many points of the arc and its label the camera does not see."""
+    angles = np.linspace(0, step.angle_deg, 5)
+    arc = [arc_point(a, 1.08 * place.radius) for a in angles]
+    label = arc_point(step.angle_deg / 2, 1.3 * place.radius)
+    pixels = camera.project(place.frame.apply(np.array([*arc, label])))
+    margin = 0.02 * camera.width
     with np.errstate(invalid="ignore"):
         seen = (pixels > margin) & (pixels < np.array(camera.image_size) - margin)
     return int((~seen.all(axis=1)).sum())

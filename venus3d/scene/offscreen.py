@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, Literal, Protocol
@@ -77,6 +77,7 @@ class Offscreen:
         background: Colour | Image = (0, 0, 0),
         size: tuple[int, int] | None = None,
         supersample: int = 1,
+        finish: Callable[[Image], Image] | None = None,
     ) -> Future[Image]:
         """Ask for a picture, RGB (H, W, 3) uint8.
 
@@ -86,9 +87,11 @@ class Offscreen:
             background: a colour, or an RGB picture of the output's size.
             size: (width, height) of the picture; the camera's own if None.
             supersample: render this many times larger and shrink, for smooth small pictures.
+            finish: what else is done to the picture, on the render thread.
         """
+        order = (camera, tuple(shapes), background, size or camera.image_size, supersample)
         return self._thread.submit(
-            self._draw, camera, tuple(shapes), background, size or camera.image_size, supersample
+            lambda: self._draw(*order) if finish is None else finish(self._draw(*order))
         )
 
     def render(self, camera: Camera, shapes: Sequence[Shape], **options: Any) -> Image:

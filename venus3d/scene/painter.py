@@ -38,7 +38,7 @@ class Painter:
             if isinstance(shape, LineShape):
                 vertices, faces = ribbon(shape, camera)
                 colours = np.tile(np.array(shape.colour, dtype=np.float64), (len(faces), 1))
-                canvas.fill(vertices[faces], colours)
+                canvas.fill(vertices[faces], colours, on_top=shape.on_top)
             elif shape.textured:
                 _paint_textured(canvas, shape)
             else:
@@ -48,7 +48,7 @@ class Painter:
                     if shape.shaded
                     else np.tile(np.array(shape.colour, dtype=np.float64), (len(triangles), 1))
                 )
-                canvas.fill(triangles, colours, shape.opacity)
+                canvas.fill(triangles, colours, shape.opacity, on_top=shape.on_top)
         return canvas.picture
 
     def close(self) -> None:
@@ -71,14 +71,21 @@ class _Canvas:
         colours: Array,
         opacity: float = 1.0,
         layer: NDArray[np.uint8] | None = None,
+        on_top: bool = False,
     ) -> None:
         """Fill triangles (N, 3, 3), camera frame, with colours (N, 3) or with pixels of `layer`."""
+        lift = 1 / _NEAR if on_top else 0.0
         for corners, colour in zip(triangles, colours, strict=True):
             if (corners[:, 2] > _NEAR).all():
-                self._fill_one(corners, colour, opacity, layer)
+                self._fill_one(corners, colour, opacity, layer, lift)
 
     def _fill_one(
-        self, corners: Array, colour: Array, opacity: float, layer: NDArray[np.uint8] | None
+        self,
+        corners: Array,
+        colour: Array,
+        opacity: float,
+        layer: NDArray[np.uint8] | None,
+        lift: float,
     ) -> None:
         camera = self.camera
         pixels = corners[:, :2] / corners[:, 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
@@ -99,9 +106,8 @@ class _Canvas:
         # On the plane n·p = d the ray (x, y, 1) has 1/z = n·(x, y, 1) / d.
         x = (np.arange(low[0], high[0]) - camera.cx) / camera.fx
         y = (np.arange(low[1], high[1]) - camera.cy) / camera.fy
-        nearness = ((normal[0] * x + normal[2]) / offset + (normal[1] / offset * y)[:, None]).astype(
-            np.float32
-        )
+        across = (normal[0] * x + normal[2]) / offset + lift
+        nearness = (across + (normal[1] / offset * y)[:, None]).astype(np.float32)
         won = (mask > 0) & (nearness > self.nearness[box])
         picture = self.picture[box]
         if layer is None:

@@ -31,6 +31,8 @@ class MeshShape:
     """Whether the offscreen projections draw it too."""
     shaded: bool = False
     """Whether light and shade show its form (arrows do; boards keep their plain colours)."""
+    on_top: bool = False
+    """Whether nothing hides it in the offscreen projections."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,8 @@ class LineShape:
     colour: Colour
     width_px: float = 2.0
     in_projection: bool = True
+    on_top: bool = False
+    """Whether nothing hides it in the offscreen projections."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Text painted into pictures: labels at points in space, and plain lines of text."""
+"""Text painted into pictures: labels at points in space, and lines that fit a width."""
 
 from __future__ import annotations
 
@@ -6,17 +6,19 @@ from collections.abc import Sequence
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from venus3d.engine.camera import Camera
-from venus3d.scene.shapes import Colour, LabelShape
+from venus3d.scene.palette import text_on
+from venus3d.scene.shapes import LabelShape
 
 
 @lru_cache(maxsize=32)
-def font(size_px: int, bold: bool = False) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+def font(size_px: int, bold: bool = False) -> Any:
     """Open Sans as pyrender ships it; Pillow's own font where that is missing."""
     spec = find_spec("pyrender")
     if spec is not None and spec.origin is not None:
@@ -27,26 +29,48 @@ def font(size_px: int, bold: bool = False) -> ImageFont.FreeTypeFont | ImageFont
     return ImageFont.load_default(size_px)
 
 
+def wrapped(text: str, face: Any, width_px: float) -> list[str]:
+    """The words of `text` in as few lines of this width as they need."""
+    lines: list[str] = []
+    for word in text.split():
+        if lines and face.getlength(f"{lines[-1]} {word}") <= width_px:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(word)
+    return lines
+
+
 def paint_labels(
     picture: NDArray[np.uint8], labels: Sequence[LabelShape], camera: Camera
 ) -> NDArray[np.uint8]:
-    """RGB picture with the labels at their points as `camera` sees them; unseen ones are left out."""
+    """RGB picture with the labels at their points as `camera` sees them.
+
+    A label just outside the picture is drawn at its border; one behind the camera is left out.
+    """
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image)
     size = max(11, round(image.height / 13))
+    face, stroke = font(size, bold=True), max(1, size // 8)
+    taken: list[tuple[float, float, float, float]] = []
     for label in labels:
-        x, y = camera.project(label.position)
-        if not (np.isfinite([x, y]).all() and 0 <= x < image.width and 0 <= y < image.height):
+        x, y = (float(v) for v in camera.project(label.position))
+        if not np.isfinite([x, y]).all():
             continue
-        colour = label.colour
+        half = face.getlength(label.text) / 2 + stroke
+        x = float(np.clip(x, half + 2, image.width - half - 2))
+        y = float(np.clip(y, 0.7 * size, image.height - 0.7 * size))
+        # Two labels on one spot: the later one moves below the earlier one.
+        for x0, y0, x1, y1 in taken:
+            if x - half < x1 and x + half > x0 and y - 0.6 * size < y1 and y + 0.6 * size > y0:
+                y = y1 + 0.6 * size if y1 + 1.2 * size < image.height else y0 - 0.6 * size
+        taken.append((x - half, y - 0.6 * size, x + half, y + 0.6 * size))
         draw.text(
-            (float(x), float(y)), label.text, fill=colour, font=font(size, bold=True),
-            anchor="mm", stroke_width=max(1, size // 9), stroke_fill=halo(colour),
+            (x, y),
+            label.text,
+            fill=label.colour,
+            font=face,
+            anchor="mm",
+            stroke_width=stroke,
+            stroke_fill=text_on(label.colour),
         )
     return np.asarray(image)
-
-
-def halo(colour: Colour) -> Colour:
-    """Near black around light text, near white around dark text."""
-    light = 0.299 * colour[0] + 0.587 * colour[1] + 0.114 * colour[2] > 110
-    return (16, 18, 22) if light else (255, 255, 255)

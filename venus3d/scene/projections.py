@@ -1,0 +1,133 @@
+"""The four steps of a target as the camera itself would see them, each under its instruction.
+
+Rendered once for each target and camera, when somebody first asks, and kept (the paper's lazy
+loading).
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from concurrent.futures import Future
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.decomposition import Step
+from venus3d.engine.snapshot import Target
+from venus3d.scene.describe import describe_step
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.palette import ground, mixed, step_style, text_on
+from venus3d.scene.text import font, wrapped
+
+Picture = NDArray[np.uint8]
+Pictures = tuple[Future[Picture], Future[Picture], Future[Picture], Future[Picture]]
+KEPT_TARGETS = 6
+HEADER_SHARE = 0.26
+"""Height of the header above a picture, in heights of the picture."""
+
+
+class Projections:
+    """The pictures of the steps, by target. May be asked from any thread."""
+
+    def __init__(self, offscreen: Offscreen) -> None:
+        """Pictures will come from this renderer."""
+        self._offscreen = offscreen
+        self._kept: OrderedDict[tuple[object, ...], Pictures] = OrderedDict()
+        self._lock = Lock()
+
+    @property
+    def note(self) -> str:
+        """Why the painter draws; empty when OpenGL does."""
+        return self._offscreen.note
+
+    def of(
+        self,
+        target: Target,
+        camera: Camera,
+        board: Board,
+        *,
+        size: tuple[int, int] = (480, 270),
+        dark: bool = True,
+    ) -> Pictures:
+        """Pictures of steps 1 ... 4, RGB; each `size` large with a header of its own above.
+
+        Returns at once; the pictures come from the render thread.
+        """
+        key = (target, camera, board, size, dark)
+        with self._lock:
+            if key not in self._kept:
+                one, two, three, four = (
+                    self.of_step(step, camera, board, size=size, dark=dark)
+                    for step in target.steps
+                )
+                self._kept[key] = (one, two, three, four)
+            self._kept.move_to_end(key)
+            while len(self._kept) > KEPT_TARGETS:
+                self._kept.popitem(last=False)
+            return self._kept[key]
+
+    def of_step(
+        self,
+        step: Step,
+        camera: Camera,
+        board: Board,
+        *,
+        size: tuple[int, int] = (480, 270),
+        dark: bool = True,
+    ) -> Future[Picture]:
+        """The picture of one step; not kept."""
+        colours = ground(dark)
+        return self._offscreen.submit(
+            camera,
+            describe_step(board, camera, step, dark=dark),
+            background=mixed(colours.background, colours.text, 0.06),
+            size=size,
+            supersample=2,
+            finish=lambda picture: framed(picture, step, dark),
+        )
+
+
+def framed(picture: Picture, step: Step, dark: bool) -> Picture:
+    """The picture under a header with the step's number, title and words."""
+    colours, style = ground(dark), step_style(step.number)
+    colour = style.colour(dark)
+    height, width = picture.shape[:2]
+    header = round(height * HEADER_SHARE)
+    image = Image.new("RGB", (width, height + header), colours.background)
+    image.paste(Image.fromarray(picture), (0, header))
+    draw = ImageDraw.Draw(image)
+    side = round(header * 0.72)
+    draw.rectangle((0, 0, side, header - 1), fill=colour)
+    draw.text(
+        (side / 2, header / 2),
+        str(step.number),
+        fill=text_on(colour),
+        font=font(round(header * 0.6), bold=True),
+        anchor="mm",
+    )
+    left, room = side + round(0.02 * width), width - side - round(0.035 * width)
+    title = font(round(header * 0.31), bold=True)
+    draw.text((left, header * 0.01), style.title, fill=colour, font=title)
+    words = font(round(header * 0.225))
+    for i, line in enumerate(wrapped(step.words.camera, words, room)[:2]):
+        draw.text((left, header * (0.41 + 0.27 * i)), line, fill=colours.text, font=words)
+    draw.rectangle((0, header, width - 1, height + header - 1), outline=colour, width=2)
+    if not step.is_visible:
+        _banner(draw, image.size, len(step.corners_outside), dark)
+    return np.asarray(image)
+
+
+def _banner(draw: ImageDraw.ImageDraw, size: tuple[int, int], corners: int, dark: bool) -> None:
+    colours = ground(dark)
+    face = font(round(size[1] * 0.042), bold=True)
+    text = f"{corners} corner{'s leave' if corners > 1 else ' leaves'} the image in this step"
+    half, tall = face.getlength(text) / 2 + 8, round(size[1] * 0.065)
+    middle, bottom = size[0] / 2, size[1] - 5
+    draw.rectangle((middle - half, bottom - tall, middle + half, bottom), fill=colours.warning)
+    draw.text(
+        (middle, bottom - tall / 2), text, fill=text_on(colours.warning), font=face, anchor="mm"
+    )
