@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
-import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
 
 from venus3d.cli.options import DecomposeOptions
+from venus3d.cli.report import tell
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import Step, decompose
-from venus3d.engine.errors import PoseError, StorageError
+from venus3d.engine.decomposition import Step, Steps, decompose
+from venus3d.engine.errors import PoseError
 from venus3d.engine.limits import Limits
 from venus3d.engine.pose import Pose
 from venus3d.scene.offscreen import Offscreen
@@ -71,3 +75,24 @@ def _told(step: Step) -> str:
     if step.corners_outside:
         lines.append(f"  Mind: {len(step.corners_outside)} corners leave the picture here.")
     return "\n".join(lines)
+
+
+def _write_pictures(folder: Path, steps: Steps, camera: Camera, board: Board) -> list[Path]:
+    size = (PICTURE_WIDTH, round(PICTURE_WIDTH * camera.height / camera.width))
+    with Offscreen() as offscreen:
+        if offscreen.note:
+            tell(offscreen.note)
+        projections = Projections(offscreen)
+        pictures = [
+            projections.of_step(step, camera, board, size=size, dark=False) for step in steps
+        ]
+        return [
+            write_bytes(folder / f"step-{step.number}.png", _png(picture.result()))
+            for step, picture in zip(steps, pictures, strict=True)
+        ]
+
+
+def _png(picture: NDArray[np.uint8]) -> bytes:
+    buffer = io.BytesIO()
+    Image.fromarray(picture).save(buffer, "PNG")
+    return buffer.getvalue()

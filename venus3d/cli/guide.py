@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from venus3d.app import run_guide
-from venus3d.cli.report import deliver, print_result
+from typing import Any
+
+from venus3d.app import GuideResult, run_guide
+from venus3d.cli.report import deliver, print_result, tell
 from venus3d.engine.errors import CalibrationError
 from venus3d.options import GuideOptions
 from venus3d.storage.folder import prepare
-from venus3d.storage.result import summary_of
+from venus3d.storage.result import summary_of, write_result
 
 
 def guide(options: GuideOptions) -> None:
@@ -15,33 +17,45 @@ def guide(options: GuideOptions) -> None:
     options.board.board()  # a mistake here is told before anything starts
     if options.output is not None:
         prepare(options.output)
-    result = run_guide(options)
+    result = run_guide(options, on_result=lambda complete: _keep(complete, options))
     snapshot = result.snapshot
     if snapshot.calibration is None:
         if options.headless:
             raise CalibrationError(
-                "No view was captured, so there is no result: the board was never seen whole and "
-                "tilted; check --board, or use venus3d calibrate for pictures taken without "
-                "guidance."
+                "No view was captured, so there is no result; check the board's options, or use "
+                "venus3d calibrate for pictures taken without guidance."
             )
         print("No view was captured, so there is no result.")
         return
-    converged = snapshot.phase == "converged" or (
-        snapshot.convergence is not None and snapshot.convergence.converged
-    )
     print_result(snapshot.calibration, result.warnings, result.truth)
-    summary = summary_of(
-        snapshot.calibration,
-        snapshot.board,
-        warnings=result.warnings,
-        converged=converged,
-        truth=result.truth,
-    )
     deliver(
-        summary,
+        _summary(result),
         snapshot.calibration,
         snapshot.board,
         output=options.output,
         as_json=options.json,
         history=snapshot.history,
+    )
+
+
+def _keep(result: GuideResult, options: GuideOptions) -> None:
+    """Write a result while the viewer stays open, so that nothing is lost if it is just killed."""
+    snapshot = result.snapshot
+    if options.output is None or snapshot.calibration is None:
+        return
+    for path in write_result(
+        options.output, snapshot.calibration, snapshot.board, _summary(result), snapshot.history
+    ):
+        tell(f"Written: {path}")
+
+
+def _summary(result: GuideResult) -> dict[str, Any]:
+    snapshot = result.snapshot
+    assert snapshot.calibration is not None
+    return summary_of(
+        snapshot.calibration,
+        snapshot.board,
+        warnings=result.warnings,
+        converged=snapshot.convergence is not None and snapshot.convergence.converged,
+        truth=result.truth,
     )
