@@ -44,9 +44,15 @@ class Rig:
         snapshot = self.session.observe(self.look())
         if self.session.pending is not None:
             snapshot = self.session.apply(self.session.pending.run())
-        if snapshot.target is not None:
-            self.pose = snapshot.target.pose
+        self.follow(snapshot)
         return snapshot
+
+    def follow(self, snapshot: Snapshot) -> None:
+        """Move by what the guidance says is left, as a person does: its camera may be wrong."""
+        target, seen = snapshot.target, snapshot.pose
+        if target is not None and seen is not None:
+            left = target.pose.t - seen.t
+            self.pose = Pose(target.pose.R @ seen.R.T @ self.pose.R, self.pose.t + left)
 
     def until_views(self, count: int, limit: int = 200) -> Snapshot:
         for _ in range(limit):
@@ -79,12 +85,26 @@ def test_startup_asks_for_45_degrees_and_captures_only_a_view_that_shows_the_foc
     rig.pose = Pose.from_vector([0, 0, 0, 0, 0, 0.5])
     for _ in range(5):
         snapshot = rig.session.observe(rig.look())
-    assert not rig.session.capture(), "a frontal board fits any focal length"
-    assert snapshot.target is not None
+    assert snapshot.phase == "startup" and snapshot.target is not None
     np.testing.assert_allclose(snapshot.target.pose.vector()[:5], [45, 0, 0, 0, 0], atol=1e-9)
     after = rig.until_views(1)
     assert after.views[0].number == 1 and after.phase == "guiding"
     assert abs(after.camera.fx / rig.camera.fx - 1) < 0.1
+
+
+def test_frontal_views_taken_by_hand_are_kept_and_guidance_goes_on(rig: Rig) -> None:
+    """A frontal board fits any focal length: OpenCV would answer, with any camera at all."""
+    for distance in (0.5, 0.45):
+        rig.pose = Pose.from_vector([0, 0, 0, 0, 0, distance])
+        rig.session.observe(rig.look())
+        assert rig.session.capture() and rig.session.pending is not None
+        snapshot = rig.session.apply(rig.session.pending.run())
+        assert snapshot.calibration is not None and not any(snapshot.calibration.free)
+        assert "guessed" in snapshot.warnings[0] and snapshot.phase == "guiding"
+        assert snapshot.target is not None
+    end = rig.until_views(8)
+    assert end.calibration is not None and all(end.calibration.free)
+    assert mean_projection_error_px(rig.camera, end.camera) < 1.0
 
 
 def test_nothing_is_captured_while_the_board_moves_or_is_lost(rig: Rig) -> None:

@@ -34,7 +34,7 @@ from venus3d.engine.snapshot import (
     Target,
 )
 from venus3d.engine.startup import Startup
-from venus3d.engine.work import Outcome, Settings, Work
+from venus3d.engine.work import LEAST_NOISE_PX, Outcome, Settings, Work
 from venus3d.engine.words import Words
 
 # A start-up target is kept until the estimate has moved the board by more than this share of z.
@@ -98,15 +98,19 @@ class Session:
         self._match = self._matched(before)
         self._held = self._held + 1 if self._match is not None and self._match.reached else 0
         if self.settings.auto_capture and self._phase in ("startup", "guiding"):
-            held = self._held >= self.settings.hold_frames
+            ready = self._phase == "guiding" or self._startup.determined
+            held = ready and self._held >= self.settings.hold_frames
             if held or self._is_equivalent():
                 self.capture()
         return self.snapshot()
 
     def capture(self) -> bool:
-        """Take the present observation as a view. False if there is nothing to take."""
-        usable = self._pose is not None and self._phase != "finished"
-        if not usable or (self._phase == "startup" and not self._startup.determined):
+        """Take the present observation as a view. False if no board is seen, or all is over.
+
+        A view that does not show the focal length is taken as well when asked for: guidance then
+        goes on with a guessed camera, and says so, until tilted views come.
+        """
+        if self._pose is None or self._phase == "finished":
             return False
         self._captured.append((self._next_view, self._observation))
         self._next_view += 1
@@ -281,15 +285,14 @@ class Session:
     def _is_equivalent(self) -> bool:
         """Whether this observation is worth nearly as much as the target (see the settings)."""
         share = self.settings.equivalent_gain
-        if share is None or self._pose is None or self._match is None:
+        if share is None or self._pose is None or self._match is None or self._target is None:
             return False
         if self._match.motion_px > self.settings.still_px:
             return False
-        if self._phase == "startup":
-            return self._startup.determined
-        if self._calibration is None or self._target is None:
-            return False
-        camera, sigma = self.camera, self._calibration.residual_sigma_px
+        if self._calibration is None:
+            return True  # the first view of a recording: there is nothing to compare it with
+        camera = self.camera
+        sigma = max(self._calibration.residual_sigma_px, LEAST_NOISE_PX)
         known = self._information + prior_information(camera, sigma)
         points = self.board.points_of(self._observation.ids)
         seen = view_information(camera, points, self._pose.R[None], self._pose.t[None])[0]

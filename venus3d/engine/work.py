@@ -5,13 +5,14 @@ The session hands out a frozen `Work`, somebody runs it, the session takes the `
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from venus3d.engine.board import Board
 from venus3d.engine.calibration import calibrate, warnings_for
+from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.convergence import Rule, judge
 from venus3d.engine.costs import projection_error_px
 from venus3d.engine.errors import CalibrationError
@@ -19,11 +20,16 @@ from venus3d.engine.generation import GenerationState
 from venus3d.engine.information import view_information
 from venus3d.engine.limits import Limits
 from venus3d.engine.matching import Tolerance
-from venus3d.engine.observation import Observation
+from venus3d.engine.localisation import locate
+from venus3d.engine.observation import Observation, View
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.search import Move
 from venus3d.engine.snapshot import Calibration, Convergence, Cost, Method, Progress
 from venus3d.engine.suggest import Suggestion, suggest
+
+
+# Corners are never known better than this; keeps predictions finite where residuals vanish.
+LEAST_NOISE_PX = 0.01
 
 
 @dataclass(frozen=True)
@@ -111,20 +117,23 @@ class Work:
         return Outcome(self, calibration, information, history, convergence, suggestion, warnings)
 
     def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
-        if len(self.observations) == 1:
-            first = calibrate(
-                self.board, self.observations, model="startup", numbers=self.numbers
-            )
-            return first, ()
+        """The fullest model that the views carry, and a sentence where it is not the full one."""
+        cause = ""
+        if len(self.observations) > 1:
+            try:
+                full = calibrate(self.board, self.observations, numbers=self.numbers)
+                return full, warnings_for(full)
+            except CalibrationError as error:
+                cause = f" {error}"
+        # Nothing is lost: the views stay, a simpler model serves until more views come.
         try:
-            full = calibrate(self.board, self.observations, numbers=self.numbers)
-            return full, warnings_for(full)
+            simple = calibrate(self.board, self.observations, model="startup", numbers=self.numbers)
+            note = f"Without lens distortion for now.{cause}" if cause else ""
+            return simple, (note,) if note else ()
         except CalibrationError as error:
-            # Nothing is lost: the views stay, the simple model serves until more views come.
-            simple = calibrate(
-                self.board, self.observations, model="startup", numbers=self.numbers
+            return provisional(self.board, self.observations, self.numbers), (
+                f"The camera is only guessed for now.{cause or f' {error}'}",
             )
-            return simple, (f"Still on the start-up model (no distortion): {error}",)
 
     def _suggested(
         self,
@@ -138,7 +147,7 @@ class Work:
             self.board,
             calibration.camera,
             information,
-            calibration.residual_sigma_px,
+            max(calibration.residual_sigma_px, LEAST_NOISE_PX),
             method=self.settings.method,
             cost=self.settings.cost,
             limits=self.settings.limits,
@@ -150,6 +159,31 @@ class Work:
             stop=stop,
             on_move=on_move,
         )
+
+
+def provisional(
+    board: Board, observations: Sequence[Observation], numbers: Sequence[int]
+) -> Calibration:
+    """Views located with a guessed camera: nothing is estimated yet, but guidance can go on."""
+    camera = Camera.guess(observations[0].image_size)
+    views: list[View] = []
+    for number, observation in zip(numbers, observations, strict=True):
+        pose = locate(camera, board, observation)
+        if pose is None:
+            raise CalibrationError(
+                f"View {number} shows no pose of this board; check the board's options."
+            )
+        errors = observation.corners - camera.project(pose.apply(board.points_of(observation.ids)))
+        views.append(View(number, observation, pose, _rms(errors), errors))
+    residuals = np.concatenate([view.errors for view in views])
+    nothing = (False,) * len(PARAMETERS)
+    return Calibration(
+        camera, np.zeros((9, 9)), nothing, float(residuals.std()), _rms(residuals), tuple(views)
+    )
+
+
+def _rms(errors: Array) -> float:
+    return float(np.sqrt((errors**2).sum(axis=1).mean()))
 
 
 def information_of(calibration: Calibration, board: Board) -> Array:
