@@ -38,7 +38,9 @@ def straight_arrow(length: float, radius: float) -> trimesh.Trimesh:
 
 
 @lru_cache(maxsize=256)
-def arc_arrow(start_deg: float, end_deg: float, arc_radius: float, radius: float) -> trimesh.Trimesh:
+def arc_arrow(
+    start_deg: float, end_deg: float, arc_radius: float, radius: float
+) -> trimesh.Trimesh:
     """Thick arrow along a circle about +z, angles counted from +x; the tip is at `end_deg`.
 
     Lengths in metres. The arc must be long enough for the arrow's head.
@@ -61,15 +63,13 @@ def arc_arrow(start_deg: float, end_deg: float, arc_radius: float, radius: float
     arrow = trimesh.util.concatenate([tube, tail, head])
     if end_deg < start_deg:
         arrow.apply_transform(np.diag([1.0, -1.0, 1.0, 1.0]))
-    arrow.apply_transform(
-        trimesh.transformations.rotation_matrix(np.radians(start_deg), [0, 0, 1])
-    )
+    arrow.apply_transform(trimesh.transformations.rotation_matrix(np.radians(start_deg), [0, 0, 1]))
     return arrow
 
 
 @lru_cache(maxsize=256)
 def sector(angle_deg: float, arc_radius: float) -> trimesh.Trimesh:
-    """The swept angle as one sheet in z = 0, from +x to `angle_deg`, out to `arc_radius`, metres."""
+    """The swept angle as a sheet in z = 0, from +x to `angle_deg`, out to `arc_radius`, metres."""
     steps = max(2, int(np.ceil(abs(angle_deg) / 3)) + 1)
     angles = np.radians(np.linspace(0, angle_deg, steps))
     rim = arc_radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(steps)])

@@ -79,14 +79,16 @@ def _atlas(board: Board) -> tuple[NDArray[np.uint8], int]:
         px //= 2
     rim = 0 if board.inverted else 255
     picture = np.full(((board.rows + 3) * px, (board.columns + 2) * px, 3), rim, dtype=np.uint8)
-    picture[px : (board.rows + 1) * px, px : (board.columns + 1) * px] = board.texture(px)[..., None]
+    picture[px : (board.rows + 1) * px, px : (board.columns + 1) * px] = board.texture(px)[
+        ..., None
+    ]
     picture[(board.rows + 2) * px :] = BODY_COLOUR
     return picture, px
 
 
 @lru_cache(maxsize=8)
 def ghost_mesh(board: Board) -> trimesh.Trimesh:
-    """The board's printed area as one sheet (a closed body would blend twice), board frame, metres."""
+    """The printed area as one sheet (a closed body would blend twice), board frame, metres."""
     return trimesh.Trimesh(
         vertices=board.outline, faces=np.array([[0, 2, 1], [0, 3, 2]]), process=False
     )

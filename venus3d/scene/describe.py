@@ -70,10 +70,10 @@ def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
         if step.number == options.step:
             shapes += active_shapes(board, snapshot.camera, step, options)
         elif not step.is_idle and step.number != 4:  # step 4 ends where the target is drawn
-            colour = mixed(step_colour(step.number, options.dark), ground(options.dark).background, 0.35)
-            shapes.append(
-                board_outline(board, step.after, f"/steps/{step.number}/outline", colour, 1.5)
-            )
+            full = step_colour(step.number, options.dark)
+            quiet = mixed(full, ground(options.dark).background, 0.5)
+            name = f"/steps/{step.number}/outline"
+            shapes.append(board_outline(board, step.after, name, quiet, 1.5))
     return tuple(shapes)
 
 
@@ -92,9 +92,7 @@ def describe_step(
     return tuple(shapes)
 
 
-def active_shapes(
-    board: Board, camera: Camera, step: Step, options: SceneOptions
-) -> list[Shape]:
+def active_shapes(board: Board, camera: Camera, step: Step, options: SceneOptions) -> list[Shape]:
     """The active step in place: before, after, and what to do."""
     colours = ground(options.dark)
     colour = step_colour(step.number, options.dark)

@@ -32,9 +32,7 @@ def camera_shapes(camera: Camera, *, dark: bool) -> tuple[Shape, ...]:
         name = f"/camera/axes/{axis}"
         arrow = straight_arrow(AXIS_LENGTH, 0.0022)
         place = frame_along(direction, np.zeros(3))
-        shapes.append(
-            MeshShape(name, arrow, place, colour, in_projection=False, shaded=True)
-        )
+        shapes.append(MeshShape(name, arrow, place, colour, in_projection=False, shaded=True))
         at = direction * AXIS_LENGTH * 1.22
         shapes.append(
             LabelShape(f"{name}_label", axis, at, mixed(colour, colours.text, 0.2), False)
@@ -74,8 +72,11 @@ def border_segments(camera: Camera) -> Array:
 def _axis_segments() -> Array:
     """The optical axis up to a cross where it meets the picture: the principal point."""
     arm, z = 0.06 * DEPTH, DEPTH
-    return np.array([
-        [[0, 0, 0], [0, 0, z]],
-        [[-arm, 0, z], [arm, 0, z]],
-        [[0, -arm, z], [0, arm, z]],
-    ], dtype=np.float64)
+    return np.array(
+        [
+            [[0, 0, 0], [0, 0, z]],
+            [[-arm, 0, z], [arm, 0, z]],
+            [[0, -arm, z], [0, arm, z]],
+        ],
+        dtype=np.float64,
+    )

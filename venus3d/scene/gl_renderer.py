@@ -78,7 +78,9 @@ class GlRenderer:
                 order.append((shape.opacity < 1, node))
             node.mesh.primitives[0].on_top = shape.on_top
         # Solid things first, then translucent ones in the order of the list.
-        self._renderer.order = [n for late in (False, True) for is_late, n in order if is_late == late]
+        self._renderer.order = [
+            n for late in (False, True) for is_late, n in order if is_late == late
+        ]
         try:
             return self._renderer.render(self._scene, _FLAGS)
         finally:

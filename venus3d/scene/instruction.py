@@ -80,7 +80,11 @@ def _move_shapes(board: Board, step: Step, name: str, dark: bool) -> list[Shape]
     along = frame_along(step.translation, start)
     # Seen from behind, a move straight ahead is a dot; at the corners it is seen all the same.
     corners = step.before.apply(outline_segments(board)[:, 0]) - start
-    middle = (start + end) / 2 + [0, 0.09 * board.width, 0]
+    # Beside the arrow, on its lower side as the camera sees it.
+    aside = np.array([-step.translation[1], step.translation[0], 0.0])
+    aside = aside / np.linalg.norm(aside) if np.linalg.norm(aside) > 0.2 * length else [0, 1, 0]
+    aside = np.asarray(aside) * (1 if aside[1] >= 0 else -1)
+    middle = (start + end) / 2 + aside * 0.16 * board.width * _enlarged(step)
     return [
         _move_arrow(f"{name}/arrow", length, shaft, along, colour),
         *(
@@ -98,7 +102,11 @@ def _move_arrow(name: str, length: float, shaft: float, pose: Pose, colour: Colo
 
 def _shaft(board: Board, step: Step) -> float:
     """Radius of the arrow, metres: a far board's arrow is thicker, to be seen from here."""
-    return round(SHAFT * board.width * float(np.clip(step.after.t[2] / 0.5, 1.0, 2.0)), 4)
+    return round(SHAFT * board.width * _enlarged(step), 4)
+
+
+def _enlarged(step: Step) -> float:
+    return float(np.clip(step.after.t[2] / 0.5, 1.0, 2.0))
 
 
 def swept(step: Step, fraction: float) -> Pose:
@@ -125,10 +133,13 @@ def _turn_shapes(
         ends = (sign * min(0.0, abs(angle) - SHORTEST_ARC_DEG), angle)
     arrow = arc_arrow(*ends, radius, shaft)
     outward = place.axis_ends[1] - place.axis_ends[0]
-    letter_at = place.axis_ends[1] + outward / np.linalg.norm(outward) * 0.07 * board.width
+    outward = outward / np.linalg.norm(outward) * 0.07 * board.width * _enlarged(step)
+    letter_at = place.axis_ends[1] + outward
     degrees_at = place.frame.apply(arc_point((ends[0] + ends[1]) / 2, 1.28 * radius))
     # The camera looks along Z: there the axis is a dot.
     seen = step.axis != "z"
+    if seen:  # and an arc edge-on would run into its number
+        degrees_at = degrees_at + 1.3 * outward
     return [
         MeshShape(f"{name}/arrow", arrow, place.frame, colour, shaded=True),
         MeshShape(f"{name}/sector", sector(angle, radius), place.frame, colour, 0.4),
@@ -195,9 +206,11 @@ def _edges(step: Step, axis: Array, towards: Array) -> Array:
 
 def _hidden(place: Protractor, step: Step, camera: Camera) -> int:
     """How many points of the arc and its label the camera does not see."""
-    angles = np.linspace(0, step.angle_deg, 5)
+    sign = 1.0 if step.angle_deg > 0 else -1.0
+    end = step.angle_deg if step.axis == "z" else sign * max(abs(step.angle_deg), READABLE_ARC_DEG)
+    angles = np.linspace(0, end, 5)
     arc = [arc_point(a, 1.08 * place.radius) for a in angles]
-    label = arc_point(step.angle_deg / 2, 1.3 * place.radius)
+    label = arc_point(end / 2, 1.25 * place.radius)
     pixels = camera.project(place.frame.apply(np.array([*arc, label])))
     margin = 0.02 * camera.width
     with np.errstate(invalid="ignore"):

@@ -50,6 +50,7 @@ class Offscreen:
         Raises `RuntimeError` if `backend` is "gl" and OpenGL cannot be had.
         """
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="offscreen")
+        self._closed = False
         self.note = ""
         """One sentence that says why the painter draws; empty when OpenGL does."""
         self.backend: Backend = "painter"
@@ -100,11 +101,9 @@ class Offscreen:
 
     def close(self) -> None:
         """Finish what was asked for and release OpenGL. May be called twice."""
-        if self._thread is not None:
-            try:
-                self._thread.submit(self._renderer.close).result()
-            except RuntimeError:
-                return  # closed before
+        if not self._closed:
+            self._closed = True
+            self._thread.submit(self._renderer.close).result()
             self._thread.shutdown()
 
     def __enter__(self) -> Offscreen:

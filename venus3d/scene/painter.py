@@ -156,7 +156,9 @@ def _warped(
     coarsest = float((texel_edges / np.maximum(pixel_edges, 1e-6)).max())
     halvings = int(np.clip(np.ceil(np.log2(max(coarsest, 1))), 0, 5))
     for _ in range(halvings):
-        picture = np.asarray(cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
+        picture = np.asarray(
+            cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        )
     # Texels are counted from their edges, OpenCV's pixels from their centres.
     source = texels / 2**halvings - 0.5
     H, _ = cv2.findHomography(source, pixels)

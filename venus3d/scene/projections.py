@@ -61,8 +61,7 @@ class Projections:
         with self._lock:
             if key not in self._kept:
                 one, two, three, four = (
-                    self.of_step(step, camera, board, size=size, dark=dark)
-                    for step in target.steps
+                    self.of_step(step, camera, board, size=size, dark=dark) for step in target.steps
                 )
                 self._kept[key] = (one, two, three, four)
             self._kept.move_to_end(key)

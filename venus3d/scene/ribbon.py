@@ -30,6 +30,6 @@ def ribbon(shape: LineShape, camera: Camera) -> tuple[Array, NDArray[np.intp]]:
     ends = ends + forward
     sideways = aside[:, None] * reach
     vertices = np.stack([ends - sideways, ends + sideways], axis=2).reshape(-1, 3)
-    first = 4 * np.arange(len(ends))[:, None]
-    faces = np.concatenate([first + [0, 1, 2], first + [2, 1, 3]])
+    quads = np.arange(4 * len(ends)).reshape(-1, 4)
+    faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [2, 1, 3]]])
     return vertices, faces

@@ -1,4 +1,4 @@
-"""All four steps side by side, for teaching: each with its board before and after, and its arrow."""
+"""All four steps side by side, for teaching: each with its board before and after, and arrow."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from venus3d.scene.shapes import FrustumShape, LabelShape, LineShape, MeshShape,
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres: above everything that is drawn in place."""
-_GAP = 0.35
+_GAP = 0.5
 """Between two steps, in board widths."""
 
 
@@ -59,7 +59,7 @@ def _cell(board: Board, step: Step, dark: bool, sweep: float) -> list[Shape]:
         board_shape(board, swept(step, sweep), f"{name}/board"),
         board_outline(board, step.after, f"{name}/outline", colour, 3.0),
         board_outline(board, step.before, f"{name}/before", ground(dark).ghost, 2.0),
-        *instruction_shapes(board, None, step, dark=dark, prefix="/strip"),
+        *instruction_shapes(board, None, step, dark=dark, prefix="/strip", for_camera=True),
     ]
 
 

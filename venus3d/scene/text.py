@@ -49,7 +49,7 @@ def paint_labels(
     """
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image)
-    size = max(11, round(image.height / 13))
+    size = int(np.clip(image.height / 13, 11, 26))
     face, stroke = font(size, bold=True), max(1, size // 8)
     taken: list[tuple[float, float, float, float]] = []
     for label in labels:
