@@ -33,7 +33,7 @@ _PICTURE_LEGEND = (
     "<b>dashes</b>: the target &nbsp; <b>dots</b>: corners found</div></div>"
 )
 # Where the person looks from: behind, above and to the side of the camera.
-_LOOK_FROM, _LOOK_AT, _FOV_RAD = (-0.62, -0.46, -0.42), (0.05, 0.10, 0.36), np.radians(50.0)
+_LOOK_FROM, _LOOK_AT, _FOV_RAD = (-0.60, -0.42, -0.33), (-0.02, 0.16, 0.27), np.radians(42.0)
 
 
 class Page:
@@ -69,15 +69,20 @@ class Page:
         self.picture.image = rgb
 
     def show(
-        self, snapshot: Snapshot | None, state: ViewState, projections: tuple[str, ...], note: str
+        self,
+        snapshot: Snapshot | None,
+        state: ViewState,
+        projections: tuple[str, ...],
+        note: str,
+        drawn_by: str,
     ) -> None:
-        """Put one moment on the page."""
+        """Put one moment on the page; `drawn_by` says what draws the projections, if it matters."""
         theme = Theme(state.dark)
         self._set_theme(theme)
         text = guidance_html(snapshot, state, theme, note)
         self.guidance.content = f"<div class='v-wide'>{text}</div>"
         self.progress.content = progress_html(snapshot)
-        self.projections.content = projections_html(projections, state.step, theme)
+        self.projections.content = projections_html(projections, state.step, theme, drawn_by)
         self.controls.show(state)
         if snapshot is not None:
             self._show_trend(snapshot)
@@ -111,7 +116,7 @@ class Page:
                     {"label": "%", "labelSize": 16, "size": 44},
                 ),
                 legend={"show": False},
-                height=190,
+                height=160,
                 padding=(12, 16, 0, 0),
                 visible=False,
             )

@@ -97,13 +97,13 @@ font-size:13px}
 .v-progress{padding:0 12px 8px;font-size:14px;line-height:1.3}
 .v-big{display:flex;gap:10px}
 .v-big div{flex:1;background:var(--tile);border-radius:7px;padding:7px 9px}
-.v-big b{display:block;font-size:25px;line-height:1.1;font-weight:750}
+.v-big b{display:block;font-size:24px;line-height:1.1;font-weight:750}
 .v-big span{font-size:12px;color:var(--soft);line-height:1.2;display:block;margin-top:2px}
 .v-reason{font-size:15px;line-height:1.35;border-left:4px solid var(--info);padding:2px 0 2px 9px}
 .v-reason small{display:block;font-size:12px;color:var(--soft);margin-top:3px}
 @media (max-width:1500px){.mantine-Paper-root:has(.v-guide){width:calc(100vw - 742px)!important}}
 .v-row{display:grid;grid-template-columns:2.1em 1fr auto;column-gap:7px;align-items:baseline;
-padding:3.5px 0;border-bottom:1px solid var(--line)}
+padding:2px 0;border-bottom:1px solid var(--line)}
 .v-row b{font-weight:750}
 .v-row .v-word{color:var(--soft);font-size:13px}
 .v-row .v-mark{font-size:13px;font-weight:650;white-space:nowrap;color:var(--soft)}

@@ -21,7 +21,7 @@ from venus3d.scene.palette import ground
 from venus3d.scene.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
 
 _FRUSTUM_PICTURE_WIDTH = 320
-_LABEL_SCALE = 1.5
+_LABEL_SCALE = 1.25
 
 
 @dataclass
@@ -41,8 +41,10 @@ class SceneView:
         scene = server.scene
         scene.set_up_direction("-y")
         scene.configure_default_lights(enabled=False)
-        # Even light from everywhere: a board must read as a pattern, not as a shaded thing.
-        scene.add_light_ambient("/light/even", intensity=2.6)
+        scene.configure_environment_map(None)
+        # Even light from everywhere: a board must read as a pattern, not as a shaded thing. Both
+        # lights together come to about pi, which shows a colour as it is.
+        scene.add_light_ambient("/light/even", intensity=2.5)
         scene.add_light_directional(
             "/light/eye", intensity=0.9, position=(-0.6, -1.0, -1.0), cast_shadow=False
         )

@@ -225,10 +225,11 @@ class Viewer:
             shapes = describe(snapshot, options)
             if not note and snapshot.warnings:
                 note = snapshot.warnings[-1]
+        drawn_by = "" if self._projections is None else self._projections.note
         with self._server.atomic():
             if shapes is not None:
                 self._scene.draw(shapes, dark=state.dark)
-            self._page.show(snapshot, state, sources, note)
+            self._page.show(snapshot, state, sources, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose)
 
