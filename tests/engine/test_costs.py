@@ -44,7 +44,8 @@ def test_projection_variance_by_monte_carlo(
     covariance = covariance_of(information_of_views(paper_camera, default_board), 0.1)
     drawn = rng.multivariate_normal(paper_camera.parameters, covariance, size=300)
     squares = [
-        mean_projection_error_px(paper_camera, Camera.from_parameters(p, paper_camera.image_size)) ** 2
+        mean_projection_error_px(paper_camera, Camera.from_parameters(p, paper_camera.image_size))
+        ** 2
         for p in drawn
     ]
     # The mean of 300 such squares, of about three effective degrees of freedom, is good to 5 %.
@@ -62,7 +63,9 @@ def test_mean_projection_error_against_another_minimiser(paper_camera: Camera) -
         turned = Rotation.from_rotvec(rotvec).apply(rays)
         return float(np.mean(np.sum((other.project(turned) - paper_camera.project(rays)) ** 2, 1)))
 
-    best = minimize(mean_square, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12})
+    best = minimize(
+        mean_square, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12}
+    )
     assert mean_projection_error_px(paper_camera, other) == pytest.approx(
         np.sqrt(best.fun), rel=1e-5
     )
@@ -133,7 +136,11 @@ def test_projection_variance_falls_with_every_view(
 ) -> None:
     few = information_of_views(paper_camera, default_board, VIEWS[:3])
     cost = make_cost(
-        "projection-variance", board=default_board, camera=paper_camera, information=few, sigma_px=2.0
+        "projection-variance",
+        board=default_board,
+        camera=paper_camera,
+        information=few,
+        sigma_px=2.0,
     )
     now = projection_error_px(paper_camera, covariance_of(few, 2.0)) ** 2
     assert (cost(VIEWS) < now).all()

@@ -22,7 +22,9 @@ def test_accepted_poses_keep_every_limit_by_opencvs_projection(
     edge = np.linspace(0, 1, 21)[:, None]
     outline = default_board.outline
     # The whole border of the board, not only its corners.
-    border = np.concatenate([a + edge * (np.roll(outline, -1, 0)[i] - a) for i, a in enumerate(outline)])
+    border = np.concatenate(
+        [a + edge * (np.roll(outline, -1, 0)[i] - a) for i, a in enumerate(outline)]
+    )
     for _ in range(40):
         pose = Pose.from_vector(random_pose(space, rng))
         pixels, _ = cv2.projectPoints(
@@ -32,7 +34,7 @@ def test_accepted_poses_keep_every_limit_by_opencvs_projection(
         assert pixels.min() > low - 0.5
         assert (pixels.max(0) < np.array(paper_camera.image_size) - 1 - low + 0.5).all()
         distance = np.linalg.norm(pose.apply(outline), axis=1)
-        assert 0.2 <= distance.min() and distance.max() <= 1.2
+        assert distance.min() >= 0.2 and distance.max() <= 1.2
         assert distance.max() / distance.min() <= 2.2
         line = pose.t / np.linalg.norm(pose.t)
         assert np.degrees(np.arccos(pose.R[:, 2] @ line)) <= 55 + 1e-6
@@ -68,13 +70,19 @@ def test_accepts_and_refusal_agree_on_anything(
 ) -> None:
     limits = Limits()
     wild = np.column_stack(
-        [rng.uniform(-90, 90, (300, 3)), rng.uniform(-0.3, 0.3, (300, 2)), rng.uniform(-0.2, 1.4, 300)]
+        [
+            rng.uniform(-90, 90, (300, 3)),
+            rng.uniform(-0.3, 0.3, (300, 2)),
+            rng.uniform(-0.2, 1.4, 300),
+        ]
     )
     likely = Space(default_board, paper_camera, limits).from_unit(rng.random((300, 6)))
     # An angle beyond +-90 degrees about Y has another vector for the same pose.
     vectors = np.array([Pose.from_vector(v).vector() for v in np.concatenate([wild, likely])])
     good = limits.accepts(paper_camera, default_board, vectors)
-    said = [limits.refusal(paper_camera, default_board, Pose.from_vector(v)) is None for v in vectors]
+    said = [
+        limits.refusal(paper_camera, default_board, Pose.from_vector(v)) is None for v in vectors
+    ]
     np.testing.assert_array_equal(good, said)
     assert 5 < good.sum() < 300
 

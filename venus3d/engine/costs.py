@@ -125,9 +125,7 @@ def projection_error_px(camera: Camera, covariance: ArrayLike) -> float:
     return float(np.sqrt(max(mean_variance, 0.0)))
 
 
-def mean_projection_error_px(
-    true: Camera, estimate: Camera, grid: tuple[int, int] = GRID
-) -> float:
+def mean_projection_error_px(true: Camera, estimate: Camera, grid: tuple[int, int] = GRID) -> float:
     """Rms distance, pixels, of two cameras' projections after the best common rotation.
 
     The rays are those of a `grid` (across, down) of the true camera's image.

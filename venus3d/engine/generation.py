@@ -102,9 +102,7 @@ class Generated:
     """How the rule's own pose had to be changed to stay within the limits; empty if it was not."""
 
 
-def weakest_parameter(
-    camera: Camera, covariance: ArrayLike, settled: Collection[str] = ()
-) -> str:
+def weakest_parameter(camera: Camera, covariance: ArrayLike, settled: Collection[str] = ()) -> str:
     """The parameter with the largest index of dispersion, eq. (13), among those not settled."""
     dispersion = index_of_dispersion(camera, covariance)
     passed_over = [name in settled for name in PARAMETERS]

@@ -12,6 +12,7 @@ from venus3d.engine.pose import Pose
 
 _FOCAL = {"fx": "horizontal", "fy": "vertical"}
 _CENTRE = {"cx": "left to right", "cy": "up and down"}
+_FULL = "over most"
 _LENS = ("k1", "k2", "k3", "p1", "p2")
 
 
@@ -26,6 +27,8 @@ def _what_it_does(pose: Pose, camera: Camera, board: Board, lens: bool) -> str:
     cosine = pose.R[:, 2] @ pose.t / max(float(np.linalg.norm(pose.t)), 1e-9)
     tilt = float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
     place = _place(pose, camera, board)
+    if lens and place == _FULL:
+        return "A board over most of the picture shows"
     if lens and place:
         return f"The board {place} of the picture, where the lens bends most, shows"
     if tilt >= 12:
@@ -51,7 +54,7 @@ def _place(pose: Pose, camera: Camera, board: Board) -> str:
         for a, b in zip(low, high, strict=True)
     )
     if not x and not y:
-        return "over most" if max(*low, *high) < 0.12 else ""
+        return _FULL if max(*low, *high) < 0.12 else ""
     sides = {(0, -1): "top", (0, 1): "bottom", (-1, 0): "left side", (1, 0): "right side"}
     if x and y:
         return f"in the {'top' if y < 0 else 'bottom'} {'left' if x < 0 else 'right'} corner"
@@ -59,18 +62,18 @@ def _place(pose: Pose, camera: Camera, board: Board) -> str:
 
 
 def _what_it_finds(serves: Sequence[str]) -> str:
-    parts: list[str] = []
-    focal = [name for name in serves if name in _FOCAL]
-    centre = [name for name in serves if name in _CENTRE]
-    lens = [name for name in serves if name in _LENS]
-    groups: dict[str, str] = {}
+    """The object of the sentence: the parameters by kind, the most served kind first."""
+    focal, centre, lens = (sorted(set(kind) & set(serves)) for kind in (_FOCAL, _CENTRE, _LENS))
+    told: dict[str, str] = {}
     if focal:
         kind = "" if len(focal) == 2 else _FOCAL[focal[0]] + " "
-        groups[focal[0]] = f"the {kind}focal length ({', '.join(focal)})"
+        told |= dict.fromkeys(focal, f"the {kind}focal length ({', '.join(focal)})")
     if centre:
         where = "" if len(centre) == 2 else f", {_CENTRE[centre[0]]}"
-        groups[centre[0]] = f"where the lens points{where} ({', '.join(centre)})"
+        told |= dict.fromkeys(centre, f"where the lens points{where} ({', '.join(centre)})")
     if lens:
-        groups[lens[0]] = f"how the lens bends straight lines ({', '.join(lens)})"
-    parts = [groups[name] for name in serves if name in groups]
-    return " and ".join(parts) if parts else "a little of everything"
+        told |= dict.fromkeys(lens, f"how the lens bends straight lines ({', '.join(lens)})")
+    parts = list(dict.fromkeys(told[name] for name in serves if name in told))
+    if len(parts) > 1:
+        return ", ".join(parts[:-1]) + " and " + parts[-1]
+    return parts[0] if parts else "a little of everything"

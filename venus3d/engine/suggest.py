@@ -1,9 +1,9 @@
 """The next target: the method finds a pose, and this says what it is for and how to get there.
 
-    random           a valid random pose
-    pose-selection   Rojtberg's pose for the parameter known worst
-    venus            the paper's pose for that parameter, then Algorithm 1 (annealing)
-    global           a search of the whole pose space within the limits
+random           a valid random pose
+pose-selection   Rojtberg's pose for the parameter known worst
+venus            the paper's pose for that parameter, then Algorithm 1 (annealing)
+global           a search of the whole pose space within the limits
 """
 
 from __future__ import annotations
