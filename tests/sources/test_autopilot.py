@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from targets import random_poses, target_of
 
+from tests.sources.targets import random_poses, target_of
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.pose import Pose

@@ -133,15 +133,13 @@ class Simulation:
             return None
         dt_s = self._wait()
         with self._lock:
-            if self.autopilot_on and self._number > 0:
-                moved = self._autopilot.advance(self._hand, self._target, dt_s, self._seen)
-                self._hand = moved
+            if self._number > 0:
+                self._time_s += dt_s
+                if self.autopilot_on:
+                    self._hand = self._autopilot.advance(self._hand, self._target, dt_s, self._seen)
             pose = self._hand
         self._number += 1
-        image = self._picture(pose)
-        frame = Frame(image, self._time_s, f"frame {self._number}")
-        self._time_s += 1 / self._fps if not self._realtime else dt_s
-        return frame
+        return Frame(self._picture(pose), self._time_s, f"frame {self._number}")
 
     def close(self) -> None:
         """Release the renderer. May be called twice."""

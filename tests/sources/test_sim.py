@@ -1,0 +1,229 @@
+"""The simulated camera against the projection it claims to have, and against its own options."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from tests.sources.targets import random_poses, target_of
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.detection import Detector
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Pose
+from venus3d.scene.offscreen import Offscreen
+from venus3d.sources.frame import Frame
+from venus3d.sources.sim import NEAREST, Simulation, near_pose
+
+
+@pytest.fixture(scope="module")
+def offscreen() -> Iterator[Offscreen]:
+    with Offscreen() as renderer:
+        yield renderer
+
+
+def frame_of(simulation: Simulation) -> Frame:
+    frame = simulation.read()
+    assert frame is not None
+    return frame
+
+
+def still(offscreen: Offscreen, camera: Camera, **options: float) -> Simulation:
+    """A simulation without noise, blur and hand."""
+    return Simulation(
+        camera,
+        autopilot=False,
+        offscreen=offscreen,
+        **{"noise_sigma": 0.0, "blur_sigma": 0.0, **options},
+    )
+
+
+def misses_px(seen: Observation, camera: Camera, board: Board, pose: Pose) -> np.ndarray:
+    """(N, 2) found minus projected corners."""
+    return seen.corners - camera.project(pose.apply(board.points_of(seen.ids)))
+
+
+def distorted(camera: Camera) -> Camera:
+    """A wide-angle lens that bends much more than the paper's."""
+    return Camera(camera.width, camera.height, 800, 800, 650, 340, -0.28, 0.09, 0.001, -0.0015)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("lens", "rms_px"), [("paper", 0.05), ("wide", 0.06)])
+def test_corners_are_where_the_camera_projects_them(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board, lens: str, rms_px: float
+):
+    """The wide lens shows smaller squares, from which corners are read a little less well."""
+    camera = paper_camera if lens == "paper" else distorted(paper_camera)
+    simulation, detector = still(offscreen, camera), Detector(default_board)
+    poses = [p for p in random_poses(camera, default_board, 200) if p.R[2, 2] > np.cos(0.7)][:20]
+    assert len(poses) == 20
+    misses = []
+    for pose in poses:
+        simulation.move_to(pose)
+        seen = detector.detect(frame_of(simulation).image)
+        assert seen.count == default_board.corner_count
+        misses.append(misses_px(seen, camera, default_board, pose))
+    misses = np.concatenate(misses)
+    assert np.sqrt((misses**2).mean(axis=0)).max() < rms_px
+    assert np.abs(misses.mean(axis=0)).max() < 0.02
+
+
+def test_a_board_that_leaves_the_picture_is_seen_in_part(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board
+):
+    simulation, detector = still(offscreen, paper_camera), Detector(default_board)
+    for pose in (
+        near_pose(paper_camera, default_board),
+        Pose.from_vector([10, 20, 5, 0.20, 0.05, 0.35]),
+        Pose.from_vector([-20, 0, 30, -0.05, -0.12, 0.3]),
+    ):
+        simulation.move_to(pose)
+        pixels = paper_camera.project(pose.apply(default_board.corners))
+        inside = ((pixels > 12) & (pixels < np.array([1280, 720]) - 12)).all(axis=1)
+        seen = detector.detect(frame_of(simulation).image)
+        assert 0.4 * inside.sum() < seen.count < default_board.corner_count
+        assert np.sqrt((misses_px(seen, paper_camera, default_board, pose) ** 2).mean()) < 0.06
+
+
+def test_the_start_is_too_near_for_the_whole_board(paper_camera: Camera, default_board: Board):
+    for camera in (paper_camera, distorted(paper_camera)):
+        pixels = camera.project(near_pose(camera, default_board).apply(default_board.corners))
+        inside = ((pixels >= 0) & (pixels < [1280, 720])).all(axis=1)
+        assert 6 < inside.sum() < default_board.corner_count
+
+
+def test_noise_and_blur_are_what_was_asked_for(offscreen: Offscreen, paper_camera: Camera):
+    noisy = still(offscreen, paper_camera, noise_sigma=4.0)
+    difference = frame_of(noisy).image.astype(float) - frame_of(noisy).image
+    assert difference.std() == pytest.approx(4.0 * np.sqrt(2), rel=0.03)
+    assert abs(difference.mean()) < 0.05
+
+    sharp, blurred = (
+        frame_of(still(offscreen, paper_camera, blur_sigma=sigma)).image.astype(float)
+        for sigma in (0.0, 2.0)
+    )
+    steepest = [np.abs(np.diff(image, axis=1)).max() for image in (sharp, blurred)]
+    # A step smeared by a Gaussian falls by its height / (sigma sqrt(2 pi)) per pixel.
+    height = np.ptp(sharp)
+    assert steepest[0] > 0.6 * height
+    assert steepest[1] == pytest.approx(height / (2.0 * np.sqrt(2 * np.pi)), rel=0.15)
+
+
+def test_the_room_is_untouched_beside_the_board_and_paper_is_not_pure_white(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board
+):
+    room = np.random.default_rng(0).integers(0, 255, (720, 1280, 3), np.uint8)
+    simulation = Simulation(
+        paper_camera,
+        background=room,
+        noise_sigma=0,
+        blur_sigma=0,
+        light=0.8,
+        autopilot=False,
+        start=Pose.from_vector([0, 0, 0, 0.15, 0, 0.6]),
+        offscreen=offscreen,
+    )
+    image = frame_of(simulation).image
+    np.testing.assert_array_equal(image[:, :600], room[:, :600])
+    outline = paper_camera.project(simulation.hand.apply(default_board.outline)).round().astype(int)
+    (left, top), (right, bottom) = outline.min(axis=0) + 3, outline.max(axis=0) - 3
+    board = image[top:bottom, left:right]
+    assert np.ptp(board, axis=2).max() == 0, "no colour of the room or the key shines through"
+    assert 0.7 * 255 < board.max() <= 0.8 * 255 and 5 < board.min() < 25
+
+
+def test_a_seed_repeats_every_pixel(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board
+):
+    target = target_of(Pose.from_vector([45, 0, 0, 0, 0, 0.5]), paper_camera, default_board)
+
+    def last_image(seed: int) -> np.ndarray:
+        simulation = Simulation(seed=seed, fps=5, speed=2, offscreen=offscreen)
+        for _ in range(4):
+            frame = frame_of(simulation)
+            simulation.follow(target)
+        return frame.image
+
+    np.testing.assert_array_equal(last_image(1), last_image(1))
+    assert (last_image(1) != last_image(2)).mean() > 0.5
+
+
+def test_the_hand_brings_the_board_to_the_target(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board
+):
+    pose = Pose.from_vector([30, -25, 15, 0.05, -0.03, 0.45])
+    simulation = Simulation(fps=5, speed=2.5, offscreen=offscreen)
+    simulation.follow(target_of(pose, paper_camera, default_board))
+    frames = [frame_of(simulation) for _ in range(40)]
+    assert simulation.hand.distance_to(pose) < 0.006 and simulation.hand.angle_to_deg(pose) < 2.5
+    assert simulation.step == 4
+    np.testing.assert_allclose([f.time_s for f in frames], np.arange(40) / 5, atol=1e-9)
+    seen = Detector(default_board).detect(frames[-1].image)
+    assert seen.count == default_board.corner_count
+    shift = np.linalg.norm(misses_px(seen, paper_camera, default_board, pose), axis=1)
+    assert shift.mean() < 15, "what is seen is where the hand is"
+
+    simulation.autopilot_on = False
+    held = simulation.hand
+    frame_of(simulation)
+    assert simulation.hand is held
+
+
+@pytest.mark.parametrize(
+    "vector",
+    [[0, 0, 0, 0, 0, -1], [70, 0, 0, 0, 0, 0.05], [0, 80, 0, 0.4, 0, 0.01], [0, 0, 0, 50, 9, 99]],
+)
+def test_a_dragged_board_stays_before_the_lens(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board, vector: list[float]
+):
+    simulation = still(offscreen, paper_camera)
+    simulation.move_to(Pose.from_vector(vector))
+    corners = simulation.hand.apply(default_board.outline)
+    assert corners[:, 2].min() > NEAREST - 1e-9 and simulation.hand.t[2] < 3.1
+    assert np.abs(simulation.hand.t[:2]).max() <= simulation.hand.t[2]
+    np.testing.assert_allclose(simulation.hand.R, Pose.from_vector(vector).R)
+
+
+def test_a_reasonable_drag_is_taken_as_it_is(offscreen: Offscreen, paper_camera: Camera):
+    simulation, pose = still(offscreen, paper_camera), Pose.from_vector([30, 20, 10, 0.1, 0, 0.5])
+    simulation.move_to(pose)
+    np.testing.assert_array_equal(simulation.hand.matrix, pose.matrix)
+
+
+def test_in_real_time_frames_keep_the_rate_and_a_slow_machine_skips(
+    offscreen: Offscreen, monkeypatch: pytest.MonkeyPatch
+):
+    """The wall's clock is replaced, so that nothing here depends on how busy the machine is."""
+    now = [50.0]
+    monkeypatch.setattr("venus3d.sources.sim.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("venus3d.sources.sim.time.sleep", lambda s: now.__setitem__(0, now[0] + s))
+    simulation = Simulation(fps=25, realtime=True, offscreen=offscreen)
+    assert simulation.is_live
+    times = [frame_of(simulation).time_s for _ in range(5)]
+    assert now[0] == pytest.approx(50.16) and times[-1] == pytest.approx(0.16)
+    now[0] += 0.1  # the machine was busy
+    late = frame_of(simulation)
+    assert frame_of(simulation).time_s - late.time_s == pytest.approx(0.04, abs=1e-6)
+    assert late.time_s - times[-1] == pytest.approx(0.1)
+
+
+def test_the_painter_stands_in_for_opengl(paper_camera: Camera, default_board: Board):
+    with Offscreen("painter") as painter:
+        painter.note = "OpenGL cannot be used here."
+        simulation, pose = still(painter, paper_camera), Pose.from_vector([25, 20, 5, 0, 0, 0.4])
+        assert simulation.notes == ("OpenGL cannot be used here.",)
+        simulation.move_to(pose)
+        seen = Detector(default_board).detect(frame_of(simulation).image)
+    assert seen.count == default_board.corner_count
+    assert np.sqrt((misses_px(seen, paper_camera, default_board, pose) ** 2).mean()) < 0.1
+
+
+def test_closing_ends_the_source(paper_camera: Camera):
+    simulation = Simulation(paper_camera.scaled((320, 180)))
+    assert frame_of(simulation).image_size == simulation.image_size == (320, 180)
+    simulation.close()
+    simulation.close()
+    assert simulation.read() is None
