@@ -76,7 +76,9 @@ def photographs(
             for number, pose in enumerate(poses, start=1):
                 shapes = (board_shape(default_board, pose),)
                 picture = offscreen.render(paper_camera, shapes, background=(120, 120, 120))
-                cv2.imwrite(str(folder / f"{number:02}.png"), cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+                cv2.imwrite(
+                    str(folder / f"{number:02}.png"), cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
+                )
         return folder
 
     return make

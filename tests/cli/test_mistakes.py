@@ -118,8 +118,7 @@ def test_unwritable_output(run: Run, tmp_path: Path, command: list[str]) -> None
     (tmp_path / "file").write_text("")
     place = tmp_path / "file" / "results"
     assert run(*command, "--output", place).sentence == (
-        f"Nothing can be written to {place} (not a directory); choose another folder with "
-        "--output."
+        f"Nothing can be written to {place} (not a directory); choose another folder with --output."
     )
 
 

@@ -7,6 +7,7 @@ in the module of its name. Heavy rooms are imported by the command that needs th
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from typing import Annotated
@@ -69,6 +70,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except VenusError as error:
         print(f"venus3d: {error}", file=sys.stderr)
         return MISTAKE
+    except BrokenPipeError:
+        # Whoever read our output (head, less) has had enough; Python must not complain at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except KeyboardInterrupt:
         print("venus3d: stopped.", file=sys.stderr)
         return INTERRUPTED

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import closing
 
 from venus3d.cli.options import CalibrateOptions
 from venus3d.cli.report import deliver, print_result, tell
+from venus3d.engine.board import Board
 from venus3d.engine.calibration import calibrate, warnings_for
 from venus3d.engine.detection import Detector
 from venus3d.engine.errors import CalibrationError, SourceError, VenusError
 from venus3d.engine.observation import Observation
 from venus3d.engine.selection import choose_informative
-from venus3d.sources.opening import OpenedSource, open_source
+from venus3d.sources.opening import open_source
 from venus3d.sources.video import Video
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of
@@ -48,32 +50,30 @@ def calibrate_command(options: CalibrateOptions) -> None:
 
 def observe_all(spec: str, detector: Detector) -> tuple[list[Observation], tuple[str, ...], bool]:
     """What is seen of the board in every frame, the source's notes, and whether it is a video."""
-    for _ in range(2):
-        source = open_source(spec)
-        try:
-            if source.is_live:
-                raise SourceError(
-                    "A live camera has no end to wait for; use venus3d guide for it, or record a "
-                    "video first."
-                )
-            boards, observations = _observe(source, detector)
-        finally:
-            source.close()
-        # The layout is found out on the way; what was read with another one is read again.
-        if all(board == detector.board for board in boards):
-            break
-    return observations, tuple(source.notes), isinstance(source, Video)
+    seen, boards = _observe(spec, detector)
+    # The layout is found out on the way; what was read with another one is read again.
+    if any(board != detector.board for board in boards):
+        seen, _ = _observe(spec, detector)
+    return seen
 
 
-def _observe(source: OpenedSource, detector: Detector) -> tuple[list[object], list[Observation]]:
-    boards: list[object] = []
+def _observe(
+    spec: str, detector: Detector
+) -> tuple[tuple[list[Observation], tuple[str, ...], bool], list[Board]]:
+    boards: list[Board] = []
     observations: list[Observation] = []
-    while (frame := source.read()) is not None:
-        observations.append(detector.detect(frame.image, time_s=frame.time_s, name=frame.name))
-        boards.append(detector.board)
-        if len(observations) % 100 == 0:
-            tell(f"{len(observations)} frames looked at ...")
-    return boards, observations
+    with closing(open_source(spec)) as source:
+        if source.is_live:
+            raise SourceError(
+                "A live camera has no end to wait for; use venus3d guide for it, or record a "
+                "video first."
+            )
+        while (frame := source.read()) is not None:
+            observations.append(detector.detect(frame.image, time_s=frame.time_s, name=frame.name))
+            boards.append(detector.board)
+            if len(observations) % 100 == 0:
+                tell(f"{len(observations)} frames looked at ...")
+        return (observations, tuple(source.notes), isinstance(source, Video)), boards
 
 
 def _check_count(seen: Sequence[Observation]) -> None:

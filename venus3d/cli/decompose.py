@@ -13,7 +13,7 @@ from venus3d.cli.options import DecomposeOptions
 from venus3d.cli.report import tell
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import Step, Steps, decompose
+from venus3d.engine.decomposition import HOME_DISTANCE, Step, Steps, decompose
 from venus3d.engine.errors import PoseError
 from venus3d.engine.limits import Limits
 from venus3d.engine.pose import Pose
@@ -62,7 +62,8 @@ def _heading(target: Pose, board: Board) -> str:
     xr, yr, zr = target.vector()[:3]
     return (
         f"Target: turned {xr:+.1f}° about X, {yr:+.1f}° about Y, {zr:+.1f}° about Z (the camera's "
-        f"axes);\n        centre {x:+.0f} mm right, {y:+.0f} mm down, {z:.0f} mm in front."
+        f"axes);\n        centre {x:+.0f} mm right, {y:+.0f} mm down, {z:.0f} mm in front.\n"
+        f"From the upright, frontal board, {HOME_DISTANCE * 1000:.0f} mm in front of the camera:"
     )
 
 
