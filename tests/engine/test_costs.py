@@ -170,7 +170,7 @@ def test_rms_really_calibrates(
         rng=rng,
     )
     values = cost(VIEWS[:2] + 1e-3)
-    # 480 coordinates of sigma 0.316 less 45 unknowns: rms distance about 0.316 sqrt(2 (1 - 45/480)).
+    # 480 coordinates less 45 unknowns: the rms distance is about sigma sqrt(2 (1 - 45 / 480)).
     np.testing.assert_allclose(values, SIGMA * np.sqrt(2 * (1 - 45 / 480)), rtol=0.12)
 
 

@@ -12,7 +12,6 @@ from venus3d.engine.generation import (
     GenerationState,
     Window,
     bisection_angle_deg,
-    brought_within,
     distortion_map,
     distortion_window,
     generate_paper,
@@ -21,7 +20,7 @@ from venus3d.engine.generation import (
     weakest_parameter,
     window_pose,
 )
-from venus3d.engine.limits import Limits
+from venus3d.engine.limits import Limits, brought_within
 
 
 def test_eq_11_as_printed_and_where_it_degenerates() -> None:

@@ -1,4 +1,4 @@
-"""The board now against the target: shapes clipped by counting pixels, steps, motion, hysteresis."""
+"""The board now against the target: silhouettes, steps, motion, hysteresis."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from venus3d.engine.limits import Limits
 from venus3d.engine.matching import Tolerance, match, motion_px, silhouette_overlap
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Array, Pose, turn
-from venus3d.engine.search import Space, random_pose
+from venus3d.engine.space import Space, random_pose
 
 TARGET = Pose.from_vector([20, -30, 10, 0.02, 0.01, 0.5])
 
@@ -21,7 +21,7 @@ def filled(camera: Camera, board: Board, pose: Pose) -> Array:
     """The silhouette as pixels, by OpenCV, on a canvas larger than the image."""
     outline, _ = cv2.projectPoints(board.outline, pose.rvec, pose.t, camera.K, np.zeros(5))
     canvas = np.zeros((2400, 3200), np.uint8)
-    corners = np.round((outline.reshape(-1, 2) + [900, 800]) * 16).astype(np.int32)
+    corners = np.round((outline.reshape(-1, 2) + np.array([900, 800])) * 16).astype(np.int32)
     cv2.fillConvexPoly(canvas, corners, 255, shift=4)
     return canvas > 0
 
@@ -124,7 +124,7 @@ def test_reached_needs_overlap_stillness_and_the_right_orientation(
 
     def seen(shift: float) -> Observation:
         pixels = paper_camera.project(TARGET.apply(default_board.corners))
-        return Observation(ids, pixels + [shift, 0], paper_camera.image_size)
+        return Observation(ids, pixels + np.array([shift, 0]), paper_camera.image_size)
 
     def reached(pose: Pose, shift: float = 0.5, needed: float = 0.85) -> bool:
         return match(

@@ -12,7 +12,8 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.information import prior_information, view_information
 from venus3d.engine.limits import Limits
 from venus3d.engine.pose import Array, Pose, rotations_of
-from venus3d.engine.search import Move, Space, anneal, random_pose, search_globally
+from venus3d.engine.search import Move, anneal, search_globally
+from venus3d.engine.space import Space, random_pose
 
 GOAL = np.array([20.0, -30, 10, 0.05, -0.02, 0.5])
 SCALE = np.array([20.0, 20, 20, 0.05, 0.05, 0.1])

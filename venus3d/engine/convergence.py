@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -44,7 +45,7 @@ def judge(
             reached = 1 - ratio <= epsilon
         return Convergence(ratio, tuple(bool(v) for v in reached), rule)
     reached = np.zeros(9, dtype=bool)
-    for before, after in zip(history[:-1], history[1:], strict=True):
+    for before, after in pairwise(history):
         if after.views >= min_views:
             with np.errstate(invalid="ignore"):
                 drop = 1 - np.sqrt(_ratio(before, after))

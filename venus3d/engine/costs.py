@@ -113,8 +113,8 @@ def projection_weight(camera: Camera) -> Array:
         # The estimate's distortion folds back within the image: better to plan without it.
         camera = camera.without_distortion()
         rays = _rays(camera)
-    _, J, G = camera.project_with_jacobians(rays, np.eye(3)[None], np.zeros((1, 3)))
-    J, G = J.reshape(-1, 9), G.reshape(-1, 6)[:, :3]
+    _, intrinsic, pose = camera.project_with_jacobians(rays, np.eye(3)[None], np.zeros((1, 3)))
+    J, G = intrinsic.reshape(-1, 9), pose.reshape(-1, 6)[:, :3]
     left = J - G @ np.linalg.solve(G.T @ G, G.T @ J)
     return left.T @ left / len(rays)
 
@@ -159,7 +159,7 @@ def _rays(camera: Camera, grid: tuple[int, int] = GRID) -> Array:
 
 
 def _unlimited_pixels(camera: Camera, rays: Array) -> Array:
-    """Like `Camera.project`, but also beyond the radius where the model folds: errors stay finite."""
+    """Like `Camera.project`, but beyond the radius where the model folds too: finite errors."""
     return camera.distort(rays[:, :2] / rays[:, 2:]) * [camera.fx, camera.fy] + [
         camera.cx,
         camera.cy,

@@ -9,7 +9,7 @@ What has been used is an explicit frozen `GenerationState`; nothing is searched 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from venus3d.engine.board import Board
 from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.costs import index_of_dispersion
-from venus3d.engine.limits import Limits
+from venus3d.engine.limits import Limits, brought_within
 from venus3d.engine.pose import Array, Pose
 
 ROLL_DEG = 22.5
@@ -217,53 +217,6 @@ def window_pose(board: Board, camera: Camera, window: Window) -> Pose:
     return Pose(np.eye(3), np.array([ray[0] * z, ray[1] * z, z]))
 
 
-def brought_within(
-    board: Board, camera: Camera, limits: Limits, vector: ArrayLike
-) -> tuple[Array, str]:
-    """The pose vector (6,) brought into the limits by the smallest change, and what changed.
-
-    Looked at are a smaller tilt (X and Y angles scaled together), another distance along the same
-    line of sight, and a shift towards the image's centre. Ten degrees weigh as much as ten per
-    cent of the distance or a shift by a tenth of the way to the centre. If nothing of this helps,
-    the vector comes back unchanged with the reason why it is refused.
-    """
-    p = np.asarray(vector, dtype=np.float64).copy()
-    if limits.accepts(camera, board, p)[0]:
-        return p, ""
-    cause = limits.refusal(camera, board, Pose.from_vector(p)) or ""
-    p[:3] = np.clip(p[:3], -limits.max_angle_deg, limits.max_angle_deg)
-    tilt, stretch, centring = (
-        axis.ravel()
-        for axis in np.meshgrid(
-            np.linspace(1, 0, 36), 1.05 ** np.arange(-18, 29), [0, 0.05, 0.1, 0.2, 0.3, 0.5, 1]
-        )
-    )
-    candidates = np.tile(p, (tilt.size, 1))
-    candidates[:, :2] *= tilt[:, None]
-    candidates[:, 3:] *= stretch[:, None]
-    candidates[:, 3:5] *= 1 - centring[:, None]
-    change = (1 - tilt) * np.abs(p[:2]).max() / 10 + np.abs(np.log(stretch)) / 0.1 + 10 * centring
-    order = np.argsort(change, kind="stable")
-    for block in np.array_split(order, 24):
-        good = limits.accepts(camera, board, candidates[block])
-        if good.any():
-            best = candidates[block[int(np.argmax(good))]]
-            return best, f"{cause} {_change_told(p, best)}".strip()
-    return p, cause
-
-
-def _change_told(before: Array, after: Array) -> str:
-    parts: list[str] = []
-    for name, old, new in zip("XY", before[:2], after[:2], strict=True):
-        if abs(new - old) > 0.05:
-            parts.append(f"turned about {name} by {new:.0f}° instead of {old:.0f}°")
-    if abs(after[5] / before[5] - 1) > 1e-6:
-        parts.append(f"held at {after[5] * 1000:.0f} mm instead of {before[5] * 1000:.0f} mm")
-    if np.linalg.norm(after[3:5] / after[5] - before[3:5] / before[5]) > 1e-6:
-        parts.append("moved towards the centre of the picture")
-    return f"It is {' and '.join(parts)}." if parts else ""
-
-
 def _finished(
     board: Board,
     camera: Camera,
@@ -295,12 +248,8 @@ def _nearest_visible(board: Board, camera: Camera, limits: Limits, vector: Array
     candidates = np.tile(vector, (distances.size, 1))
     candidates[:, 5] = distances
     seen_only = replace(limits, max_tilt_deg=90.0, max_depth_ratio=np.inf, min_square_px=0.0)
-    checks: tuple[Callable[[], Array], ...] = (
-        lambda: limits.accepts(camera, board, candidates),
-        lambda: seen_only.accepts(camera, board, candidates),
-    )
-    for check in checks:
-        good = np.flatnonzero(check())
+    for bounds in (limits, seen_only):
+        good = np.flatnonzero(bounds.accepts(camera, board, candidates))
         if good.size:
             return candidates[good[0]]
     return candidates[distances.size // 2]

@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.pose import Array, Pose, rotations_of
 
+Mask = NDArray[np.bool_]
 _REASONS = ("angle", "tilt", "behind", "near", "far", "depth", "outside", "small")
 
 
@@ -60,7 +61,7 @@ class Limits:
             return limits
         return replace(limits, nearest=0.75 * z_fill, farthest=4.5 * z_fill)
 
-    def accepts(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
+    def accepts(self, camera: Camera, board: Board, vectors: ArrayLike) -> Mask:
         """Which of the pose vectors (N, 6) may be asked for: (N,) bool."""
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         # Most candidates of a search fail on what costs little to see; the rest is projected.
@@ -125,6 +126,53 @@ class Limits:
         limit = np.append(limit, [self.max_depth_ratio, 0.0, self.min_square_px])
         sign = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0])
         return sign * (figures - limit) - 1e-9, figures
+
+
+def brought_within(
+    board: Board, camera: Camera, limits: Limits, vector: ArrayLike
+) -> tuple[Array, str]:
+    """The pose vector (6,) brought into the limits by the smallest change, and what changed.
+
+    Looked at are a smaller tilt (X and Y angles scaled together), another distance along the same
+    line of sight, and a shift towards the image's centre. Ten degrees weigh as much as ten per
+    cent of the distance or a shift by a tenth of the way to the centre. If nothing of this helps,
+    the vector comes back unchanged with the reason why it is refused.
+    """
+    p = np.asarray(vector, dtype=np.float64).copy()
+    if limits.accepts(camera, board, p)[0]:
+        return p, ""
+    cause = limits.refusal(camera, board, Pose.from_vector(p)) or ""
+    p[:3] = np.clip(p[:3], -limits.max_angle_deg, limits.max_angle_deg)
+    tilt, stretch, centring = (
+        axis.ravel()
+        for axis in np.meshgrid(
+            np.linspace(1, 0, 36), 1.05 ** np.arange(-18, 29), [0, 0.05, 0.1, 0.2, 0.3, 0.5, 1]
+        )
+    )
+    candidates = np.tile(p, (tilt.size, 1))
+    candidates[:, :2] *= tilt[:, None]
+    candidates[:, 3:] *= stretch[:, None]
+    candidates[:, 3:5] *= 1 - centring[:, None]
+    change = (1 - tilt) * np.abs(p[:2]).max() / 10 + np.abs(np.log(stretch)) / 0.1 + 10 * centring
+    order = np.argsort(change, kind="stable")
+    for block in np.array_split(order, 24):
+        good = limits.accepts(camera, board, candidates[block])
+        if good.any():
+            best = candidates[block[int(np.argmax(good))]]
+            return best, f"{cause} {_change_told(p, best)}".strip()
+    return p, cause
+
+
+def _change_told(before: Array, after: Array) -> str:
+    parts: list[str] = []
+    for name, old, new in zip("XY", before[:2], after[:2], strict=True):
+        if abs(new - old) > 0.05:
+            parts.append(f"turned about {name} by {new:.0f}° instead of {old:.0f}°")
+    if abs(after[5] / before[5] - 1) > 1e-6:
+        parts.append(f"held at {after[5] * 1000:.0f} mm instead of {before[5] * 1000:.0f} mm")
+    if np.linalg.norm(after[3:5] / after[5] - before[3:5] / before[5]) > 1e-6:
+        parts.append("moved towards the centre of the picture")
+    return f"It is {' and '.join(parts)}." if parts else ""
 
 
 def _normals(vectors: Array) -> Array:

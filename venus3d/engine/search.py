@@ -2,7 +2,7 @@
 
 All searches take a random generator, stop when asked to with the best pose so far, and report
 their moves so that they can be watched. What a pose costs is `costs`' business, which poses are
-allowed `limits`'.
+allowed `space`'s.
 """
 
 from __future__ import annotations
@@ -15,16 +15,12 @@ from numpy.typing import ArrayLike
 from scipy.stats import qmc
 
 from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
 from venus3d.engine.costs import CostFunction
-from venus3d.engine.errors import VenusError
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Array, Pose, rotations_of
+from venus3d.engine.pose import Array
+from venus3d.engine.space import Space, nothing_fits
 
 Stop = Callable[[], bool]
-SKIPPED_DEG = 15.0
-SKIPPED_FRACTION = 0.1
-_TRIES = 50  # draws for one neighbour or random pose within the limits
+_TRIES = 50  # draws for one neighbour within the space
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,61 +53,6 @@ class Found:
 
 
 Watch = Callable[[Move], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Space:
-    """The poses that may be asked for: within the limits and not near one that was skipped."""
-
-    board: Board
-    camera: Camera
-    limits: Limits
-    skipped: tuple[Pose, ...] = ()
-    """Not offered again within 15 degrees and a tenth of the distance."""
-
-    def accepts(self, vectors: ArrayLike) -> Array:
-        """Which pose vectors (N, 6) belong to the space: (N,) bool."""
-        p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
-        good = self.limits.accepts(self.camera, self.board, p)
-        for pose in self.skipped:
-            good &= ~_near(p, pose)
-        return good
-
-    def from_unit(self, unit: Array) -> Array:
-        """Points (N, 6) of the unit cube to pose vectors (N, 6), most of them not in the space.
-
-        Three angles over their range, the place of the board's centre over the image, its
-        distance over the logarithm of its range: as much room near the lens as far from it.
-        """
-        limits, camera = self.limits, self.camera
-        angles = (2 * unit[:, :3] - 1) * limits.max_angle_deg
-        z = limits.nearest * (limits.farthest / limits.nearest) ** unit[:, 5]
-        x = (unit[:, 3] * camera.width - 0.5 - camera.cx) / camera.fx * z
-        y = (unit[:, 4] * camera.height - 0.5 - camera.cy) / camera.fy * z
-        return np.column_stack([angles, x, y, z])
-
-    def to_unit(self, vectors: Array) -> Array:
-        """The inverse of `from_unit`."""
-        limits, camera = self.limits, self.camera
-        z = vectors[:, 5]
-        return np.column_stack(
-            [
-                (vectors[:, :3] / limits.max_angle_deg + 1) / 2,
-                (vectors[:, 3] / z * camera.fx + camera.cx + 0.5) / camera.width,
-                (vectors[:, 4] / z * camera.fy + camera.cy + 0.5) / camera.height,
-                np.log(z / limits.nearest) / np.log(limits.farthest / limits.nearest),
-            ]
-        )
-
-
-def random_pose(space: Space, rng: np.random.Generator) -> Array:
-    """(6,) a random pose vector of the space. Raises `VenusError` if there seems to be none."""
-    for _ in range(_TRIES):
-        vectors = space.from_unit(rng.random((64, 6)))
-        good = np.flatnonzero(space.accepts(vectors))
-        if good.size:
-            return vectors[good[0]]
-    raise _nothing_fits(space)
 
 
 def neighbour_sigma(board: Board) -> Array:
@@ -265,7 +206,7 @@ def _samples(space: Space, count: int, rng: np.random.Generator) -> Array:
             break
     pool = np.concatenate(found)[:count]
     if not len(pool):
-        raise _nothing_fits(space)
+        raise nothing_fits(space)
     return pool
 
 
@@ -288,19 +229,3 @@ def _neighbour(space: Space, vector: Array, sigma: Array, rng: np.random.Generat
         if space.accepts(candidate)[0]:
             return candidate
     return None
-
-
-def _near(vectors: Array, pose: Pose) -> Array:
-    """Which vectors (N, 6) are within 15 degrees and a tenth of the distance of a pose."""
-    shift = np.linalg.norm(vectors[:, 3:] - pose.t, axis=1)
-    trace = np.einsum("nij,ij->n", rotations_of(vectors), pose.R)
-    angle = np.degrees(np.arccos(np.clip((trace - 1) / 2, -1.0, 1.0)))
-    near = shift < SKIPPED_FRACTION * np.linalg.norm(pose.t)
-    return near & (angle < SKIPPED_DEG)
-
-
-def _nothing_fits(space: Space) -> VenusError:
-    return VenusError(
-        "No pose of this board fits the limits on a target; widen them (the distances "
-        f"{space.limits.nearest:g} to {space.limits.farthest:g} m, the tilt, the smallest square)."
-    )

@@ -38,16 +38,9 @@ from venus3d.engine.limits import Limits
 from venus3d.engine.observation import View
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.reasons import reason_for
-from venus3d.engine.search import (
-    Found,
-    Space,
-    Stop,
-    Watch,
-    anneal,
-    random_pose,
-    search_globally,
-)
+from venus3d.engine.search import Found, Stop, Watch, anneal, search_globally
 from venus3d.engine.snapshot import COSTS, METHODS, Cost, Method, Target
+from venus3d.engine.space import Space, random_pose
 
 DEFAULT_COST: dict[Method, Cost] = {
     "random": "projection-variance",
@@ -107,33 +100,41 @@ def suggest(
     """
     chosen = _checked(method, cost)
     started = time.perf_counter()
-    known = _with_prior(camera, np.asarray(information, dtype=np.float64), sigma_px)
     plan = _planning_camera(camera)
+    known = _with_prior(camera, np.asarray(information, dtype=np.float64), sigma_px)
+    before = covariance_of(known, sigma_px)
     bounds = Limits.for_board(board, plan) if limits is None else limits
     space = Space(board, plan, bounds, tuple(skipped))
-    before = covariance_of(known, sigma_px)
     begun = (state or GenerationState()).observed(np.sqrt(np.diag(before)))
-    generated: Generated | None = None
-    if method in ("pose-selection", "venus"):
-        worst = weakest_parameter(camera, before, begun.settled)
-        generated = _generated(method, space, worst, begun)
-    if method in ("venus", "global"):
-        price = make_cost(
+    generated = _generated(method, space, before, begun)
+
+    def price() -> CostFunction:
+        seen = [view.observation for view in views]
+        return make_cost(
             chosen,
             board=board,
             camera=plan,
             information=known,
             sigma_px=sigma_px,
-            observations=[view.observation for view in views],
+            observations=seen,
             rng=rng,
         )
-        found = _searched(space, price, generated, rng, stop, on_move)
+
+    if method == "global":
+        cheap = _with_effort(space, price())
+        found = search_globally(space, cheap, rng, stop=stop, on_move=on_move)
+    elif method == "venus" and generated is not None:
+        start = generated.vector
+        if not space.accepts(start)[0]:
+            start = random_pose(space, rng)
+        found = anneal(space, price(), start, rng, stop=stop, on_move=on_move)
     else:
         vector = random_pose(space, rng) if generated is None else generated.vector
         found = Found(vector, float("nan"), 0, False)
-    served_first = generated.parameter if method == "pose-selection" and generated else None
+
     after = sigma_px**2 * predicted_covariance(board, plan, known, found.vector)[0]
-    serves = _served(before, after, served_first)
+    aimed_at = generated.parameter if method == "pose-selection" and generated else None
+    serves = _served(before, after, aimed_at)
     pose = Pose.from_vector(found.vector)
     target = Target(
         number=number,
@@ -148,8 +149,8 @@ def suggest(
         evaluated=found.evaluated,
         search_s=time.perf_counter() - started,
     )
-    ended = begun if generated is None else generated.state
-    return Suggestion(target, ended, "" if generated is None else generated.note)
+    ended, note = (begun, "") if generated is None else (generated.state, generated.note)
+    return Suggestion(target, ended, note)
 
 
 def _checked(method: Method, cost: Cost | None) -> Cost:
@@ -201,31 +202,24 @@ def _planning_camera(camera: Camera) -> Camera:
     return camera.without_distortion()
 
 
-def _generated(method: Method, space: Space, parameter: str, state: GenerationState) -> Generated:
-    """The rule's next pose that was not skipped; it gives up after eight and takes the last."""
+def _generated(
+    method: Method, space: Space, covariance: Array, state: GenerationState
+) -> Generated | None:
+    """The rule's next pose that was not skipped; it gives up after eight and takes the last.
+
+    None for methods without a rule.
+    """
+    if method not in ("venus", "pose-selection"):
+        return None
     generate = generate_paper if method == "venus" else generate_rojtberg
+    worst = weakest_parameter(space.camera, covariance, state.settled)
+    made: Generated | None = None
     for _ in range(8):
-        made = generate(space.board, space.camera, space.limits, parameter, state)
-        state = made.state
+        made = generate(space.board, space.camera, space.limits, worst, state)
         if space.accepts(made.vector)[0]:
-            return made
+            break
+        state = made.state
     return made
-
-
-def _searched(
-    space: Space,
-    price: CostFunction,
-    generated: Generated | None,
-    rng: np.random.Generator,
-    stop: Stop | None,
-    on_move: Watch | None,
-) -> Found:
-    if generated is None:
-        return search_globally(space, _with_effort(space, price), rng, stop=stop, on_move=on_move)
-    start = generated.vector
-    if not space.accepts(start)[0]:
-        start = random_pose(space, rng)
-    return anneal(space, price, start, rng, stop=stop, on_move=on_move)
 
 
 def _with_effort(space: Space, price: CostFunction) -> CostFunction:
