@@ -1,0 +1,101 @@
+"""One Chromium for all browser tests, and a viewer with real snapshots for each."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Pose
+from venus3d.engine.session import Session
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.projections import Projections
+from venus3d.scene.viewer import Viewer
+
+_FLAGS = (
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
+_FIRST_PORT = int(os.environ.get("VENUS3D_TEST_PORT", "8250"))
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    """A browser without a window."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    names = ("chromium", "chromium-browser", "google-chrome")
+    path = next((found for name in names if (found := shutil.which(name))), None)
+    if path is None:
+        pytest.skip("no Chromium on this machine; install the package 'chromium'")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=list(_FLAGS))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def projections() -> Iterator[Projections]:
+    """The painter's projections: no test here asks about OpenGL."""
+    offscreen = Offscreen("painter")
+    yield Projections(offscreen)
+    offscreen.close()
+
+
+@pytest.fixture
+def viewer(projections: Projections) -> Iterator[Viewer]:
+    """A dark page on a free port, with a draggable board."""
+    page = Viewer(port=_FIRST_PORT, projections=projections, draggable_board=True)
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def open_page(chromium: Any, viewer: Viewer) -> Iterator[Callable[[], Any]]:
+    """Opens a tab on the viewer and waits for the guidance text."""
+    pages: list[Any] = []
+
+    def opened() -> Any:
+        page = chromium.new_page(viewport={"width": 1280, "height": 720})
+        pages.append(page)
+        page.set_default_timeout(30_000)
+        page.goto(viewer.url)
+        page.wait_for_selector(".v-guide")
+        return page
+
+    yield opened
+    for page in pages:
+        page.close()
+
+
+@pytest.fixture(scope="session")
+def guiding(paper_camera: Camera, default_board: Board) -> Snapshot:
+    """A session after its first view, the board on step 3 of the way to its second."""
+    noise = np.random.default_rng(3)
+    session = Session(default_board, paper_camera.image_size)
+
+    def look(pose: Pose) -> Snapshot:
+        pixels = paper_camera.project(pose.apply(default_board.corners))
+        pixels = pixels + noise.normal(0, 0.2, pixels.shape)
+        inside = ((pixels > 0) & (pixels < [1279, 719])).all(axis=1)
+        ids = np.flatnonzero(inside)
+        return session.observe(Observation(ids, pixels[inside], paper_camera.image_size))
+
+    for distance in (0.45, 0.5, 0.55):
+        look(Pose.from_vector([30, 5, 0, 0, 0, distance]))
+    assert session.capture() or session.phase != "startup"
+    while (work := session.pending) is not None:
+        session.apply(work.run())
+    target = session.snapshot().target
+    assert target is not None
+    steps = target.steps
+    return look(steps[1].after.turned("y", 0.2 * steps[2].angle_deg))

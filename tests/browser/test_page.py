@@ -1,0 +1,142 @@
+"""The page in a real browser: what is seen, what keys do, what survives a reload."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene import intents
+from venus3d.scene.viewer import Viewer
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+Open = Callable[[], Any]
+
+
+def canvas_pixels(page: Any) -> np.ndarray:
+    """(H, W, 3) what the tab shows of the scene, above the guidance text."""
+    box = page.locator("canvas").first.bounding_box()
+    clip = {"x": box["x"], "y": box["y"] + 160, "width": box["width"], "height": 320}
+    shot = np.frombuffer(page.screenshot(clip=clip), np.uint8)
+    return np.asarray(cv2.imdecode(shot, cv2.IMREAD_COLOR))
+
+
+def until(condition: Callable[[], bool], what: str) -> None:
+    """Wait for something that another thread does; fails after half a minute."""
+    for _ in range(300):
+        if condition():
+            return
+        time.sleep(0.1)
+    pytest.fail(f"did not happen: {what}")
+
+
+def press(page: Any, key: str) -> None:
+    """A key on the page, not in a text box."""
+    page.keyboard.press(key)
+
+
+def marked_tile(page: Any) -> str:
+    """Number of the projection that is marked."""
+    return str(page.locator(".v-tile.v-on").get_attribute("data-step"))
+
+
+def test_page_shows_state_scene_projections_and_progress(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """Everything that a trainee needs is on the page, as text or as picture."""
+    picture = np.full((720, 1280, 3), (90, 30, 30), np.uint8)
+    viewer.show(guiding)
+    viewer.show_picture(picture)
+    page = open_page()
+    page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
+    assert guiding.match is not None and guiding.target is not None
+    assert page.locator(".v-sentence").inner_text() == guiding.match.steps[2].words.holder
+    assert f"{guiding.match.remaining_deg[1]:+.0f}".replace("-", "−") in page.inner_text(
+        ".v-amount"
+    )
+    page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
+    assert marked_tile(page) == "3"
+    assert guiding.target.reason in page.inner_text(".v-reason")
+    assert page.locator(".v-row").count() == 9
+    assert {"/camera/frustum", "/board/live", "/target/board", "/steps/3/arrow"} <= set(
+        viewer.scene_names
+    )
+    page.wait_for_function("!!document.querySelector('canvas')")
+    until(lambda: canvas_pixels(page).std() > 5, "the scene is drawn")
+
+
+def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snapshot) -> None:
+    """N, P and F change scene, text and marked projection together."""
+    viewer.show(guiding)
+    page = open_page()
+    page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
+    assert "/steps/3/arrow" in viewer.scene_names
+    press(page, "n")
+    page.wait_for_selector(".v-title:has-text('Step 4 of 4')")
+    page.wait_for_selector(".v-tile.v-on[data-step='4']")
+    assert "/steps/3/arrow" not in viewer.scene_names
+    assert "/steps/4/after" in viewer.scene_names
+    press(page, "p")
+    press(page, "p")
+    page.wait_for_selector(".v-title:has-text('Step 2 of 4')")
+    assert not viewer.state.follow
+    press(page, "f")
+    page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
+    press(page, "t")
+    until(lambda: any(n.startswith("/strip/4/") for n in viewer.scene_names), "the strip")
+    press(page, "l")
+    until(lambda: viewer.state.playing, "playing")
+
+
+def test_keys_queue_what_was_asked_for(viewer: Viewer, open_page: Open, guiding: Snapshot) -> None:
+    """Keys and buttons only queue intents; nothing is done on the browser's behalf."""
+    viewer.show(guiding)
+    page = open_page()
+    asked: list[intents.Intent] = []
+
+    def has(count: int) -> bool:
+        asked.extend(viewer.drain_intents())
+        return len(asked) >= count
+
+    for key in ("c", "k", "u", " ", "o"):
+        count = len(asked)
+        press(page, key)
+        until(lambda count=count: has(count + 1), f"key {key!r}")
+    assert asked == [
+        intents.Capture(),
+        intents.SkipTarget(),
+        intents.UndoView(),
+        intents.Pause(True),
+        intents.Autopilot(True),
+    ]
+    page.wait_for_selector(".v-title:has-text('Paused')")
+    page.get_by_text("Capture this view (C)").click()
+    until(lambda: has(6), "the button")
+    assert asked[5] == intents.Capture()
+
+
+def test_reload_and_second_tab_see_the_same(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """A reload is a new client for the server; the state is the viewer's, so nothing is lost."""
+    viewer.show(guiding)
+    first = open_page()
+    press(first, "b")
+    first.wait_for_selector(".v-title:has-text('Step 3 of 4')")
+    press(first, "n")
+    first.wait_for_selector(".v-tile.v-on[data-step='4']")
+    until(lambda: not viewer.state.dark, "the light page")
+    first.reload()
+    second = open_page()
+    for page in (first, second):
+        page.wait_for_selector(".v-title:has-text('Step 4 of 4')")
+        page.wait_for_selector(".v-tile.v-on[data-step='4']")
+        page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
+        page.wait_for_selector("[data-mantine-color-scheme='light']", state="attached")
+    assert first.inner_text(".v-sentence") == second.inner_text(".v-sentence")
