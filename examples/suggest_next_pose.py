@@ -32,9 +32,8 @@ def main() -> None:
         known = calibrate(board, views)
         camera, sigma = known.camera, known.residual_sigma_px
         error = projection_error_px(camera, known.covariance)
-        print(
-            f"{len(views)} views: fx {camera.fx:.1f} ± {known.sigma[0]:.1f}, error {error:.2f} px"
-        )
+        print(f"{len(views)} views: fx {camera.fx:.1f} ± {known.sigma[0]:.1f} px")
+        print(f"  expected error of a projected point {error:.2f} px")
 
         R, t = (np.array([getattr(v.pose, part) for v in known.views]) for part in ("R", "t"))
         information = view_information(camera, board.corners, R, t).sum(axis=0)

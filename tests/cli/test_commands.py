@@ -1,0 +1,161 @@
+"""Every command does its work from end to end, in this process and as a program."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.cli.conftest import Ran
+from venus3d import __version__
+from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.storage.camera_yaml import read_camera_yaml
+
+Run = Callable[..., Ran]
+LIFECAM = ["--board.columns", "8", "--board.rows", "8", "--board.square-mm", "25.4"]
+LIFECAM += ["--board.marker-mm", "19.05", "--board.dictionary", "DICT_4X4_1000"]
+WPILIB = ["--board.columns", "12", "--board.rows", "8", "--board.square-mm", "18.0086"]
+WPILIB += ["--board.marker-mm", "13.9954", "--board.dictionary", "DICT_5X5_1000"]
+KEYS = {"rms_px", "views", "intrinsics", "std", "image_size", "board", "warnings"}
+
+
+def test_version_and_help(run: Run) -> None:
+    assert run("--version").out == f"venus3d {__version__}\n"
+    for arguments in ([], ["--help"]):
+        ran = run(*arguments)
+        assert ran.code == 0
+        for command in ("guide", "calibrate", "decompose", "board"):
+            assert command in ran.out
+
+
+@pytest.mark.parametrize("command", ["guide", "calibrate", "decompose", "board"])
+def test_help_explains_every_option(run: Run, command: str) -> None:
+    out = " ".join(run(command, "--help").out.replace("│", " ").split())
+    assert "--board.square-mm" in out and "millimetres" in out
+    assert "None" not in out.replace("{None,", "")  # no Python words for "not given"
+
+
+def test_module_is_the_same_program() -> None:
+    out = subprocess.run(
+        [sys.executable, "-m", "venus3d", "--version"], capture_output=True, text=True, check=True
+    )
+    assert out.stdout == f"venus3d {__version__}\n"
+
+
+def test_calibrate_finds_the_camera(
+    run: Run, tmp_path: Path, tilted_pictures: Path, paper_camera: Camera
+) -> None:
+    ran = run("calibrate", tilted_pictures, "--json", "--output", tmp_path)
+    assert ran.code == 0, ran.err
+    result = ran.json
+    assert set(result) == KEYS
+    assert list(result["intrinsics"]) == list(PARAMETERS)
+    assert result["views"] == 6 and result["rms_px"] < 0.15
+    assert result["intrinsics"]["fx"] == pytest.approx(paper_camera.fx, abs=2)
+    assert sum(line.startswith("{") for line in ran.out.splitlines()) == 1
+    assert "± " in ran.out and "05.png" in ran.out
+    written = json.loads((tmp_path / "result.json").read_text())
+    assert written["rms_px"] == result["rms_px"]
+    camera = read_camera_yaml(tmp_path / "camera.yaml")
+    assert dict(zip(PARAMETERS, camera.parameters, strict=True)) == result["intrinsics"]
+
+
+def test_board_in_the_old_layout_is_found_out(run: Run, tilted_pictures: Path) -> None:
+    """Asked for the wrong layout, all pictures are read in the right one, the first ones too."""
+    ran = run("calibrate", tilted_pictures, "--board.legacy", "--json")
+    assert ran.code == 0, ran.err
+    assert ran.json["board"]["legacy"] is False and ran.json["views"] == 6
+    assert any("layout" in warning for warning in ran.json["warnings"])
+
+
+def test_picture_without_board_is_named(run: Run, tmp_path: Path, tilted_pictures: Path) -> None:
+    for path in tilted_pictures.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    Image.new("RGB", (1280, 720), (90, 90, 90)).save(tmp_path / "empty.png")
+    ran = run("calibrate", tmp_path, "--json")
+    assert ran.json["views"] == 6
+    assert "The board was not found in empty.png." in ran.json["warnings"]
+
+
+@pytest.mark.slow
+def test_calibrate_real_pictures(run: Run, shared_data: Path) -> None:
+    ran = run("calibrate", shared_data / "lifecam-charuco-8x8", *LIFECAM, "--json")
+    assert ran.json["rms_px"] <= 0.25
+    assert ran.json["intrinsics"]["fx"] == pytest.approx(1127, abs=6)
+
+
+@pytest.mark.slow
+def test_calibrate_real_video(run: Run, shared_data: Path) -> None:
+    ran = run("calibrate", shared_data / "wpilib-charuco-12x8.mp4", *WPILIB, "--json")
+    assert ran.json["intrinsics"]["fx"] == pytest.approx(2104, abs=12)
+    assert ran.json["views"] <= 40
+
+
+def test_decompose_tells_and_draws(run: Run, tmp_path: Path) -> None:
+    ran = run("decompose", 25, -30, 20, 40, -20, 520, "--output", tmp_path)
+    assert ran.code == 0, ran.err
+    assert "camera: Move the board 40 mm to the right, 20 mm up" in ran.out
+    assert "holder: Move the board 40 mm to your left, 20 mm up" in ran.out
+    assert "camera: Swing the left edge towards the camera by 30°." in ran.out
+    assert "holder: Rotate the board counter-clockwise by 20°." in ran.out
+    pictures = [np.asarray(Image.open(tmp_path / f"step-{i}.png")) for i in (1, 2, 3, 4)]
+    assert all(picture.std() > 20 for picture in pictures)
+    assert len({picture.tobytes() for picture in pictures}) == 4
+
+
+def test_decompose_about_the_boards_own_axes(run: Run, tmp_path: Path) -> None:
+    """The target is the other pose; the steps are about the camera's axes all the same."""
+    ran = run("decompose", 30, 30, 0, 0, 0, 500, "--axes", "own", "--output", tmp_path)
+    # Rx(30) Ry(30) = Rz Ry Rx with these angles (scipy, from_euler("XYZ") to as_euler("xyz")).
+    assert "turned +33.7° about X, +25.7° about Y, +16.1° about Z" in ran.out
+
+
+def test_board(run: Run, tmp_path: Path) -> None:
+    ran = run("board", "--output", tmp_path / "here")
+    assert ran.code == 0 and "Print it at 100 %" in ran.out
+    with Image.open(tmp_path / "here" / "board.png") as image:
+        assert image.size == (3215, 2222)
+
+
+@pytest.mark.slow
+def test_guide_headless(run: Run, tmp_path: Path) -> None:
+    """A stranger's whole run: it ends by itself, near the truth, with its files written."""
+    arguments = ["guide", "sim", "--headless", "--autopilot", "--max-views", "6", "--seed", "1"]
+    ran = run(*arguments, "--json", "--output", tmp_path)
+    assert ran.code == 0, ran.err
+    result = ran.json
+    assert set(result) == KEYS | {"converged", "truth", "mean_projection_error_px"}
+    assert result["views"] <= 6
+    for name in ("fx", "fy", "cx", "cy"):
+        error = abs(result["intrinsics"][name] - result["truth"][name])
+        assert error < 4 * result["std"][name], name
+    assert {path.name for path in tmp_path.iterdir()} == {"camera.yaml", "result.json"}
+
+
+@pytest.mark.slow
+def test_interrupt_loses_nothing(tmp_path: Path) -> None:
+    """Ctrl-C while the viewer runs: what was captured is written, and there is no traceback."""
+    arguments = ["guide", "sim", "--autopilot", "--speed", "3", "--port", "8410"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "venus3d", *arguments, "--output", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    ) as program:
+        assert program.stdout is not None
+        assert "http://" in program.stdout.readline()
+        time.sleep(3)
+        program.send_signal(signal.SIGINT)
+        out, err = program.communicate(timeout=60)
+    assert program.returncode in (0, 130) and "Traceback" not in err, err
+    assert "No view was captured" in out or (tmp_path / "camera.yaml").exists()
