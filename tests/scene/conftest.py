@@ -1,0 +1,34 @@
+"""Renderers for the scene's tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from venus3d.scene.offscreen import Offscreen
+
+
+@pytest.fixture(scope="session")
+def gl() -> Iterator[Offscreen]:
+    """The OpenGL renderer; tests that need it are skipped where OpenGL cannot be had."""
+    offscreen = Offscreen()
+    if offscreen.backend != "gl":
+        offscreen.close()
+        pytest.skip(offscreen.note)
+    yield offscreen
+    offscreen.close()
+
+
+@pytest.fixture(scope="session")
+def painter() -> Iterator[Offscreen]:
+    """The OpenCV painter."""
+    with Offscreen("painter") as offscreen:
+        yield offscreen
+
+
+@pytest.fixture(params=["gl", "painter"])
+def renderer(request: pytest.FixtureRequest) -> Offscreen:
+    """Either of the two."""
+    offscreen: Offscreen = request.getfixturevalue(request.param)
+    return offscreen
