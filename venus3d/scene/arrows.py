@@ -8,6 +8,7 @@ sends nothing twice. Where an arrow belongs and what colour it has is `describe`
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -19,6 +20,8 @@ HEAD_RADIUS = 2.6
 HEAD_LENGTH = 5.5
 """Length of an arrow's head, in radii of its shaft."""
 _SECTIONS = 20
+# trimesh's own annotations leave most of what its functions return open.
+_trimesh: Any = trimesh
 
 
 @lru_cache(maxsize=64)
@@ -34,7 +37,7 @@ def straight_arrow(length: float, radius: float) -> trimesh.Trimesh:
         [HEAD_RADIUS * radius, length - head],
         [0.0, length],
     ]
-    return trimesh.creation.revolve(np.array(outline), sections=_SECTIONS)
+    return _trimesh.creation.revolve(np.array(outline), sections=_SECTIONS)
 
 
 @lru_cache(maxsize=256)
@@ -50,20 +53,22 @@ def arc_arrow(
     shaft_deg = span - head_deg
     circle = np.linspace(0, 2 * np.pi, _SECTIONS // 2 + 1)
     section = np.column_stack([arc_radius + radius * np.cos(circle), radius * np.sin(circle)])
-    tube = trimesh.creation.revolve(
+    tube = _trimesh.creation.revolve(
         section, angle=np.radians(shaft_deg), sections=max(4, int(shaft_deg / 3))
     )
-    tail = trimesh.creation.icosphere(subdivisions=2, radius=radius)
+    tail = _trimesh.creation.icosphere(subdivisions=2, radius=radius)
     tail.apply_translation([arc_radius, 0, 0])
     # The cone points along +z; lay it along the chord from the tube's end to the tip.
     base, tip = arc_point(shaft_deg, arc_radius), arc_point(span, arc_radius)
     length = float(np.linalg.norm(tip - base))
-    head = trimesh.creation.cone(HEAD_RADIUS * radius, length, sections=_SECTIONS)
+    head = _trimesh.creation.cone(HEAD_RADIUS * radius, length, sections=_SECTIONS)
     head.apply_transform(frame_along(tip - base, base).matrix)
-    arrow = trimesh.util.concatenate([tube, tail, head])
+    arrow = _trimesh.util.concatenate([tube, tail, head])
     if end_deg < start_deg:
         arrow.apply_transform(np.diag([1.0, -1.0, 1.0, 1.0]))
-    arrow.apply_transform(trimesh.transformations.rotation_matrix(np.radians(start_deg), [0, 0, 1]))
+    arrow.apply_transform(
+        _trimesh.transformations.rotation_matrix(np.radians(start_deg), [0, 0, 1])
+    )
     return arrow
 
 

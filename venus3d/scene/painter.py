@@ -64,6 +64,9 @@ class _Canvas:
         self.picture = np.full((*size, 4), (*background, 255), dtype=np.uint8)
         self.nearness = np.zeros(size, dtype=np.float32)
         """1 / z of what is seen in each pixel, 1/m."""
+        self.touched = np.zeros(size, dtype=np.bool_)
+        """Where the present sheet is painted: two of its triangles share the pixels of an edge,
+        which must not be blended twice."""
 
     def fill(
         self,
@@ -75,6 +78,7 @@ class _Canvas:
     ) -> None:
         """Fill triangles (N, 3, 3), camera frame, with colours (N, 3) or with pixels of `layer`."""
         lift = 1 / _NEAR if on_top else 0.0
+        self.touched[:] = False
         for corners, colour in zip(triangles, colours, strict=True):
             if (corners[:, 2] > _NEAR).all():
                 self._fill_one(corners, colour, opacity, layer, lift)
@@ -108,7 +112,7 @@ class _Canvas:
         y = (np.arange(low[1], high[1]) - camera.cy) / camera.fy
         across = (normal[0] * x + normal[2]) / offset + lift
         nearness = (across + (normal[1] / offset * y)[:, None]).astype(np.float32)
-        won = (mask > 0) & (nearness > self.nearness[box])
+        won = (mask > 0) & (nearness > self.nearness[box]) & ~self.touched[box]
         picture = self.picture[box]
         if layer is None:
             paint = np.array([*colour, 255.0])
@@ -118,6 +122,8 @@ class _Canvas:
         picture[won] = np.round(picture[won] * (1 - opacity) + paint * opacity).astype(np.uint8)
         if opacity >= 1:
             self.nearness[box][won] = nearness[won]
+        else:
+            self.touched[box] |= won
 
 
 def _paint_textured(canvas: _Canvas, shape: MeshShape) -> None:

@@ -1,0 +1,179 @@
+"""The description of a moment: the arrows say what the poses do, and names are stable."""
+
+from __future__ import annotations
+
+from itertools import combinations, pairwise
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.decomposition import Steps, decompose
+from venus3d.engine.pose import Pose
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.describe import SceneOptions, describe, describe_step
+from venus3d.scene.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+
+TARGETS = {
+    "moderate": [20, -30, 15, 0.06, -0.03, 0.55],
+    "extreme": [50, 20, -40, -0.05, 0.03, 0.5],
+    "corner": [-15, 30, 70, 0.22, 0.12, 0.8],
+    "small": [3, -4, 2, 0.0, 0.0, 0.32],
+    "one turn": [0, 45, 0, 0.0, 0.0, 0.5],
+}
+
+
+def moment(vector: Any, camera: Camera, board: Board) -> tuple[Snapshot, Steps]:
+    """As much of a snapshot as the scene reads."""
+    target = Pose.from_vector(vector)
+    steps = decompose(target, camera, board)
+    live = Pose.from_vector([5, -5, 0, 0, 0, 0.6])
+    snapshot = SimpleNamespace(
+        board=board, camera=camera, pose=live, target=SimpleNamespace(pose=target, steps=steps)
+    )
+    return cast(Snapshot, snapshot), steps
+
+
+def points_of(shape: Shape) -> np.ndarray:
+    if isinstance(shape, MeshShape):
+        return shape.pose.apply(shape.mesh.vertices)
+    if isinstance(shape, LineShape):
+        return shape.pose.apply(shape.segments.reshape(-1, 3))
+    assert isinstance(shape, LabelShape)
+    return shape.position[None]
+
+
+@pytest.mark.parametrize("name", TARGETS)
+@pytest.mark.parametrize("strip", [False, True])
+@pytest.mark.parametrize("step", [1, 2, 3, 4])
+def test_names_are_unique_and_none_lies_under_another(
+    name: str, strip: bool, step: int, paper_camera: Camera, default_board: Board
+) -> None:
+    snapshot, _ = moment(TARGETS[name], paper_camera, default_board)
+    names = [s.name for s in describe(snapshot, SceneOptions(step=step, strip=strip))]
+    assert len(set(names)) == len(names)
+    # A viewer's tree would move the inner one along with the outer one.
+    assert not [(a, b) for a, b in combinations(sorted(names), 2) if b.startswith(f"{a}/")]
+    assert {"/camera/frustum", "/camera/border", "/board/live", "/target/board"} <= set(names)
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_sector_and_arrow_show_the_turn_itself(
+    name: str, paper_camera: Camera, default_board: Board
+) -> None:
+    snapshot, steps = moment(TARGETS[name], paper_camera, default_board)
+    for step in steps[1:]:
+        shapes = {s.name: s for s in describe(snapshot, SceneOptions(step=step.number))}
+        prefix = f"/steps/{step.number}"
+        if step.is_idle:
+            assert f"{prefix}/arrow" not in shapes
+            continue
+        sector, arrow = shapes[f"{prefix}/sector"], shapes[f"{prefix}/arrow"]
+        assert isinstance(sector, MeshShape)
+        assert isinstance(arrow, MeshShape)
+        rim = points_of(sector)[1:] - points_of(sector)[0]
+        turn = step.after.R @ step.before.R.T
+        # The sheet starts at a radius that the turn itself carries to its end.
+        np.testing.assert_allclose(turn @ rim[0], rim[-1], atol=1e-4)
+        # The arrow's tip is where the sheet ends, its tail is not ahead of the start.
+        end = points_of(sector)[-1]
+        assert np.linalg.norm(points_of(arrow) - end, axis=1).min() < 1e-4
+        label = shapes[f"{prefix}/label"]
+        assert isinstance(label, LabelShape)
+        assert label.text == f"{step.angle_deg:+.0f}°"
+
+
+def test_a_tilt_starts_at_the_edge_that_the_words_name(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    for vector, number, edge in (
+        ([30, 0, 0, 0, 0, 0.5], 2, [0, -1, 0]),
+        ([-30, 0, 0, 0, 0, 0.5], 2, [0, 1, 0]),
+        ([0, 30, 0, 0, 0, 0.5], 3, [1, 0, 0]),
+        ([0, -30, 0, 0, 0, 0.5], 3, [-1, 0, 0]),
+    ):
+        snapshot, _ = moment(vector, paper_camera, default_board)
+        shapes = {s.name: s for s in describe(snapshot, SceneOptions(step=number))}
+        rim = points_of(shapes[f"/steps/{number}/sector"])
+        start, end = rim[1] - rim[0], rim[-1] - rim[0]
+        np.testing.assert_allclose(start / np.linalg.norm(start), edge, atol=1e-6)
+        assert end[2] < -0.01  # towards the camera
+
+
+def test_the_move_arrow_joins_the_two_centres(paper_camera: Camera, default_board: Board) -> None:
+    snapshot, steps = moment(TARGETS["moderate"], paper_camera, default_board)
+    shapes = {s.name: s for s in describe(snapshot, SceneOptions(step=1))}
+    points = points_of(shapes["/steps/1/arrow"])
+    for centre in (steps[0].before.t, steps[0].after.t):
+        assert np.linalg.norm(points - centre, axis=1).min() < 2e-4
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_the_sweep_runs_from_before_to_after(
+    number: int, paper_camera: Camera, default_board: Board
+) -> None:
+    snapshot, steps = moment(TARGETS["corner"], paper_camera, default_board)
+    step = steps[number - 1]
+    for sweep, pose in ((0.0, step.before), (1.0, step.after)):
+        shapes = {s.name: s for s in describe(snapshot, SceneOptions(step=number, sweep=sweep))}
+        board = shapes[f"/steps/{number}/after"]
+        assert isinstance(board, MeshShape)
+        np.testing.assert_allclose(board.pose.matrix, pose.matrix, atol=1e-9)
+
+
+def test_equal_moments_give_the_very_same_meshes(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    snapshot, _ = moment(TARGETS["moderate"], paper_camera, default_board)
+    for options in (SceneOptions(step=3), SceneOptions(strip=True)):
+        a, b = describe(snapshot, options), describe(snapshot, options)
+        assert all(x.mesh is y.mesh for x, y in zip(a, b, strict=True) if isinstance(x, MeshShape))
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_the_strip_keeps_its_steps_apart(
+    name: str, paper_camera: Camera, default_board: Board
+) -> None:
+    snapshot, _ = moment(TARGETS[name], paper_camera, default_board)
+    shapes = describe(snapshot, SceneOptions(strip=True))
+    spans = []
+    for number in (1, 2, 3, 4):
+        cell = [s for s in shapes if s.name.startswith(f"/strip/{number}/")]
+        assert any(s.name.endswith("/caption") for s in cell)
+        points = np.vstack([points_of(s) for s in cell])
+        spans.append((points[:, 0].min(), points[:, 0].max()))
+    assert all(left[1] < right[0] for left, right in pairwise(spans))
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_an_arc_that_fits_into_the_picture_is_in_it(
+    name: str, paper_camera: Camera, default_board: Board
+) -> None:
+    _, steps = moment(TARGETS[name], paper_camera, default_board)
+    for step in steps[1:]:
+        for shape in describe_step(default_board, paper_camera, step):
+            if shape.name.endswith("/arrow"):
+                pixels = paper_camera.project(points_of(shape))
+                inside = (pixels > 0) & (pixels < paper_camera.image_size)
+                assert inside.all(axis=1).mean() > 0.9
+
+
+def test_frustum_and_border_agree_for_a_perfect_lens(default_board: Board) -> None:
+    camera = Camera(640, 480, 500, 510, 319.5, 239.5)
+    snapshot = cast(
+        Snapshot, SimpleNamespace(board=default_board, camera=camera, pose=None, target=None)
+    )
+    shapes = {s.name: s for s in describe(snapshot, SceneOptions())}
+    assert "/board/live" not in shapes
+    frustum = shapes["/camera/frustum"]
+    assert isinstance(frustum, FrustumShape)
+    # viser: the frustum's picture stands at scale / cbrt(tan(fov/2)^2 aspect / 3).
+    half = np.tan(frustum.fov_y_rad / 2)
+    depth = frustum.scale / np.cbrt(half**2 * frustum.aspect / 3)
+    border = points_of(shapes["/camera/border"])
+    np.testing.assert_allclose(border[:, 2], depth)
+    np.testing.assert_allclose(border[:, 1].max(), half * depth)
+    np.testing.assert_allclose(border[:, 0].max(), half * frustum.aspect * depth)
