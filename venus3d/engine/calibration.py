@@ -23,7 +23,7 @@ from venus3d.engine.snapshot import Calibration
 
 Model = Literal["full", "startup"]
 
-PARALLEL_DEG = 2.0
+PARALLEL_DEG = 0.5
 """Views whose normals differ by less count as parallel: they share one vanishing line."""
 WEAK_ANGLE_DEG = 20.0
 """Below this largest angle between two views a set is called weak."""

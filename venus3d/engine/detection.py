@@ -1,0 +1,313 @@
+"""An image to an observation of the board: corners, their ids, how sharp they are.
+
+OpenCV finds the markers and the corners; here its answers get one shape whatever its version, the
+corners are refined with a window that follows the square, and a board that was printed in the other
+layout or white on black is found out. Which frames are worth keeping is left to `selection`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.board import Board
+from venus3d.engine.calibration import has_spread
+from venus3d.engine.errors import VenusError
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Array
+
+Region = tuple[int, int, int, int]
+"""Search region x0, y0, x1, y1 in pixels; x1 and y1 are not part of it."""
+Grey = NDArray[np.uint8]
+
+# cornerSubPix's half-window as a share of the room up to the nearest marker edge: 0.106 of the
+# square on a frontal board whose markers measure 3/4 of it, less where it is foreshortened.
+_WINDOW = 0.85
+_SMALLEST_WINDOW = 2
+_LARGEST_WINDOW = 30
+_REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
+# Evidence for a layout: this many frames with corners, one reading this much ahead of the others.
+_FRAMES_TO_SETTLE = 3
+_FRAMES_AT_MOST = 12
+_LEAD = 2.0
+
+
+class Detector:
+    """Finds one board in images. Used by one thread, since it learns which board it is."""
+
+    def __init__(self, board: Board, *, find_layout: bool = True, refine: bool = True) -> None:
+        """A detector for `board`.
+
+        Args:
+            find_layout: find out whether the board is printed in the other layout, or inverted.
+            refine: sharpen the corners with windows of the local square's size.
+        """
+        self._asked = board
+        self._board = board
+        self._refine = refine
+        self._settled = not find_layout
+        self._finders: dict[Board, Any] = {}
+        self._evidence: dict[Board, int] = dict.fromkeys(_readings(board), 0)
+        self._frames = 0
+
+    @property
+    def board(self) -> Board:
+        """The board as it is believed to be printed, by what was seen so far."""
+        return self._board
+
+    @property
+    def settled(self) -> bool:
+        """Whether enough frames agree on the board's layout; then it is not asked again."""
+        return self._settled
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was found to differ from the board asked for; sentences."""
+        found: list[str] = []
+        if self._board.legacy != self._asked.legacy:
+            old, new = "layout used before OpenCV 4.6", "layout used since OpenCV 4.6"
+            is_old = self._board.legacy
+            found.append(
+                f"The board is printed in the {old if is_old else new} (legacy is "
+                f"{'on' if is_old else 'off'}), not in the one asked for; it is read that way."
+            )
+        if self._board.inverted != self._asked.inverted:
+            colours = ("white on black", "black on white")[:: 1 if self._board.inverted else -1]
+            found.append(
+                f"The board is printed {colours[0]}, not {colours[1]}; it is read that way."
+            )
+        return tuple(found)
+
+    def settle(self, images: Iterable[Any]) -> Board:
+        """Look at images until the layout is settled; the board as it is believed then."""
+        for image in images:
+            if self._settled:
+                break
+            self.detect(image)
+        return self._board
+
+    def detect(
+        self, image: Any, *, region: Region | None = None, time_s: float = 0.0, name: str = ""
+    ) -> Observation:
+        """What is seen of the board in an image.
+
+        Args:
+            image: (H, W) grey or (H, W, 3) BGR, 8 or 16 bit.
+            region: where to look; corners are in pixels of the whole image all the same.
+            time_s, name: passed on to the observation.
+
+        Returns:
+            The observation; without corners if fewer than four that are not on one line are found.
+
+        Raises:
+            VenusError: the image is neither grey nor BGR, 8 or 16 bit.
+        """
+        whole = _grey(image)
+        size = (whole.shape[1], whole.shape[0])
+        x0, y0, x1, y1 = _clipped(region, size)
+        grey = whole[y0:y1, x0:x1]
+        nothing = Observation.nothing(size, time_s, name)
+        if grey.size == 0:
+            return nothing
+        ids, corners = self._read(grey)
+        if not has_spread(corners):
+            return nothing
+        scales = _local_scales(self._board, ids, corners)
+        if self._refine:
+            corners = _refined(grey, corners, _windows(self._board, scales))
+        squares = np.linalg.norm(scales, axis=1).min(axis=1) * self._board.square
+        sharpness = _sharpness(grey, corners, squares)
+        return Observation(ids, corners + [x0, y0], size, sharpness, time_s, name)
+
+    def _read(self, grey: Grey) -> tuple[NDArray[np.intp], Array]:
+        """Ids (N,) and corners (N, 2) of the believed board; compares the readings if need be."""
+        if self._settled:
+            ids, corners, _ = self._detect_board(self._board, grey)
+            return ids, corners
+        found: dict[Board, tuple[NDArray[np.intp], Array]] = {}
+        for inverted in (self._board.inverted, not self._board.inverted):
+            markers: Any = None
+            for board in self._evidence:
+                if board.inverted == inverted:
+                    ids, corners, markers = self._detect_board(board, grey, markers)
+                    found[board] = (ids, corners)
+            if any(ids.size for ids, _ in found.values()):
+                break  # a board has one polarity: looking for the other would find nothing
+        self._weigh({board: ids.size for board, (ids, _) in found.items()})
+        nothing = (np.zeros(0, np.intp), np.zeros((0, 2)))
+        return found.get(self._board, nothing)
+
+    def _weigh(self, counts: dict[Board, int]) -> None:
+        """Add a frame's evidence: the right reading finds more corners over several frames.
+
+        The wrong one finds some too, and even with a lower reprojection error, so neither a single
+        corner nor an error is proof.
+        """
+        if not any(counts.values()):
+            return
+        self._frames += 1
+        for board, count in counts.items():
+            self._evidence[board] += count
+        # The first of equals wins, and the board that was asked for comes first.
+        self._board = max(self._evidence, key=lambda board: self._evidence[board])
+        best, *others = sorted(self._evidence.values(), reverse=True)
+        clear = all(best >= _LEAD * other for other in others)
+        self._settled = self._frames >= (_FRAMES_TO_SETTLE if clear else _FRAMES_AT_MOST)
+
+    def _detect_board(
+        self, board: Board, grey: Grey, markers: Any = None
+    ) -> tuple[NDArray[np.intp], Array, Any]:
+        """Ids (N,) ascending, corners (N, 2), and the markers, which another layout can reuse.
+
+        The one place that knows how OpenCV answers: 4 gives (N, 1, 2) and (N, 1), 5 gives (N, 2)
+        and (N,), both give None or empty arrays where nothing is found.
+        """
+        if board not in self._finders:
+            self._finders[board] = cv2.aruco.CharucoDetector(board.cv_board)
+        picture = 255 - grey if board.inverted else grey
+        known = () if markers is None else (None, None, *markers)
+        corners, ids, marker_corners, marker_ids = self._finders[board].detectBoard(picture, *known)
+        seen = (marker_corners, marker_ids) if marker_ids is not None and len(marker_ids) else None
+        if ids is None or len(ids) == 0:
+            return np.zeros(0, np.intp), np.zeros((0, 2)), seen
+        numbers = np.asarray(ids, dtype=np.intp).reshape(-1)
+        pixels = np.asarray(corners, dtype=np.float64).reshape(-1, 2)
+        order = np.argsort(numbers)
+        return numbers[order], pixels[order], seen
+
+
+def search_region(
+    observation: Observation, image_size: tuple[int, int], *, grow: float = 0.35, least_px: int = 48
+) -> Region | None:
+    """Where to look for the board in the next frame: around where it was, grown on all sides.
+
+    Args:
+        observation: the last frame's.
+        image_size: (width, height) of the next frame.
+        grow: share of the corners' extent added on each side; at least `least_px`.
+
+    Returns:
+        None if the whole image has to be searched: nothing was seen, or it saves nothing.
+    """
+    if observation.count == 0 or observation.image_size != image_size:
+        return None
+    low, high = observation.corners.min(axis=0), observation.corners.max(axis=0)
+    margin = max(least_px, grow * float((high - low).max()))
+    x0, y0 = np.floor(low - margin).astype(int)
+    x1, y1 = np.ceil(high + margin).astype(int) + 1
+    region = _clipped((int(x0), int(y0), int(x1), int(y1)), image_size)
+    area = (region[2] - region[0]) * (region[3] - region[1])
+    return region if area < 0.8 * image_size[0] * image_size[1] else None
+
+
+def _readings(board: Board) -> list[Board]:
+    """The board as asked for, then the other ways in which it may be printed."""
+    # Where the row count is odd both layouts are the same board.
+    layouts = (board.legacy, not board.legacy) if board.rows % 2 == 0 else (board.legacy,)
+    return [
+        replace(board, legacy=legacy, inverted=inverted)
+        for inverted in (board.inverted, not board.inverted)
+        for legacy in layouts
+    ]
+
+
+def _grey(image: Any) -> Grey:
+    """(H, W) grey, 8 bit."""
+    picture = np.asarray(image)
+    if picture.ndim == 3 and picture.shape[2] == 1:
+        picture = picture[:, :, 0]
+    colour = picture.ndim == 3 and picture.shape[2] == 3
+    if picture.dtype not in (np.uint8, np.uint16) or not (colour or picture.ndim == 2):
+        raise VenusError(
+            f"An image must be grey or BGR with 8 or 16 bits, not {picture.dtype} of shape "
+            f"{picture.shape}; convert it first."
+        )
+    if picture.size == 0:
+        raise VenusError("This image has no pixels; check that it was read completely.")
+    if colour:
+        picture = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
+    if picture.dtype == np.uint16:
+        # A 10 or 12 bit camera fills the lower bits only: stretch by what is there.
+        peak = max(int(picture.max()), 1)
+        picture = np.rint(picture * (255.0 / peak)).astype(np.uint8)
+    return np.ascontiguousarray(picture, dtype=np.uint8)
+
+
+def _clipped(region: Region | None, size: tuple[int, int]) -> Region:
+    if region is None:
+        return (0, 0, *size)
+    x0, y0, x1, y1 = region
+    return (max(0, x0), max(0, y0), min(size[0], x1), min(size[1], y1))
+
+
+def _local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
+    """(N, 2, 2) derivatives of the image by the board's x, y at each corner, pixels per metre.
+
+    By a homography through all corners; distortion changes the scale of a square by little.
+    """
+    points = board.points_of(ids)[:, :2]
+    H, _ = cv2.findHomography(points, corners)
+    if H is None:
+        return np.zeros((ids.size, 2, 2))
+    H = np.asarray(H, dtype=np.float64)
+    depth = (points @ H[2, :2] + H[2, 2])[:, None]
+    image = (points @ H[:2, :2].T + H[:2, 2]) / depth
+    with np.errstate(all="ignore"):
+        scales = (H[:2, :2] - image[:, :, None] * H[2, :2]) / depth[:, :, None]
+    return np.nan_to_num(scales, nan=0.0, posinf=0.0, neginf=0.0)
+
+
+def _windows(board: Board, scales: Array) -> NDArray[np.intp]:
+    """(N,) half-windows that stay clear of the markers around each corner, pixels."""
+    gap = (board.square - board.marker) / 2
+    along = np.linspace(gap, board.square / 2, 5)
+    edge = np.stack([np.full_like(along, gap), along])
+    mirror = np.array([[-1.0], [1.0]])
+    # The two edges of a marker that face the corner, in both diagonal directions: which two of the
+    # four squares hold a marker depends on the layout, and the other two lie symmetrically.
+    edges = np.hstack([edge, edge[::-1], mirror * edge, mirror * edge[::-1]])
+    room = np.abs(scales @ edges).max(axis=1).min(axis=1)
+    return np.minimum(np.floor(_WINDOW * room), _LARGEST_WINDOW).astype(np.intp)
+
+
+def _refined(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
+    """Corners (N, 2) after cornerSubPix in half-windows (N,); those under 2 px are left alone."""
+    better = corners.copy()
+    for window in np.unique(windows[windows >= _SMALLEST_WINDOW]):
+        members = windows == window
+        half = (int(window), int(window))
+        start = corners[members].astype(np.float32).reshape(-1, 1, 2)
+        moved = cv2.cornerSubPix(grey, start.copy(), half, (-1, -1), _REFINE_CRITERIA)
+        moved = np.asarray(moved, dtype=np.float64).reshape(-1, 2)
+        # A corner that runs away has found another edge.
+        near = np.linalg.norm(moved - corners[members], axis=1) <= max(1.0, window / 2)
+        better[members] = np.where(near[:, None], moved, corners[members])
+    return better
+
+
+def _sharpness(grey: Grey, corners: Array, squares: Array) -> float:
+    """Contrast of the board's edges per pixel, 0 ... 1.
+
+    The steepest grey step per pixel around each corner over the contrast there: 1 for a step from
+    black to white within one pixel, 1/w for one smeared over w pixels. Median over the corners.
+    """
+    height, width = grey.shape
+    values: list[float] = []
+    for (x, y), square in zip(corners, squares, strict=True):
+        half = int(np.clip(0.3 * square, 3, 20))
+        column, row = round(float(x)), round(float(y))
+        if not (half <= column < width - half and half <= row < height - half):
+            continue
+        patch = grey[row - half : row + half + 1, column - half : column + half + 1].astype(
+            np.int16
+        )
+        contrast = float(np.ptp(patch))
+        if contrast > 0:
+            steps = np.abs(np.diff(patch, axis=1)).max(), np.abs(np.diff(patch, axis=0)).max()
+            values.append(float(max(steps)) / contrast)
+    return float(np.median(values)) if values else 0.0
