@@ -8,6 +8,7 @@ What a board *is*, and its picture, is the engine's `Board`.
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -57,13 +58,14 @@ def board_mesh(board: Board) -> trimesh.Trimesh:
     uv[:, 1] = 1 - uv[:, 1]  # texture coordinates count upwards
 
     quads = np.arange(24).reshape(6, 4)
-    material = trimesh.visual.material.PBRMaterial(
+    visual: Any = vars(trimesh)["visual"]  # its annotations do not name this module
+    material = visual.material.PBRMaterial(
         baseColorTexture=Image.fromarray(picture), metallicFactor=0.0, roughnessFactor=1.0
     )
     return trimesh.Trimesh(
         vertices=np.vstack(faces),
         faces=np.vstack([quads[:, [0, 2, 1]], quads[:, [0, 3, 2]]]),
-        visual=trimesh.visual.TextureVisuals(uv=uv, material=material),
+        visual=visual.TextureVisuals(uv=uv, material=material),
         process=False,
     )
 

@@ -47,8 +47,8 @@ class GlRenderer:
         self._platform = _Platform(64, 64, device=get_device_by_index(0))
         self._platform.init_context()
         self._renderer = _Renderer(64, 64)
-        self._scene = pyrender.Scene(bg_color=[0.0, 0.0, 0.0, 0.0])
-        self._camera_node = self._scene.add(
+        self._scene: Any = pyrender.Scene(bg_color=[0.0, 0.0, 0.0, 0.0])
+        self._camera_node: Any = self._scene.add(
             _TopDownCamera(1, 1, 0, 0, znear=_NEAR, zfar=_FAR), pose=_OPENGL_FROM_OPENCV
         )
         # Holding the source mesh keeps its id from being given to another one.
@@ -82,7 +82,7 @@ class GlRenderer:
             n for late in (False, True) for is_late, n in order if is_late == late
         ]
         try:
-            return self._renderer.render(self._scene, _FLAGS)
+            return np.asarray(self._renderer.render(self._scene, _FLAGS), dtype=np.uint8)
         finally:
             for node in passing:
                 self._scene.remove_node(node)
@@ -143,14 +143,14 @@ class _Renderer(Renderer):
         GL.glDepthMask(True)
 
     def _read_main_framebuffer(self, scene: Any, flags: int) -> NDArray[np.uint8]:
-        width, height = self._main_fb_dims
+        width, height = self.viewport_width, self.viewport_height
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)
         GL.glBlitFramebuffer(
             0, 0, width, height, 0, 0, width, height, GL.GL_COLOR_BUFFER_BIT, GL.GL_LINEAR
         )
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb)
-        rgba = GL.glReadPixels(0, 0, width, height, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
+        rgba: Any = GL.glReadPixels(0, 0, width, height, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
         return np.frombuffer(rgba, dtype=np.uint8).reshape(height, width, 4)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import cv2
 import numpy as np
@@ -38,10 +39,11 @@ class Lens:
         """
         if self.map_xy is None:
             return picture
+        nothing: Any = None  # OpenCV takes one map of both coordinates; its annotations do not
         bent = cv2.remap(
             picture,
             self.map_xy,
-            None,
+            nothing,
             interpolation=cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_CONSTANT,
             borderValue=border,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import cv2
 import numpy as np
@@ -144,7 +145,7 @@ def _paint_textured(canvas: _Canvas, shape: MeshShape) -> None:
 @lru_cache(maxsize=8)
 def _texture_of(mesh: trimesh.Trimesh) -> tuple[NDArray[np.uint8], Array]:
     """The picture (H, W, 3) RGB and each vertex' place in it (N, 2), texels from the upper left."""
-    visual = mesh.visual
+    visual: Any = mesh.visual
     picture = np.asarray(visual.material.baseColorTexture.convert("RGB"))
     height, width = picture.shape[:2]
     return picture, np.asarray(visual.uv) * [width, -height] + [0, height]
@@ -162,9 +163,8 @@ def _warped(
     coarsest = float((texel_edges / np.maximum(pixel_edges, 1e-6)).max())
     halvings = int(np.clip(np.ceil(np.log2(max(coarsest, 1))), 0, 5))
     for _ in range(halvings):
-        picture = np.asarray(
-            cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-        )
+        half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        picture = np.asarray(half, dtype=np.uint8)
     # Texels are counted from their edges, OpenCV's pixels from their centres.
     source = texels / 2**halvings - 0.5
     H, _ = cv2.findHomography(source, pixels)
