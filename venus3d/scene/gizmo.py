@@ -19,7 +19,12 @@ class BoardGizmo:
         """`dragged` is called with `T_camera_board`, in order, and must not block."""
         self._held = False
         self._handle = server.scene.add_transform_controls(
-            "/gizmo", scale=_SCALE, depth_test=False, opacity=0.75, position=(0.0, 0.0, 0.5)
+            "/gizmo",
+            scale=_SCALE,
+            depth_test=False,
+            opacity=0.75,
+            disable_sliders=True,
+            position=(0.0, 0.0, 0.5),
         )
 
         # Async, so that viser keeps the order of one gesture's events.

@@ -20,8 +20,8 @@ _HEADLINES = {
     "finished": "Finished",
 }
 _NEXT = {
-    "converged": "The result is saved. Capture more views if you like, or press Finish.",
-    "finished": "The result is saved. You may close this page.",
+    "converged": "Capture more views if you like, or press Finish.",
+    "finished": "You may close this page.",
 }
 
 

@@ -20,6 +20,7 @@ from venus3d.scene.guidance_panel import guidance_html
 from venus3d.scene.picture import PICTURE_WIDTH
 from venus3d.scene.progress_panel import progress_html, trend, trend_caption, trend_series
 from venus3d.scene.projections_panel import projections_html
+from venus3d.scene.strip import STRIP_CENTRE
 from venus3d.scene.style import Theme
 from venus3d.scene.view_state import ViewState
 
@@ -32,6 +33,7 @@ _PICTURE_LEGEND = (
     "<div class='v-steps'><div class='v-legend'><b>Thick outline</b>: where this step ends &nbsp; "
     "<b>dashes</b>: the target &nbsp; <b>dots</b>: corners found</div></div>"
 )
+_Point = tuple[float, float, float]
 # Where the person looks from: behind, above and to the side of the camera.
 _LOOK_FROM, _LOOK_AT, _FOV_RAD = (-0.60, -0.42, -0.33), (-0.02, 0.16, 0.27), np.radians(42.0)
 
@@ -54,8 +56,8 @@ class Page:
         self._styles: list[Any] = []
         self._drop = drop
         camera = server.initial_camera
-        camera.position, camera.look_at, camera.fov = _LOOK_FROM, _LOOK_AT, float(_FOV_RAD)
-        camera.near, camera.far = 0.01, 50.0
+        camera.fov, camera.near, camera.far = float(_FOV_RAD), 0.01, 50.0
+        self._look(_LOOK_FROM, _LOOK_AT)
         theme = Theme(dark)
         self._set_theme(theme)
         self._make_right(act, simulated)
@@ -63,6 +65,19 @@ class Page:
         self._make_guidance()
         self._set_theme(theme, force=True)
         server.on_client_connect(_fit_small_screen)
+
+    def look_at_scene(self) -> None:
+        """Every tab looks at camera, board and target."""
+        self._look(_LOOK_FROM, _LOOK_AT)
+
+    def look_at_strip(self, width: float) -> None:
+        """Every tab looks from behind the camera at a strip this wide, metres."""
+        x, y, z = STRIP_CENTRE
+        # The scene's part of the page is about as wide as it is high.
+        distance = 0.55 * width / float(np.tan(_FOV_RAD / 2))
+        # The text covers the lower third, so the strip stands above the middle.
+        middle = y + 0.16 * width
+        self._look((x, middle - 0.25 * distance, z - distance), (x, middle, z))
 
     def show_picture(self, rgb: NDArray[np.uint8]) -> None:
         """The live picture (H, W, 3) RGB."""
@@ -87,6 +102,13 @@ class Page:
         if snapshot is not None:
             self._show_trend(snapshot)
             self._show_views(snapshot)
+
+    def _look(self, position: _Point, look_at: _Point) -> None:
+        initial = self._server.initial_camera
+        initial.position, initial.look_at = position, look_at
+        for client in self._server.get_clients().values():
+            with client.atomic():
+                client.camera.position, client.camera.look_at = position, look_at
 
     def _make_right(self, act: Callable[[Action], None], simulated: bool) -> None:
         gui = self._gui

@@ -24,9 +24,7 @@ def encoded(picture: Picture) -> str:
 def projections_html(pictures: tuple[str, ...], step: int, theme: Theme, note: str = "") -> str:
     """Four tiles; an empty source is a picture that is still being drawn; none: no target."""
     if not pictures:
-        return (
-            "<div class='v-steps'><h3>The four steps appear here with the first target.</h3></div>"
-        )
+        return "<div class='v-steps'><h3>The four steps of the next target appear here.</h3></div>"
     tiles: list[str] = []
     for number, source in enumerate(pictures, start=1):
         shown = " v-on" if number == step else ""

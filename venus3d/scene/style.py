@@ -69,7 +69,7 @@ color:var(--ink);font-size:4.9cqw;font-weight:800;display:grid;place-items:cente
 .v-title{font-size:5.3cqw;font-weight:750;flex:1;letter-spacing:-.01em}
 .v-amount{color:var(--step);font-size:6.6cqw;font-weight:800;text-align:right;white-space:nowrap}
 .v-amount small{font-size:2cqw;font-weight:600;color:var(--soft);margin-left:.8cqw}
-.v-sentence{font-size:3.6cqw;line-height:1.18;font-weight:550;min-height:4.4cqw}
+.v-sentence{font-size:3.45cqw;text-wrap:balance;line-height:1.18;font-weight:550;min-height:4.4cqw}
 .v-picture,.v-note,.v-second{font-size:2cqw;line-height:1.25;color:var(--soft)}
 .v-note{color:var(--info);font-weight:650}
 .v-second{font-size:2.6cqw}

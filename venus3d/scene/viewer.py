@@ -27,6 +27,7 @@ from venus3d.scene.picture import LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Tiles
 from venus3d.scene.server import start_server
+from venus3d.scene.shapes import LabelShape, Shape
 from venus3d.scene.style import Theme
 from venus3d.scene.view import SceneView
 from venus3d.scene.view_state import ViewState
@@ -67,6 +68,7 @@ class Viewer:
         self._state = ViewState(dark=dark, autopilot=autopilot)
         self._snapshot: Snapshot | None = None
         self._changed = True
+        self._looking_at: tuple[bool, int] = (False, 0)
         self._note, self._note_until = "", 0.0
         self._picture: tuple[LivePicture, Observation | None] | None = None
         self._picture_came = threading.Event()
@@ -229,9 +231,27 @@ class Viewer:
         with self._server.atomic():
             if shapes is not None:
                 self._scene.draw(shapes, dark=state.dark)
+                self._look(shapes, state)
             self._page.show(snapshot, state, sources, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose)
+
+    def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
+        """Turn the tabs' cameras once when the strip comes or goes, or a new one is shown."""
+        captions = [
+            s.position[0]
+            for s in shapes
+            if isinstance(s, LabelShape) and s.name.endswith("/caption")
+        ]
+        shown = (True, state.target) if captions else (False, 0)
+        if shown == self._looking_at:
+            return
+        self._looking_at = shown
+        if captions:
+            # A cell reaches about half a step beyond its caption.
+            self._page.look_at_strip((max(captions) - min(captions)) * 4 / 3)
+        else:
+            self._page.look_at_scene()
 
     def _sources(self, snapshot: Snapshot | None, state: ViewState) -> tuple[str, ...]:
         target = None if snapshot is None else snapshot.target
