@@ -3,7 +3,6 @@
 Any thread may call it. Two small threads draw, each from a one-slot box in which the newest wins:
 one the scene and the panels, one the live picture, which so never waits for the rest. Callbacks
 only queue intents or change the view's options; what an intent means is the guidance loop's.
-
 Another program can feed it: `Viewer().show(snapshot)`.
 """
 
@@ -53,7 +52,7 @@ class Viewer:
 
         Args:
             host, port: where; if the port is taken, the next free one is used and `notes` says so.
-            dark: start with the dark page.
+            dark: the page's brightness at the start.
             projections: draws the four steps as the camera sees them; the caller closes it.
             draggable_board: put a gizmo on the board; for the simulation.
             autopilot: whether the simulation's autopilot is on at the start.
@@ -125,11 +124,9 @@ class Viewer:
     def drain_intents(self) -> list[intents.Intent]:
         """What people asked for since the last call, in order."""
         drained: list[intents.Intent] = []
-        while True:
-            try:
-                drained.append(self._intents.get_nowait())
-            except queue.Empty:
-                return drained
+        while not self._intents.empty():  # one reader, so a thing seen is still there
+            drained.append(self._intents.get())
+        return drained
 
     def close(self) -> None:
         """Stop drawing and serving. May be called twice."""
