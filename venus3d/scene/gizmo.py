@@ -33,7 +33,11 @@ class BoardGizmo:
             self._held = event.phase != "end"
             dragged(Pose.from_wxyz(event.target.wxyz, event.target.position))
 
-    def follow(self, pose: Pose | None) -> None:
-        """Go to where the board is, unless somebody holds the gizmo or the board is not seen."""
+    def follow(self, pose: Pose | None, *, shown: bool) -> None:
+        """Go to where the board is, unless somebody holds the gizmo or the board is not seen.
+
+        Hidden while the autopilot has the board: it would cover the arrows that matter.
+        """
+        self._handle.visible = shown
         if pose is not None and not self._held:
             self._handle.wxyz, self._handle.position = pose.wxyz, pose.t

@@ -231,7 +231,7 @@ class Viewer:
                 self._look(shapes, state)
             self._page.show(snapshot, state, sources, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
-                self._gizmo.follow(snapshot.pose)
+                self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         """Turn the tabs' cameras once when the strip comes or goes, or a new one is shown."""
