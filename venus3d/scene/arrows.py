@@ -101,4 +101,5 @@ def turn_frame(axis: Array, start: Array, origin: Array) -> Pose:
     z = axis / np.linalg.norm(axis)
     x = start - (start @ z) * z
     x = x / np.linalg.norm(x)
-    return Pose(np.column_stack([x, np.cross(z, x), z]), np.asarray(origin, dtype=np.float64))
+    R = np.column_stack([x, np.cross(z, x), z]).astype(np.float64)
+    return Pose(R, np.asarray(origin, dtype=np.float64))

@@ -150,9 +150,14 @@ def _turn_shapes(
 
 
 def protractor(board: Board, camera: Camera | None, step: Step) -> Protractor:
-    """Where the arc of a turn is best drawn: the first place that this camera sees whole."""
+    """Where the arc of a turn is best drawn: the first place that this camera sees best."""
     places = _dials(board, step) if step.axis == "z" else _side_places(board, step)
-    return min(places, key=lambda place: _hidden(place, step, camera)) if camera else places[0]
+    if camera is None:
+        return places[0]
+    # A place that cuts through the board is worth one hidden point.
+    inner = range(4, 12) if step.axis == "z" else range(2, 4)
+    flaws = [_flaws(p, step, camera) + (i in inner) for i, p in enumerate(places)]
+    return places[flaws.index(min(flaws))]
 
 
 def _dials(board: Board, step: Step) -> list[Protractor]:
@@ -204,15 +209,19 @@ def _edges(step: Step, axis: Array, towards: Array) -> Array:
     return flat[np.argsort(-(flat @ towards), kind="stable")]
 
 
-def _hidden(place: Protractor, step: Step, camera: Camera) -> int:
-    """How many points of the arc and its label the camera does not see."""
+def _flaws(place: Protractor, step: Step, camera: Camera) -> int:
+    """How many of the arc's five points the camera does not see; an arc edge-on counts as two more.
+
+    The label does not count: it is kept in the picture.
+    """
     sign = 1.0 if step.angle_deg > 0 else -1.0
     end = step.angle_deg if step.axis == "z" else sign * max(abs(step.angle_deg), READABLE_ARC_DEG)
     angles = np.linspace(0, end, 5)
     arc = [arc_point(a, 1.08 * place.radius) for a in angles]
-    label = arc_point(end / 2, 1.25 * place.radius)
-    pixels = camera.project(place.frame.apply(np.array([*arc, label])))
-    margin = 0.02 * camera.width
+    pixels = camera.project(place.frame.apply(np.array(arc)))
+    margin = 0.01 * camera.width
     with np.errstate(invalid="ignore"):
         seen = (pixels > margin) & (pixels < np.array(camera.image_size) - margin)
-    return int((~seen.all(axis=1)).sum())
+    origin = place.frame.t
+    edge_on = abs(origin @ place.frame.R[:, 2]) < 0.06 * origin[2] and step.axis != "z"
+    return int((~seen.all(axis=1)).sum()) + 2 * edge_on

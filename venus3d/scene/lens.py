@@ -89,6 +89,7 @@ def _rays(camera: Camera) -> Array:
 
 
 def _unprojected_grid(camera: Camera, step_px: float) -> tuple[Array, Array, Array]:
-    x = np.linspace(0, camera.width - 1, max(5, int(camera.width / step_px) + 2))
-    y = np.linspace(0, camera.height - 1, max(5, int(camera.height / step_px) + 2))
+    columns, rows = (max(5, int(n / step_px) + 2) for n in camera.image_size)
+    x = np.linspace(0, camera.width - 1, columns, dtype=np.float64)
+    y = np.linspace(0, camera.height - 1, rows, dtype=np.float64)
     return camera.unproject(np.stack(np.meshgrid(x, y), axis=-1)), x, y

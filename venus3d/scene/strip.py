@@ -26,7 +26,7 @@ def strip_shapes(
 ) -> list[Shape]:
     """The four steps spread along x about `STRIP_CENTRE`, none touching another."""
     cells = [_cell(board, s, dark, sweep if s.number == active else 1.0) for s in steps]
-    boxes = [_bounds(cell) for cell in cells]
+    boxes = [bounds_of(cell) for cell in cells]
     gap = _GAP * board.width
     total = sum(box[1, 0] - box[0, 0] for box in boxes) + gap * (len(boxes) - 1)
     left = STRIP_CENTRE[0] - total / 2
@@ -63,7 +63,7 @@ def _cell(board: Board, step: Step, dark: bool, sweep: float) -> list[Shape]:
     ]
 
 
-def _bounds(shapes: Sequence[Shape]) -> Array:
+def bounds_of(shapes: Sequence[Shape]) -> Array:
     """(2, 3) lowest and highest coordinates of all that is drawn, camera frame, metres."""
     points: list[Array] = []
     for shape in shapes:
