@@ -70,11 +70,13 @@ class Page:
         """Every tab looks at camera, board and target."""
         self._look(_LOOK_FROM, _LOOK_AT)
 
-    def look_at_strip(self, width: float) -> None:
-        """Every tab looks from behind the camera at a strip this wide, metres."""
+    def look_at_strip(self, bounds: NDArray[np.float64]) -> None:
+        """Every tab looks from behind the camera at a strip with these bounds, (2, 3), metres."""
         x, y, z = STRIP_CENTRE
-        # The scene's part of the page is about as wide as it is high.
-        distance = 0.55 * width / float(np.tan(_FOV_RAD / 2))
+        width = 1.1 * float(bounds[1, 0] - bounds[0, 0])
+        # The scene's part of the page is about as wide as it is high; what stands in front of the
+        # steps' common depth (where the board comes from) looks larger and needs room as well.
+        distance = 0.55 * width / float(np.tan(_FOV_RAD / 2)) + max(0.0, z - float(bounds[0, 2]))
         # The text covers the lower third, so the strip stands above the middle.
         middle = y + 0.16 * width
         self._look((x, middle - 0.25 * distance, z - distance), (x, middle, z))

@@ -26,7 +26,8 @@ from venus3d.scene.picture import LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Tiles
 from venus3d.scene.server import start_server
-from venus3d.scene.shapes import LabelShape, Shape
+from venus3d.scene.shapes import Shape
+from venus3d.scene.strip import bounds_of
 from venus3d.scene.style import Theme
 from venus3d.scene.view import SceneView
 from venus3d.scene.view_state import ViewState
@@ -235,18 +236,13 @@ class Viewer:
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         """Turn the tabs' cameras once when the strip comes or goes, or a new one is shown."""
-        captions = [
-            s.position[0]
-            for s in shapes
-            if isinstance(s, LabelShape) and s.name.endswith("/caption")
-        ]
-        shown = (True, state.target) if captions else (False, 0)
+        strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
+        shown = (True, state.target) if strip else (False, 0)
         if shown == self._looking_at:
             return
         self._looking_at = shown
-        if captions:
-            # A cell reaches about half a step beyond its caption.
-            self._page.look_at_strip((max(captions) - min(captions)) * 4 / 3)
+        if strip:
+            self._page.look_at_strip(bounds_of(strip))
         else:
             self._page.look_at_scene()
 
