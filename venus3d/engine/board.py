@@ -117,11 +117,12 @@ class Board:
         """(M, 3) inner corners about the centre, in order of their ids, metres."""
         x = (np.arange(1, self.columns) - self.columns / 2) * self.square
         y = (np.arange(1, self.rows) - self.rows / 2) * self.square
-        return np.stack([np.tile(x, y.size), np.repeat(y, x.size), np.zeros(x.size * y.size)], 1)
+        across, down = np.tile(x, y.size), np.repeat(y, x.size)
+        return np.stack([across, down, np.zeros(down.size)], 1).astype(np.float64)
 
     @cached_property
     def outline(self) -> Array:
-        """(4, 3) the board's own corners: top left, top right, bottom right, bottom left; metres."""
+        """(4, 3) the board's own corners: clockwise from the top left; metres."""
         w, h = self.width / 2, self.height / 2
         return np.array([[-w, -h, 0], [w, -h, 0], [w, h, 0], [-w, h, 0]], dtype=np.float64)
 

@@ -115,7 +115,7 @@ class Camera:
 
     @property
     def radius_limit(self) -> float:
-        """Largest normalised radius up to which the radial model still grows (inf if it always does).
+        """Largest normalised radius up to which the radial model still grows, inf if always.
 
         Beyond it the polynomial folds back and points outside the view land inside the image.
         """

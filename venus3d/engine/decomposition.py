@@ -112,7 +112,7 @@ def corners_outside(pose: Pose, camera: Camera, board: Board) -> tuple[int, ...]
     """Ids of the board's inner corners that the camera does not see under this pose."""
     pixels = camera.project(pose.apply(board.corners))
     with np.errstate(invalid="ignore"):
-        inside = (
-            (pixels >= -0.5) & (pixels < np.array([camera.width, camera.height]) - 0.5)
-        ).all(axis=1)
+        inside = ((pixels >= -0.5) & (pixels < np.array([camera.width, camera.height]) - 0.5)).all(
+            axis=1
+        )
     return tuple(int(i) for i in np.flatnonzero(~inside))

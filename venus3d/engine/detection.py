@@ -122,7 +122,7 @@ class Detector:
             corners = _refined(grey, corners, _windows(self._board, scales))
         squares = np.linalg.norm(scales, axis=1).min(axis=1) * self._board.square
         sharpness = _sharpness(grey, corners, squares)
-        return Observation(ids, corners + [x0, y0], size, sharpness, time_s, name)
+        return Observation(ids, corners + np.array([x0, y0]), size, sharpness, time_s, name)
 
     def _read(self, grey: Grey) -> tuple[NDArray[np.intp], Array]:
         """Ids (N,) and corners (N, 2) of the believed board; compares the readings if need be."""
@@ -218,7 +218,7 @@ def _readings(board: Board) -> list[Board]:
 
 def _grey(image: Any) -> Grey:
     """(H, W) grey, 8 bit."""
-    picture = np.asarray(image)
+    picture: NDArray[Any] = np.asarray(image)
     if picture.ndim == 3 and picture.shape[2] == 1:
         picture = picture[:, :, 0]
     colour = picture.ndim == 3 and picture.shape[2] == 3

@@ -8,7 +8,7 @@ import numpy as np
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
+from venus3d.engine.pose import Array, Pose
 
 _FEWEST_CORNERS = 6
 # A pose whose corners miss by more than this share of the image width is no pose of this board.
@@ -55,7 +55,7 @@ def locate(
 
 
 def _refined(
-    camera: Camera, points: np.ndarray, observation: Observation, start: Pose
+    camera: Camera, points: Array, observation: Observation, start: Pose
 ) -> tuple[Pose, float]:
     rvec, tvec = cv2.solvePnPRefineLM(
         points,

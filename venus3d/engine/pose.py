@@ -138,7 +138,7 @@ class Pose:
         return np.asarray(points, dtype=np.float64) @ self.R.T + self.t
 
     def turned(self, axis: Axis, angle_deg: float) -> Pose:
-        """This pose after a turn about one of the camera's fixed axes through the board's centre."""
+        """This pose after a turn about a fixed axis of the camera through the board's centre."""
         return Pose(turn(axis, angle_deg) @ self.R, self.t.copy())
 
     def moved(self, translation: ArrayLike) -> Pose:

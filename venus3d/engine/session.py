@@ -34,8 +34,8 @@ from venus3d.engine.snapshot import (
     Target,
 )
 from venus3d.engine.startup import Startup
-from venus3d.engine.work import LEAST_NOISE_PX, Outcome, Settings, Work
 from venus3d.engine.words import Words
+from venus3d.engine.work import LEAST_NOISE_PX, Outcome, Settings, Work
 
 # A start-up target is kept until the estimate has moved the board by more than this share of z.
 _STARTUP_DRIFT = 0.05

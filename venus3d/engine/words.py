@@ -55,9 +55,7 @@ def words_for_turn(axis: Axis, angle_deg: float) -> Words:
             f"Swing the edge on your {held} towards the camera by {amount}.",
         )
     seen, held = ("clockwise", "counter-clockwise")[:: 1 if angle_deg > 0 else -1]
-    return Words(
-        f"Rotate the board {seen} by {amount}.", f"Rotate the board {held} by {amount}."
-    )
+    return Words(f"Rotate the board {seen} by {amount}.", f"Rotate the board {held} by {amount}.")
 
 
 def _part(mm: float, positive: str, negative: str) -> str:

@@ -19,14 +19,13 @@ from venus3d.engine.errors import CalibrationError
 from venus3d.engine.generation import GenerationState
 from venus3d.engine.information import view_information
 from venus3d.engine.limits import Limits
-from venus3d.engine.matching import Tolerance
 from venus3d.engine.localisation import locate
+from venus3d.engine.matching import Tolerance
 from venus3d.engine.observation import Observation, View
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.search import Move
 from venus3d.engine.snapshot import Calibration, Convergence, Cost, Method, Progress
 from venus3d.engine.suggest import Suggestion, suggest
-
 
 # Corners are never known better than this; keeps predictions finite where residuals vanish.
 LEAST_NOISE_PX = 0.01
@@ -191,7 +190,7 @@ def information_of(calibration: Calibration, board: Board) -> Array:
     total = np.zeros((9, 9))
     for view in calibration.views:
         points = board.points_of(view.observation.ids)
-        total += view_information(
-            calibration.camera, points, view.pose.R[None], view.pose.t[None]
-        )[0]
+        total += view_information(calibration.camera, points, view.pose.R[None], view.pose.t[None])[
+            0
+        ]
     return total

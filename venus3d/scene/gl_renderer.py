@@ -22,7 +22,6 @@ from pyrender.platforms.egl import EGLPlatform, get_device_by_index
 from pyrender.renderer import Renderer
 
 from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Array
 from venus3d.scene.ribbon import ribbon
 from venus3d.scene.shading import shaded_colours
 from venus3d.scene.shapes import Colour, LineShape, MeshShape
@@ -114,7 +113,7 @@ class GlRenderer:
 class _TopDownCamera(pyrender.IntrinsicsCamera):
     """The picture's first row is the top one, as OpenCV has it: nothing is left to be flipped."""
 
-    def get_projection_matrix(self, width: int | None = None, height: int | None = None) -> Array:
+    def get_projection_matrix(self, width: int | None = None, height: int | None = None) -> Any:
         P = np.asarray(super().get_projection_matrix(width, height), dtype=np.float64)
         P[1] *= -1
         return P
@@ -142,7 +141,7 @@ class _Renderer(Renderer):
         super()._bind_and_draw_primitive(primitive, *args, **kwargs)
         GL.glDepthMask(True)
 
-    def _read_main_framebuffer(self, scene: Any, flags: int) -> NDArray[np.uint8]:
+    def _read_main_framebuffer(self, scene: Any, flags: int) -> Any:
         width, height = self.viewport_width, self.viewport_height
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)

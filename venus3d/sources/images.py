@@ -7,6 +7,7 @@ is calibrated on the sensor's own rows and columns, whichever way up the camera 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -53,7 +54,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     if not is_image(path):
         raise _no_image(path)
     _check_complete(path)
-    pixels = cv2.imread(str(path), _FLAGS)
+    pixels: Any = cv2.imread(str(path), _FLAGS)
     if pixels is None:
         raise SourceError(f"The image {path} is damaged or incomplete; replace or remove it.")
     if pixels.dtype not in (np.uint8, np.uint16):
@@ -62,7 +63,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         )
     if pixels.ndim == 3 and pixels.dtype == np.uint16:
         # The corners are found in grey: the depth is worth more than the colour.
-        return cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY)
+        pixels = cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY)
     return pixels
 
 

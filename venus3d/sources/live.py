@@ -7,11 +7,9 @@ import os
 import sys
 import threading
 import time
-from typing import Protocol
+from typing import Any, Protocol
 
 import cv2
-import numpy as np
-from numpy.typing import NDArray
 
 from venus3d.engine.errors import SourceError
 from venus3d.sources.frame import Frame
@@ -26,7 +24,7 @@ _FAILURES_ALLOWED = 30  # reads in a row: a camera that wakes up drops a few fra
 class Capture(Protocol):
     """The part of `cv2.VideoCapture` that is used here."""
 
-    def read(self) -> tuple[bool, NDArray[np.uint8]]:
+    def read(self) -> tuple[bool, Any]:
         """Whether there was a frame, and the frame."""
         ...
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -99,8 +100,9 @@ class Video:
         return True
 
     def _decode(self) -> NDArray[np.uint8] | None:
-        good, image = self._capture.retrieve()
-        return image if good else None
+        # Typed loosely, since cv2's stubs do not say that frames have 8 bits.
+        answer: tuple[bool, Any] = self._capture.retrieve()
+        return answer[1] if answer[0] else None
 
     def _wait_or_skip(self) -> bool:
         """Wait for the grabbed frame's time, or skip to the one that is due. False at the end."""
