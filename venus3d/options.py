@@ -128,7 +128,7 @@ class GuideOptions:
     port: int = 8080
     """Port of the viewer; the next free one is used if it is taken."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
-    """Folder for camera.yaml and result.json."""
+    """Folder for camera.yaml and result.json; with the viewer, venus3d-result if none is named."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
 

@@ -42,12 +42,12 @@ class GuideResult:
 
 
 def run_guide(
-    options: GuideOptions, on_result: Callable[[GuideResult], None] | None = None
+    options: GuideOptions, on_result: Callable[[GuideResult], str] | None = None
 ) -> GuideResult:
     """Guide one calibration as the options say, until it ends (headless) or is stopped (viewer).
 
-    `on_result` is called whenever a result is complete, while the viewer stays open. Raises
-    `VenusError` for whatever the user can mend.
+    `on_result` is called whenever a result is complete, while the viewer stays open; what it
+    returns is said on the screen. Raises `VenusError` for whatever the user can mend.
     """
     board = options.board.board()
     with ExitStack() as rooms:
@@ -81,11 +81,14 @@ def run_guide(
             print(note, flush=True)
         print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
 
-        def hand_on(snapshot: Snapshot) -> None:
-            if on_result is not None:
-                on_result(result(snapshot))
+        def hand_on(snapshot: Snapshot) -> str:
+            return "" if on_result is None else on_result(result(snapshot))
 
-        return result(LiveGuide(session, source, eyes, viewer, hand_on).run(), viewer.notes)
+        def again() -> Source:
+            return _opened(options, board, offscreen)
+
+        live = LiveGuide(session, source, eyes, viewer, hand_on, again)
+        return result(live.run(), viewer.notes)
 
 
 def _opened(options: GuideOptions, board: Board, offscreen: Offscreen | None) -> Source:

@@ -22,9 +22,13 @@ from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Outcome, Work
 from venus3d.scene import intents
 from venus3d.scene.viewer import Viewer
+from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.latest import Latest
 from venus3d.sources.sim import Simulation
+
+# How long a still of a folder is shown.
+_STILL_S = 1.0
 
 
 class LiveGuide:
@@ -36,10 +40,12 @@ class LiveGuide:
         source: Source,
         eyes: Eyes,
         viewer: Viewer,
-        on_result: Callable[[Snapshot], None],
+        on_result: Callable[[Snapshot], str],
+        again: Callable[[], Source],
     ) -> None:
+        """`again` opens a recording anew when it has ended; `source` is closed by `run`."""
         self._session, self._source, self._eyes, self._viewer = session, source, eyes, viewer
-        self._on_result = on_result
+        self._on_result, self._again = on_result, again
         self._frames: Latest[Frame] = Latest()
         self._observations: Latest[Observation] = Latest()
         self._stop = threading.Event()
@@ -75,6 +81,7 @@ class LiveGuide:
             self._thinker.shutdown(wait=True, cancel_futures=True)
             for thread in threads:
                 thread.join(timeout=2)
+            self._source.close()
         if self._failure is not None:
             raise self._failure
         return self._session.snapshot()
@@ -93,11 +100,16 @@ class LiveGuide:
         self._running.wait()
         frame = self._source.read()
         if frame is None:
-            self._viewer.say("The recording has ended. Press Finish, or stop the program.")
-            self._stop.wait()
+            if not self._stop.is_set():
+                # Seconds of video are no calibration: it plays on until a person ends it.
+                self._source.close()
+                self._source = self._again()
+                self._viewer.say("The recording starts again. Finish ends the calibration.")
             return
         self._viewer.show_picture(frame.image)
         self._frames.put(frame)
+        if isinstance(self._source, Folder):
+            self._stop.wait(_STILL_S)
 
     def _look(self) -> None:
         frame = self._frames.take(timeout=0.2)
@@ -121,7 +133,7 @@ class LiveGuide:
         self._viewer.show(snapshot)
         state = (snapshot.phase, len(snapshot.views))
         if state != self._settled_at and snapshot.phase in ("converged", "finished"):
-            self._on_result(snapshot)
+            self._viewer.say(self._on_result(snapshot))
         self._settled_at = state
 
     def _think(self) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from venus3d.app import GuideResult, run_guide
@@ -11,10 +13,16 @@ from venus3d.options import GuideOptions
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of, write_result
 
+RESULT_FOLDER = Path("venus3d-result")
+"""Where a guided calibration with the viewer is written if no folder is named."""
+
 
 def guide(options: GuideOptions) -> None:
     """Guide, print, write. Raises `VenusError` for a user's mistake."""
     options.board.board()  # a mistake here is told before anything starts
+    if options.output is None and not options.headless:
+        # Ten minutes of holding a board must not be lost for want of an option.
+        options = replace(options, output=RESULT_FOLDER)
     if options.output is not None:
         prepare(options.output)
     result = run_guide(options, on_result=lambda complete: _keep(complete, options))
@@ -38,15 +46,19 @@ def guide(options: GuideOptions) -> None:
     )
 
 
-def _keep(result: GuideResult, options: GuideOptions) -> None:
-    """Write a result while the viewer stays open, so that nothing is lost if it is just killed."""
+def _keep(result: GuideResult, options: GuideOptions) -> str:
+    """Write a result while the viewer stays open, so that nothing is lost if it is just killed.
+
+    Returns the sentence for the screen.
+    """
     snapshot = result.snapshot
     if options.output is None or snapshot.calibration is None:
-        return
+        return ""
     for path in write_result(
         options.output, snapshot.calibration, snapshot.board, _summary(result), snapshot.history
     ):
         tell(f"Written: {path}")
+    return f"Saved: camera.yaml and result.json in {options.output}."
 
 
 def _summary(result: GuideResult) -> dict[str, Any]:
