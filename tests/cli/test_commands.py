@@ -95,9 +95,17 @@ def test_calibrate_real_pictures(run: Run, shared_data: Path) -> None:
 
 @pytest.mark.slow
 def test_calibrate_real_video(run: Run, shared_data: Path) -> None:
-    ran = run("calibrate", shared_data / "wpilib-charuco-12x8.mp4", *WPILIB, "--json")
-    assert ran.json["intrinsics"]["fx"] == pytest.approx(2104, abs=12)
-    assert ran.json["views"] <= 40
+    """The board hardly tilts in it: the chosen frames agree with OpenCV's 2104 px within their own
+    sigma, and the result is called weak; the very frames of that figure give the figure.
+    """
+    video = shared_data / "wpilib-charuco-12x8.mp4"
+    chosen = run("calibrate", video, *WPILIB, "--json").json
+    assert chosen["views"] <= 40
+    assert abs(chosen["intrinsics"]["fx"] - 2104) < 2 * chosen["std"]["fx"]
+    assert any("the focal length is weak" in warning for warning in chosen["warnings"])
+    every_8th = run("calibrate", video, *WPILIB, "--every", 8, "--json").json
+    assert every_8th["views"] == 21 and every_8th["rms_px"] < 0.55
+    assert every_8th["intrinsics"]["fx"] == pytest.approx(2104, abs=12)
 
 
 def test_decompose_tells_and_draws(run: Run, tmp_path: Path) -> None:

@@ -27,13 +27,18 @@ def calibrate_command(options: CalibrateOptions) -> None:
     detector = Detector(options.board.board())
     if options.max_frames < FEWEST_VIEWS:
         raise VenusError(f"--max-frames must be at least {FEWEST_VIEWS}.")
+    if options.every is not None and options.every < 1:
+        raise VenusError("--every must be at least 1.")
     if options.output is not None:
         prepare(options.output)
     observations, notes, is_video = observe_all(options.source, detector)
     warnings = [*notes, *detector.notes]
     seen = [o for o in observations if o.count]
     if is_video:
-        chosen = choose_informative(detector.board, seen, limit=options.max_frames)
+        if options.every is None:
+            chosen = choose_informative(detector.board, seen, limit=options.max_frames)
+        else:
+            chosen = list(range(0, len(seen), options.every))
         tell(f"Of {len(observations)} frames {len(seen)} show the board; {len(chosen)} are taken.")
         seen = [seen[index] for index in chosen]
     else:
