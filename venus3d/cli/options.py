@@ -22,7 +22,7 @@ class CalibrateOptions:
     """A folder of pictures, a pattern such as "shots/*.jpg", or a video."""
     board: BoardOptions = field(default_factory=BoardOptions)
     max_frames: int = 40
-    """How many frames to take from a video at most: those that tell most, and no near-duplicates."""
+    """How many frames to take from a video at most: those that tell most, no near-duplicates."""
     every: Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: chosen)")] = None
     """Take every Nth frame of a video that shows the board, instead of choosing."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
