@@ -73,13 +73,6 @@ def calibrate(
             focal length (all parallel, all frontal), or a result that no real camera has.
     """
     size = _checked(observations)
-    points = [board.points_of(o.ids) for o in observations]
-    camera, poses = _optimum(points, observations, size, model, start)
-    residuals = [
-        o.corners - camera.project(pose.apply(p))
-        for o, pose, p in zip(observations, poses, points, strict=True)
-    ]
-    squares = [float(np.sum(r * r)) for r in residuals]
     corners = sum(o.count for o in observations)
     free_count = len(PARAMETERS) if model == "full" else 1
     degrees_of_freedom = 2 * corners - free_count - 6 * len(observations)
@@ -88,6 +81,13 @@ def calibrate(
             f"{corners} corners in {len(observations)} views are too few for the nine parameters; "
             "take more views, or views that show more of the board."
         )
+    points = [board.points_of(o.ids) for o in observations]
+    camera, poses = _optimum(points, observations, size, model, start)
+    residuals = [
+        o.corners - camera.project(pose.apply(p))
+        for o, pose, p in zip(observations, poses, points, strict=True)
+    ]
+    squares = [float(np.sum(r * r)) for r in residuals]
     if not np.isfinite(sum(squares)):
         raise CalibrationError(_UNTIED.format(why="the estimate folded up"))
     sigma = float(np.sqrt(sum(squares) / degrees_of_freedom))

@@ -119,10 +119,11 @@ class Camera:
 
         Beyond it the polynomial folds back and points outside the view land inside the image.
         """
-        # d/dr of r(1 + k1 r^2 + k2 r^4 + k3 r^6), in u = r^2.
-        roots = np.roots([7 * self.k3, 5 * self.k2, 3 * self.k1, 1.0])
-        real = roots[(np.abs(roots.imag) < 1e-12) & (roots.real > 0)].real
-        return float(np.sqrt(real.min())) if real.size else float("inf")
+        # d/dr of r(1 + k1 r^2 + k2 r^4 + k3 r^6) = 0, in w = 1/r^2: so 1 leads whatever k3 is.
+        roots = np.roots([1.0, 3 * self.k1, 5 * self.k2, 7 * self.k3])
+        real = roots[np.abs(roots.imag) <= 1e-9 * np.abs(roots)].real
+        largest = max(real, default=0.0)
+        return float(1 / np.sqrt(largest)) if largest > 1e-12 else float("inf")
 
     def distort(self, normalised: ArrayLike) -> Array:
         """Eq. (4): ideal normalised coordinates (..., 2) to distorted ones."""
