@@ -18,6 +18,8 @@ from PIL import Image
 from tests.cli.conftest import Ran
 from venus3d import __version__
 from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.sources.frame import Frame
+from venus3d.sources.sim import Simulation
 from venus3d.storage.camera_yaml import read_camera_yaml
 
 Run = Callable[..., Ran]
@@ -146,6 +148,24 @@ def test_guide_headless(run: Run, tmp_path: Path) -> None:
     for name in ("fx", "fy", "cx", "cy"):
         error = abs(result["intrinsics"][name] - result["truth"][name])
         assert error < 4 * result["std"][name], name
+    assert {path.name for path in tmp_path.iterdir()} == {"camera.yaml", "result.json"}
+
+
+@pytest.mark.slow
+def test_interrupt_without_a_screen_keeps_what_was_captured(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = Simulation.read
+
+    def interrupted(simulation: Simulation) -> Frame | None:
+        frame = read(simulation)
+        if frame is not None and frame.time_s > 12:
+            raise KeyboardInterrupt
+        return frame
+
+    monkeypatch.setattr(Simulation, "read", interrupted)
+    ran = run("guide", "--headless", "--autopilot", "--json", "--output", tmp_path)
+    assert ran.code == 0 and ran.json["views"] >= 1 and ran.json["converged"] is False
     assert {path.name for path in tmp_path.iterdir()} == {"camera.yaml", "result.json"}
 
 
