@@ -7,9 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
+
+# A busy machine is no failure.
+settings.register_profile("venus3d", deadline=None)
+settings.load_profile("venus3d")
 
 _ROOT = Path(__file__).resolve().parent.parent
 
