@@ -97,13 +97,16 @@ def test_calibrate_real_pictures(run: Run, shared_data: Path) -> None:
 
 @pytest.mark.slow
 def test_calibrate_real_video(run: Run, shared_data: Path) -> None:
-    """The board hardly tilts in it: the chosen frames agree with OpenCV's 2104 px within their own
-    sigma, and the result is called weak; the very frames of that figure give the figure.
+    """The chosen frames give what OpenCV gives on every 8th frame, 2104 px, and so do those frames.
+
+    The board hardly tilts in it, so each figure has a sigma of about 50 px: that they agree to 12 px
+    holds the choice of frames down, not the truth. The result has to be called weak.
     """
     video = shared_data / "wpilib-charuco-12x8.mp4"
     chosen = run("calibrate", video, *WPILIB, "--json").json
     assert chosen["views"] <= 40
-    assert abs(chosen["intrinsics"]["fx"] - 2104) < 2 * chosen["std"]["fx"]
+    assert chosen["intrinsics"]["fx"] == pytest.approx(2104, abs=12)
+    assert chosen["std"]["fx"] > 24
     assert any("the focal length is weak" in warning for warning in chosen["warnings"])
     every_8th = run("calibrate", video, *WPILIB, "--every", 8, "--json").json
     assert every_8th["views"] == 21 and every_8th["rms_px"] < 0.55

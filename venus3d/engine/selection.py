@@ -36,7 +36,7 @@ class _Candidate:
 
 
 def choose_informative(
-    board: Board, observations: Sequence[Observation], *, limit: int = 40, same: float = 0.003
+    board: Board, observations: Sequence[Observation], *, limit: int = 40, same: float = 0.0025
 ) -> list[int]:
     """Indices of the observations to calibrate from, ascending; at most `limit`.
 
