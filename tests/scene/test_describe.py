@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations, pairwise
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import pytest
@@ -26,14 +26,20 @@ TARGETS = {
 }
 
 
+class Aim(NamedTuple):
+    """As much of a target as the scene reads; hashable, as a target is."""
+
+    pose: Pose
+    steps: Steps
+
+
 def moment(vector: Any, camera: Camera, board: Board) -> tuple[Snapshot, Steps]:
     """As much of a snapshot as the scene reads."""
     target = Pose.from_vector(vector)
     steps = decompose(target, camera, board)
     live = Pose.from_vector([5, -5, 0, 0, 0, 0.6])
-    snapshot = SimpleNamespace(
-        board=board, camera=camera, pose=live, target=SimpleNamespace(pose=target, steps=steps)
-    )
+    aim = Aim(target, steps)
+    snapshot = SimpleNamespace(board=board, camera=camera, pose=live, target=aim)
     return cast(Snapshot, snapshot), steps
 
 
@@ -177,3 +183,16 @@ def test_frustum_and_border_agree_for_a_perfect_lens(default_board: Board) -> No
     np.testing.assert_allclose(border[:, 2], depth)
     np.testing.assert_allclose(border[:, 1].max(), half * depth)
     np.testing.assert_allclose(border[:, 0].max(), half * frustum.aspect * depth)
+
+
+def test_what_has_not_changed_is_the_same_object(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """Renderers skip it by identity; drawing everything anew cost 14 ms a frame instead of 3."""
+    snapshot, _ = moment(TARGETS["moderate"], paper_camera, default_board)
+    first = {s.name: s for s in describe(snapshot, SceneOptions(step=2))}
+    second = {s.name: s for s in describe(snapshot, SceneOptions(step=2))}
+    changed = {name for name in first if first[name] is not second[name]}
+    assert changed == {"/board/live"}
+    other = {s.name: s for s in describe(snapshot, SceneOptions(step=3))}
+    assert "/steps/3/arrow" in other and "/steps/2/arrow" not in other

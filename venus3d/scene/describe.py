@@ -19,6 +19,7 @@ All poses are in the camera's frame. The geometry of arrows and boards is made e
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.decomposition import Step
 from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Snapshot
+from venus3d.engine.snapshot import Snapshot, Target
 from venus3d.scene.board_shape import board_ghost, board_outline, board_shape
 from venus3d.scene.frustum import camera_shapes
 from venus3d.scene.instruction import instruction_shapes, swept
@@ -51,11 +52,23 @@ class SceneOptions:
 
 
 def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
-    """Everything in the scene of this snapshot. Calls no algorithm of the engine."""
-    shapes: list[Shape] = [*camera_shapes(snapshot.camera, dark=options.dark)]
-    board, target = snapshot.board, snapshot.target
-    if snapshot.pose is not None and options.show_live:
-        shapes.append(board_shape(board, snapshot.pose))
+    """Everything in the scene of this snapshot. Calls no algorithm of the engine.
+
+    What has not changed since the last call comes as the very same object, so that a renderer can
+    tell by identity what it need not draw again.
+    """
+    still = _still_shapes(snapshot.camera, snapshot.board, snapshot.target, options)
+    if snapshot.pose is None or not options.show_live:
+        return still
+    return (*still, board_shape(snapshot.board, snapshot.pose))
+
+
+@lru_cache(maxsize=16)
+def _still_shapes(
+    camera: Camera, board: Board, target: Target | None, options: SceneOptions
+) -> tuple[Shape, ...]:
+    """All but the board as it is now: it changes with the target, not with every frame."""
+    shapes: list[Shape] = [*camera_shapes(camera, dark=options.dark)]
     if target is None:
         return tuple(shapes)
     shapes += _target_shapes(board, target.pose, options.dark)
@@ -68,7 +81,7 @@ def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
         )
     for step in target.steps:
         if step.number == options.step:
-            shapes += active_shapes(board, snapshot.camera, step, options)
+            shapes += active_shapes(board, camera, step, options)
         elif not step.is_idle and step.number != 4:  # step 4 ends where the target is drawn
             full = step_colour(step.number, options.dark)
             quiet = mixed(full, ground(options.dark).background, 0.5)

@@ -75,6 +75,9 @@ class SceneView:
 
     def _draw_one(self, shape: Shape, dark: bool) -> None:
         node = self._nodes.get(shape.name)
+        if node is not None and node.shape is shape:
+            node.handle.visible = True
+            return
         if node is not None and not _same_kind(node.shape, shape):
             node.handle.remove()
             node = None
