@@ -1,22 +1,20 @@
 """What a person can choose, as frozen values that the command line fills and the rooms read.
 
 Lengths are in millimetres here, because a person types them; `BoardOptions.board()` and
-`LimitOptions.limits()` turn them into the engine's metres. Each field's docstring is its `--help`
+`LimitOptions.chosen()` turn them into the engine's metres. Each field's docstring is its `--help`
 text. How options are parsed is left to tyro, what is done with them to `app` and `cli`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
 from tyro.conf import FlagCreatePairsOff, Positional, arg
 
 from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
 from venus3d.engine.errors import VenusError
-from venus3d.engine.limits import Limits
 from venus3d.engine.snapshot import Cost, Method
 
 Switch = FlagCreatePairsOff[bool]
@@ -77,9 +75,9 @@ class LimitOptions:
     min_square_px: Annotated[float | None, _optional("PX", "12")] = None
     """Smallest width of a square in the picture in pixels: detection."""
 
-    def limits(self, board: Board, camera: Camera) -> Limits | None:
-        """The engine's limits, or None if nothing was chosen: the session then finds its own."""
-        chosen = {
+    def chosen(self) -> dict[str, float]:
+        """What was set, as fields of the engine's `Limits`; the session finds the rest itself."""
+        given = {
             "max_angle_deg": self.max_angle_deg,
             "max_tilt_deg": self.max_tilt_deg,
             "nearest": None if self.nearest_mm is None else self.nearest_mm / 1000,
@@ -87,8 +85,7 @@ class LimitOptions:
             "max_depth_ratio": self.max_depth_ratio,
             "min_square_px": self.min_square_px,
         }
-        given = {name: value for name, value in chosen.items() if value is not None}
-        return replace(Limits.for_board(board, camera), **given) if given else None
+        return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -107,6 +104,8 @@ class GuideOptions:
     cost: Annotated[Cost | None, arg(help_behavior_hint="(the method's own)")] = None
     """What the search makes small: by itself projection-variance for global, sum-iod for venus."""
     limits: LimitOptions = field(default_factory=LimitOptions)
+    keep_best: Switch = False
+    """Method venus: take the best pose that its search met, not the one it ends on."""
     overlap: float = 0.85
     """How much the board must cover its target in the picture, 0 to 1, to be captured."""
     auto_capture: bool = True

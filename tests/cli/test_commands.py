@@ -99,8 +99,8 @@ def test_calibrate_real_pictures(run: Run, shared_data: Path) -> None:
 def test_calibrate_real_video(run: Run, shared_data: Path) -> None:
     """The chosen frames give what OpenCV gives on every 8th frame, 2104 px, and so do those frames.
 
-    The board hardly tilts in it, so each figure has a sigma of about 50 px: that they agree to 12 px
-    holds the choice of frames down, not the truth. The result has to be called weak.
+    The board hardly tilts in it, so each figure has a sigma of about 50 px: that they agree to
+    12 px holds the choice of frames down, not the truth. The result has to be called weak.
     """
     video = shared_data / "wpilib-charuco-12x8.mp4"
     chosen = run("calibrate", video, *WPILIB, "--json").json

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from venus3d.app.eyes import Eyes
 from venus3d.app.headless import run_headless
@@ -12,6 +12,7 @@ from venus3d.app.live import LiveGuide
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.detection import Detector
+from venus3d.engine.errors import VenusError
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Settings
@@ -24,8 +25,8 @@ from venus3d.sources.frame import Source
 from venus3d.sources.opening import open_source
 from venus3d.sources.sim import PAPER_CAMERA, Simulation
 
-# A recording does not follow a target: a view with this share of the target's gain counts as well.
-_EQUIVALENT_GAIN = 0.2
+# A recording does not follow a target: a view that lowers the expected error so much counts.
+_USEFUL_DROP = 0.1
 # Headless, the simulated hand is looked at this often; a person's viewer gets every frame.
 _HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
 _HEADLESS_HASTE = 2.5
@@ -50,22 +51,21 @@ def run_guide(
     returns is said on the screen. Raises `VenusError` for whatever the user can mend.
     """
     board = options.board.board()
+    options = _possible(options)
     with ExitStack() as rooms:
-        offscreen = None
-        if options.source == "sim" or not options.headless:
-            offscreen = rooms.enter_context(closing(Offscreen()))
-        source = rooms.enter_context(closing(_opened(options, board, offscreen)))
+        source = rooms.enter_context(closing(_opened(options, board)))
         truth = source.truth if isinstance(source, Simulation) else None
         eyes = Eyes(Detector(board, find_layout=truth is None))
-        session = Session(board, source.image_size, _settings(options, board, source))
+        session = Session(board, source.image_size, _settings(options, source))
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
             said = (*source.notes, *eyes.detector.notes, *snapshot.warnings, *notes)
             return GuideResult(snapshot, tuple(dict.fromkeys(said)), truth)
 
         if options.headless:
-            return result(run_headless(session, source, eyes))
-        assert offscreen is not None
+            broken = run_headless(session, source, eyes)
+            return result(session.snapshot(), (broken,) if broken else ())
+        offscreen = rooms.enter_context(closing(Offscreen()))
         viewer = rooms.enter_context(
             closing(
                 Viewer(
@@ -85,13 +85,25 @@ def run_guide(
             return "" if on_result is None else on_result(result(snapshot))
 
         def again() -> Source:
-            return _opened(options, board, offscreen)
+            return _opened(options, board)
 
         live = LiveGuide(session, source, eyes, viewer, hand_on, again)
         return result(live.run(), viewer.notes)
 
 
-def _opened(options: GuideOptions, board: Board, offscreen: Offscreen | None) -> Source:
+def _possible(options: GuideOptions) -> GuideOptions:
+    """The options as they can be met. Raises `VenusError` for those that would never end."""
+    if not options.headless:
+        return options
+    if not options.auto_capture:
+        raise VenusError(
+            "Without a viewer nobody can press the key, so --headless goes with --auto-capture."
+        )
+    # Nobody could drag the simulated board either.
+    return replace(options, autopilot=True)
+
+
+def _opened(options: GuideOptions, board: Board) -> Source:
     if options.source != "sim":
         return open_source(options.source, size=options.image_size, realtime=not options.headless)
     size = options.image_size
@@ -103,19 +115,19 @@ def _opened(options: GuideOptions, board: Board, offscreen: Offscreen | None) ->
         realtime=not options.headless,
         autopilot=options.autopilot,
         speed=options.speed * (_HEADLESS_HASTE if options.headless else 1.0),
-        offscreen=offscreen,
     )
 
 
-def _settings(options: GuideOptions, board: Board, source: Source) -> Settings:
+def _settings(options: GuideOptions, source: Source) -> Settings:
     return Settings(
         method=options.method,
         cost=options.cost,
-        limits=options.limits.limits(board, Camera.guess(source.image_size)),
+        limits=options.limits.chosen(),
+        keep_best=options.keep_best,
         seed=options.seed,
         max_views=options.max_views,
         auto_capture=options.auto_capture,
-        equivalent_gain=None if source.is_live or options.source == "sim" else _EQUIVALENT_GAIN,
+        useful_drop=None if source.is_live or options.source == "sim" else _USEFUL_DROP,
         overlap_needed=options.overlap,
         still_px=float("inf") if isinstance(source, Folder) else 2.0,
         rule=options.convergence,

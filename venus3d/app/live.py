@@ -10,12 +10,15 @@ The picture never waits for detection, detection never for the mathematics.
 
 from __future__ import annotations
 
+import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 
 from venus3d.app.eyes import Eyes
-from venus3d.engine.errors import CalibrationError
+from venus3d.app.headless import work_out
+from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.observation import Observation
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
@@ -61,7 +64,10 @@ class LiveGuide:
         self._stop.set()
 
     def run(self) -> Snapshot:
-        """Guide until stopped; raises what broke the source, after the result was handed on."""
+        """Guide until stopped, by `stop`, Ctrl-C or a termination signal.
+
+        Raises what broke the source, after what had been captured was handed on.
+        """
         threads = [
             threading.Thread(target=self._guarded, args=(step,), name=name, daemon=True)
             for name, step in (("watch", self._watch), ("look", self._look))
@@ -69,22 +75,31 @@ class LiveGuide:
         for thread in threads:
             thread.start()
         try:
-            while not self._stop.is_set():
-                self._guide()
-        except KeyboardInterrupt:
-            pass
+            with _stopped_by_signals(self.stop):
+                while not self._stop.is_set():
+                    self._guide()
         finally:
-            self._stop.set()
-            self._running.set()
-            self._frames.close()
-            self._observations.close()
-            self._thinker.shutdown(wait=True, cancel_futures=True)
-            for thread in threads:
-                thread.join(timeout=2)
-            self._source.close()
+            self._end(threads)
+        snapshot = self._session.snapshot()
         if self._failure is not None:
+            if snapshot.calibration is not None:
+                self._on_result(snapshot)
             raise self._failure
-        return self._session.snapshot()
+        return snapshot
+
+    def _end(self, threads: list[threading.Thread]) -> None:
+        self._stop.set()
+        self._running.set()
+        self._frames.close()
+        self._observations.close()
+        if self._job is not None:
+            self._job[2].set()
+        self._thinker.shutdown(wait=True, cancel_futures=True)
+        for thread in threads:
+            thread.join(timeout=2)
+        self._source.close()
+        # A view that was captured a moment ago counts; there is no next pose to search.
+        work_out(self._session, stop=lambda: True)
 
     # -- threads ---------------------------------------------------------------------------------
 
@@ -104,7 +119,8 @@ class LiveGuide:
                 # Seconds of video are no calibration: it plays on until a person ends it.
                 self._source.close()
                 self._source = self._again()
-                self._viewer.say("The recording starts again. Finish ends the calibration.")
+                if self._stop.is_set():  # `_end` has closed the old one
+                    self._source.close()
             return
         self._viewer.show_picture(frame.image)
         self._frames.put(frame)
@@ -121,30 +137,36 @@ class LiveGuide:
     def _guide(self) -> None:
         session = self._session
         observation = self._observations.take(timeout=0.05)
-        for intent in self._viewer.drain_intents():
+        asked = self._viewer.drain_intents()
+        for intent in asked:
             self._obey(intent)
         if observation is not None:
             session.use_board(self._eyes.detector.board)
             session.observe(observation)
-        self._think()
+        if not (self._think() or asked or observation is not None):
+            return
         snapshot = session.snapshot()
         if isinstance(self._source, Simulation):
             self._source.follow(snapshot.target, snapshot.pose)
         self._viewer.show(snapshot)
         state = (snapshot.phase, len(snapshot.views))
         if state != self._settled_at and snapshot.phase in ("converged", "finished"):
-            self._viewer.say(self._on_result(snapshot))
+            try:
+                self._viewer.say(self._on_result(snapshot))
+            except StorageError as error:
+                self._viewer.say(str(error))
         self._settled_at = state
 
-    def _think(self) -> None:
-        pending = self._session.pending
+    def _think(self) -> bool:
+        """Hand pending work to its thread, take finished work back; whether any came back."""
+        pending, came = self._session.pending, False
         if self._job is not None:
             work, future, halt = self._job
             if work is not pending:
                 halt.set()
             if not future.done():
-                return
-            self._job = None
+                return False
+            self._job, came = None, True
             try:
                 self._session.apply(future.result())
             except CalibrationError as error:
@@ -153,13 +175,14 @@ class LiveGuide:
         if pending is not None:
             halt = threading.Event()
             self._job = (pending, self._thinker.submit(pending.run, halt.is_set), halt)
+        return came
 
     def _obey(self, intent: intents.Intent) -> None:
         session, source = self._session, self._source
         match intent:
             case intents.Capture():
                 if not session.capture():
-                    self._viewer.say("Nothing to capture yet: the board must be seen and tilted.")
+                    self._viewer.say("Nothing to capture: no board is seen, or this view is taken.")
             case intents.SkipTarget():
                 session.skip()
             case intents.UndoView():
@@ -176,3 +199,23 @@ class LiveGuide:
                 source.autopilot_on = on
             case _:
                 pass
+
+
+@contextmanager
+def _stopped_by_signals(stop: Callable[[], None]) -> Generator[None, None, None]:
+    """Ctrl-C and a termination signal ask to stop instead of breaking off wherever we are."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # Python lets only the main thread take signals
+        return
+
+    def stop_now(*_: object) -> None:
+        stop()
+
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    for number in before:
+        signal.signal(number, stop_now)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +49,7 @@ def _target(options: DecomposeOptions, board: Board, camera: Camera) -> Pose:
         raise PoseError(
             f"The board's centre would be {-options.zt:g} mm behind the lens; ZT must be positive."
         )
-    limits = options.limits.limits(board, camera) or Limits.for_board(board, camera)
+    limits = replace(Limits.for_board(board, camera), **options.limits.chosen())
     refusal = limits.refusal(camera, board, target)
     if refusal is not None:
         raise PoseError(

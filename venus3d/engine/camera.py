@@ -231,6 +231,20 @@ class Camera:
         return pixels, intrinsic, pose
 
 
+def planning_camera(camera: Camera) -> Camera:
+    """The camera to plan with: without distortion while its estimate makes no sense yet.
+
+    From two or three views the high orders are nearly free, and the model may fold back within
+    the image: then no pose near the border seems possible, just where the next view is needed.
+    """
+    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * (np.array(camera.image_size) - 1.0)
+    reach = np.linalg.norm((corners - [camera.cx, camera.cy]) / [camera.fx, camera.fy], axis=1)
+    seen = np.isfinite(camera.unproject(corners)).all()
+    if camera.radius_limit > 1.02 * reach.max() and seen:
+        return camera
+    return camera.without_distortion()
+
+
 def _distortion_jacobian(camera: Camera, normalised: Array) -> Any:
     """d(distorted)/d(ideal), (..., 2, 2)."""
     x, y = normalised[..., 0], normalised[..., 1]

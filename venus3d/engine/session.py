@@ -14,14 +14,14 @@ import numpy as np
 
 from venus3d.engine import words
 from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.camera import Camera, planning_camera
 from venus3d.engine.costs import projection_error_px
 from venus3d.engine.decomposition import decompose
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.generation import GenerationState
 from venus3d.engine.information import covariance_of, prior_information, view_information
 from venus3d.engine.localisation import locate
-from venus3d.engine.matching import match
+from venus3d.engine.matching import match, motion_px
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.snapshot import (
@@ -69,11 +69,13 @@ class Session:
         self._generation = GenerationState()
         self._skipped: tuple[Pose, ...] = ()
         self._warnings: tuple[str, ...] = ()
-        self._observation = Observation.nothing(self._image_size)
+        self._before = self._observation = Observation.nothing(self._image_size)
         self._pose: Pose | None = None
         self._match: Match | None = None
         self._held = 0
         self._keep_going = False
+        self._ending = False
+        self._lost = ""
         self._number = 0
 
     # -- what happens ----------------------------------------------------------------------------
@@ -90,27 +92,29 @@ class Session:
                 "calibrate each image size by itself."
             )
         self._number += 1
-        before, self._observation = self._observation, observation
+        self._before, self._observation = self._observation, observation
         if self._phase == "startup":
             self._startup.observe(observation)
             self._aim_startup()
         self._pose = locate(self.camera, self.board, observation, self._pose)
-        self._match = self._matched(before)
+        self._match = self._matched(self._before)
         self._held = self._held + 1 if self._match is not None and self._match.reached else 0
         if self.settings.auto_capture and self._phase in ("startup", "guiding"):
             ready = self._phase == "guiding" or self._startup.determined
             held = ready and self._held >= self.settings.hold_frames
-            if held or self._is_equivalent():
+            if held or self._is_useful():
                 self.capture()
         return self.snapshot()
 
     def capture(self) -> bool:
-        """Take the present observation as a view. False if no board is seen, or all is over.
+        """Take the present observation as a view. False if no board is seen, it is one already,
+        or all is over.
 
         A view that does not show the focal length is taken as well when asked for: guidance then
         goes on with a guessed camera, and says so, until tilted views come.
         """
-        if self._pose is None or self._phase == "finished":
+        taken = bool(self._captured) and self._captured[-1][1] is self._observation
+        if self._pose is None or taken or self._phase == "finished" or self._ending:
             return False
         self._captured.append((self._next_view, self._observation))
         self._next_view += 1
@@ -131,13 +135,15 @@ class Session:
         return bool(self._captured) and self.drop(self._captured[-1][0])
 
     def drop(self, number: int) -> bool:
-        """Take the view with this number back. False if there is none."""
-        kept = [item for item in self._captured if item[0] != number]
-        if len(kept) == len(self._captured):
+        """Take the view with this number back. False if there is none, or the user has ended it."""
+        numbers = [taken for taken, _ in self._captured]
+        if number not in numbers or self._ending:
             return False
-        self._captured = kept
-        self._history = tuple(p for p in self._history if p.views <= len(kept))
-        if kept:
+        index = numbers.index(number)
+        del self._captured[index]
+        # What was judged with this view among the others does not hold any more.
+        self._history = tuple(p for p in self._history if p.views <= index)
+        if self._captured:
             self._recalibrate()
         else:
             views_so_far = self._next_view
@@ -146,14 +152,11 @@ class Session:
         return True
 
     def finish(self) -> None:
-        """End the session; what was captured stays."""
-        self._phase, self._target, self._match, self.pending = "finished", None, None, None
-
-    def change(self, settings: Settings) -> None:
-        """Go on with other settings; a target that is open is searched anew."""
-        self.settings = settings
-        if self._captured and self._phase == "guiding":
-            self._recalibrate()
+        """End the session; what was captured stays, and what is pending is still to be applied."""
+        self._ending = True
+        self._target = self._match = None
+        if self.pending is None:
+            self._phase = "finished"
 
     def use_board(self, board: Board) -> None:
         """Go on with a board whose layout turned out differently; only before the first view."""
@@ -167,15 +170,18 @@ class Session:
         self.pending = None
         self._calibration, self._information = outcome.calibration, outcome.information
         self._history, self._convergence = outcome.history, outcome.convergence
-        self._warnings = outcome.warnings
-        self._held = 0
-        if outcome.suggestion is None:
-            self._target = self._match = None
+        self._warnings = (*outcome.warnings, *([self._lost] if self._lost else []))
+        self._lost, self._held = "", 0
+        self._target = self._match = None
+        if self._ending:
+            self._phase = "finished"
+        elif outcome.is_over:
             self._phase = "converged" if outcome.convergence.converged else "finished"
         else:
-            self._target, self._generation = outcome.suggestion.target, outcome.suggestion.state
-            self._next_target = self._target.number + 1
             self._phase = "guiding"
+            if outcome.suggestion is not None:
+                self._target, self._generation = outcome.suggestion.target, outcome.suggestion.state
+                self._next_target = self._target.number + 1
         self._pose = locate(self.camera, self.board, self._observation, self._pose)
         self._match = self._matched(None)
         return self.snapshot()
@@ -184,20 +190,24 @@ class Session:
         """Take back that `work` could not be done: its last view is dropped and the cause said."""
         if work is self.pending:
             self.pending = None
-            if len(self._captured) > 1:
-                self._captured.pop()
+            self._lost = f"The last view was not kept: {error}"
+            self._captured.pop()
+            if self._captured:
                 self._recalibrate()
             else:
+                lost = self._lost
                 self._restart(self.board)
-            self._warnings = (f"The last view was not kept: {error}",)
+                self._warnings = (lost,)
         return self.snapshot()
 
     # -- what is known ---------------------------------------------------------------------------
 
     @property
     def camera(self) -> Camera:
-        """The best camera known."""
-        return self._calibration.camera if self._calibration else self._startup.camera
+        """The best camera known to see and to plan with; see `planning_camera`."""
+        if self._calibration is None:
+            return self._startup.camera
+        return planning_camera(self._calibration.camera)
 
     @property
     def phase(self) -> Phase:
@@ -234,8 +244,10 @@ class Session:
         if self._phase == "startup" and not self._startup.determined and self._target is None:
             count = self._observation.count
             return "Show the board", words.words_for_startup(count, self.board.corner_count)
-        if self._pose is None or self._match is None:
+        if self._pose is None:
             return "Board not seen", words.NOT_SEEN
+        if self._match is None:
+            return "No target", words.NO_TARGET
         if self._match.reached:
             return "Hold still", words.HOLD_STILL
         active = self._match.active_step
@@ -282,12 +294,12 @@ class Session:
             tolerance=self.settings.tolerance,
         )
 
-    def _is_equivalent(self) -> bool:
-        """Whether this observation is worth nearly as much as the target (see the settings)."""
-        share = self.settings.equivalent_gain
-        if share is None or self._pose is None or self._match is None or self._target is None:
+    def _is_useful(self) -> bool:
+        """Whether this observation tells enough although it is not the target (see settings)."""
+        drop = self.settings.useful_drop
+        if drop is None or self._pose is None:
             return False
-        if self._match.motion_px > self.settings.still_px:
+        if motion_px(self._before, self._observation) > self.settings.still_px:
             return False
         if self._calibration is None:
             return True  # the first view of a recording: there is nothing to compare it with
@@ -296,14 +308,11 @@ class Session:
         known = self._information + prior_information(camera, sigma)
         points = self.board.points_of(self._observation.ids)
         seen = view_information(camera, points, self._pose.R[None], self._pose.t[None])[0]
-        asked = view_information(
-            camera, self.board.corners, self._target.pose.R[None], self._target.pose.t[None]
-        )[0]
-        now, with_seen, with_asked = (
-            np.log(projection_error_px(camera, covariance_of(known + more, sigma)))
-            for more in (np.zeros((9, 9)), seen, asked)
+        before, after = (
+            projection_error_px(camera, covariance_of(information, sigma))
+            for information in (known, known + seen)
         )
-        return bool(now - with_seen >= share * (now - with_asked))
+        return bool(after <= (1 - drop) * before)
 
     def _recalibrate(self) -> None:
         numbers = tuple(number for number, _ in self._captured)
@@ -316,6 +325,7 @@ class Session:
             generation=self._generation,
             skipped=self._skipped,
             target_number=self._next_target if self._target is None else self._target.number + 1,
+            start=self._startup.camera,
             keep_going=self._keep_going,
         )
         self._phase = "captured"

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from venus3d.engine.board import Board
-from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.camera import PARAMETERS, Camera, planning_camera
 from venus3d.engine.costs import (
     CostFunction,
     make_cost,
@@ -80,6 +80,7 @@ def suggest(
     state: GenerationState | None = None,
     views: Sequence[View] = (),
     skipped: Sequence[Pose] = (),
+    keep_best: bool = False,
     stop: Stop | None = None,
     on_move: Watch | None = None,
 ) -> Suggestion:
@@ -93,6 +94,7 @@ def suggest(
         number: the target's number.
         views: captured so far; only the cost "rms" needs their observations.
         skipped: poses not to be offered again within 15 degrees and a tenth of the distance.
+        keep_best: let the annealing return the best pose it met, not the one it ends on.
         stop, on_move: see `search`.
 
     Raises `VenusError` for a method or cost that does not exist, a cost that the method cannot
@@ -100,7 +102,7 @@ def suggest(
     """
     chosen = _checked(method, cost)
     started = time.perf_counter()
-    plan = _planning_camera(camera)
+    plan = planning_camera(camera)
     known = _with_prior(camera, np.asarray(information, dtype=np.float64), sigma_px)
     before = covariance_of(known, sigma_px)
     bounds = Limits.for_board(board, plan) if limits is None else limits
@@ -127,7 +129,7 @@ def suggest(
         start = generated.vector
         if not space.accepts(start)[0]:
             start = random_pose(space, rng)
-        found = anneal(space, price(), start, rng, stop=stop, on_move=on_move)
+        found = anneal(space, price(), start, rng, keep_best=keep_best, stop=stop, on_move=on_move)
     else:
         vector = random_pose(space, rng) if generated is None else generated.vector
         found = Found(vector, float("nan"), 0, False)
@@ -186,20 +188,6 @@ def _with_prior(camera: Camera, information: Array, sigma_px: float) -> Array:
             return information + prior
     settled = bool((variance > 0).all()) and bool((np.sqrt(variance) < believed).all())
     return information if settled else information + prior
-
-
-def _planning_camera(camera: Camera) -> Camera:
-    """The camera to plan with: without distortion while its estimate makes no sense yet.
-
-    From two or three views the high orders are nearly free, and the model may fold back within
-    the image: then no pose near the border seems possible, just where the next view is needed.
-    """
-    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * (np.array(camera.image_size) - 1.0)
-    reach = np.linalg.norm((corners - [camera.cx, camera.cy]) / [camera.fx, camera.fy], axis=1)
-    seen = np.isfinite(camera.unproject(corners)).all()
-    if camera.radius_limit > 1.02 * reach.max() and seen:
-        return camera
-    return camera.without_distortion()
 
 
 def _generated(

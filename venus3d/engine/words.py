@@ -79,6 +79,10 @@ NOT_SEEN = Words(
     "The board is not seen: bring it back into the picture.",
     "The board is not seen: bring it back into the picture.",
 )
+NO_TARGET = Words(
+    "Hold the board as you like, tilted and well spread over the picture, and press C.",
+    "Hold the board as you like, tilted and well spread over the picture, and press C.",
+)
 HOLD_STILL = Words("Hold the board still.", "Hold the board still.")
 CALCULATING = Words(
     "Got it. Working out the camera and the next pose.",

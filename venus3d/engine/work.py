@@ -5,17 +5,17 @@ The session hands out a frozen `Work`, somebody runs it, the session takes the `
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from venus3d.engine.board import Board
 from venus3d.engine.calibration import calibrate, warnings_for
-from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.camera import PARAMETERS, Camera, planning_camera
 from venus3d.engine.convergence import Rule, judge
 from venus3d.engine.costs import projection_error_px
-from venus3d.engine.errors import CalibrationError
+from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.generation import GenerationState
 from venus3d.engine.information import view_information
 from venus3d.engine.limits import Limits
@@ -38,17 +38,19 @@ class Settings:
     method: Method = "global"
     cost: Cost | None = None
     """None: the method's own."""
-    limits: Limits | None = None
-    """None: the limits that suit the board and the camera."""
+    limits: Mapping[str, float] = field(default_factory=dict[str, float])
+    """`Limits`' fields that are set by hand; the rest suit the board and the camera."""
+    keep_best: bool = False
+    """Method venus: return the best pose that the annealing met, not the one it ends on."""
     seed: int = 0
     max_views: int = 20
     auto_capture: bool = True
     """Capture when the target is reached and held; otherwise only on command."""
     hold_frames: int = 3
     """For how many observations in a row the target must be reached."""
-    equivalent_gain: float | None = None
-    """Recordings cannot follow a target: a view that brings this share of the target's predicted
-    gain is captured too. None: only the target counts."""
+    useful_drop: float | None = None
+    """Recordings cannot follow a target: a view that lowers the expected projection error by this
+    share is captured wherever it is. None: only the target counts."""
     overlap_needed: float = 0.85
     still_px: float = 2.0
     tolerance: Tolerance = field(default_factory=Tolerance)
@@ -67,7 +69,9 @@ class Outcome:
     history: tuple[Progress, ...]
     convergence: Convergence
     suggestion: Suggestion | None
-    """None once converged or when enough views are taken."""
+    """None once converged, when enough views are taken, or when no pose fits the limits."""
+    is_over: bool
+    """Whether nothing is left to do: converged, or enough views."""
     warnings: tuple[str, ...]
 
 
@@ -84,6 +88,8 @@ class Work:
     generation: GenerationState
     skipped: tuple[Pose, ...]
     target_number: int
+    start: Camera
+    """What the start-up knows of the camera; serves while the views determine none."""
     keep_going: bool = False
     """Search on although everything has converged."""
 
@@ -109,11 +115,18 @@ class Work:
         history = (*self.history, progress)
         convergence = judge(history, epsilon=self.settings.epsilon, rule=self.settings.rule)
         enough = len(self.observations) >= self.settings.max_views
+        is_over = enough or (convergence.converged and not self.keep_going)
         suggestion = None
-        if not enough and (self.keep_going or not convergence.converged):
-            suggestion = self._suggested(calibration, information, stop, on_move)
-            warnings = (*warnings, *([suggestion.note] if suggestion.note else []))
-        return Outcome(self, calibration, information, history, convergence, suggestion, warnings)
+        if not is_over:
+            try:
+                suggestion = self._suggested(calibration, information, stop, on_move)
+            except VenusError as error:
+                warnings = (*warnings, str(error))  # the views stay; more can be taken by hand
+        if suggestion is not None and suggestion.note:
+            warnings = (*warnings, suggestion.note)
+        return Outcome(
+            self, calibration, information, history, convergence, suggestion, is_over, warnings
+        )
 
     def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
         """The fullest model that the views carry, and a sentence where it is not the full one."""
@@ -130,7 +143,7 @@ class Work:
             note = f"Without lens distortion for now.{cause}" if cause else ""
             return simple, (note,) if note else ()
         except CalibrationError as error:
-            return provisional(self.board, self.observations, self.numbers), (
+            return provisional(self.board, self.observations, self.numbers, self.start), (
                 f"The camera is only guessed for now.{cause or f' {error}'}",
             )
 
@@ -141,6 +154,10 @@ class Work:
         stop: Callable[[], bool] | None,
         on_move: Callable[[Move], None] | None,
     ) -> Suggestion:
+        limits = replace(
+            Limits.for_board(self.board, planning_camera(calibration.camera)),
+            **self.settings.limits,
+        )
         # Seeded by the target's number, so that a replayed session asks for the same poses.
         return suggest(
             self.board,
@@ -149,22 +166,22 @@ class Work:
             max(calibration.residual_sigma_px, LEAST_NOISE_PX),
             method=self.settings.method,
             cost=self.settings.cost,
-            limits=self.settings.limits,
+            limits=limits,
             rng=np.random.default_rng([self.settings.seed, self.target_number]),
             number=self.target_number,
             state=self.generation,
             views=calibration.views,
             skipped=self.skipped,
+            keep_best=self.settings.keep_best,
             stop=stop,
             on_move=on_move,
         )
 
 
 def provisional(
-    board: Board, observations: Sequence[Observation], numbers: Sequence[int]
+    board: Board, observations: Sequence[Observation], numbers: Sequence[int], camera: Camera
 ) -> Calibration:
-    """Views located with a guessed camera: nothing is estimated yet, but guidance can go on."""
-    camera = Camera.guess(observations[0].image_size)
+    """Views located with a camera that they do not determine; guidance can go on with it."""
     views: list[View] = []
     for number, observation in zip(numbers, observations, strict=True):
         pose = locate(camera, board, observation)

@@ -14,6 +14,9 @@ from venus3d.engine.errors import SourceError
 from venus3d.sources.frame import Frame
 from venus3d.sources.quiet import silence_opencv
 
+# A reader that comes so much too late has paused; skipping would lose what it paused at.
+_PAUSED_S = 0.5
+
 
 class Video:
     """The frames of a video file. `Frame.time_s` is the video's own time.
@@ -108,6 +111,9 @@ class Video:
         """Wait for the grabbed frame's time, or skip to the one that is due. False at the end."""
         assert self._started is not None
         elapsed = time.monotonic() - self._started
+        if elapsed - self._time_s > _PAUSED_S:  # nobody read: the video was paused, not late
+            self._started += elapsed - self._time_s
+            elapsed = self._time_s
         while self._time_s + 1 / self._rate < elapsed:
             if not self._grab():
                 return False
