@@ -9,20 +9,8 @@ from typing import Any
 
 from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.snapshot import Calibration, Progress
+from venus3d.engine.words import PARAMETER_WORDS
 from venus3d.storage.result import to_json, write_result
-
-# What a parameter is, in words, and its unit.
-MEANING = {
-    "fx": ("focal length, horizontal", "px"),
-    "fy": ("focal length, vertical", "px"),
-    "cx": ("principal point, horizontal", "px"),
-    "cy": ("principal point, vertical", "px"),
-    "k1": ("radial distortion", ""),
-    "k2": ("radial distortion", ""),
-    "p1": ("tangential distortion", ""),
-    "p2": ("tangential distortion", ""),
-    "k3": ("radial distortion", ""),
-}
 
 
 def parameter_table(calibration: Calibration, truth: Camera | None = None) -> str:
@@ -31,13 +19,12 @@ def parameter_table(calibration: Calibration, truth: Camera | None = None) -> st
     rows = [head]
     for index, name in enumerate(PARAMETERS):
         value, sigma = calibration.camera.parameters[index], calibration.sigma[index]
-        meaning, unit = MEANING[name]
-        digits = 2 if unit else 5
+        unit, digits = ("px", 2) if index < 4 else ("", 5)
         known = f"± {sigma:.{digits}f}" if calibration.free[index] else "held"
         row = f"{name:4}{value:12.{digits}f}   {known:>10}"
         if truth is not None:
             row += f"{truth.parameters[index]:12.{digits}f}"
-        rows.append(f"{row}  {unit:2}  {meaning}")
+        rows.append(f"{row}  {unit:2}  {PARAMETER_WORDS[index]}")
     return "\n".join(rows)
 
 

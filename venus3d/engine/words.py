@@ -14,6 +14,20 @@ from numpy.typing import ArrayLike
 
 from venus3d.engine.pose import Axis
 
+PARAMETER_WORDS = (
+    "focal length, horizontal",
+    "focal length, vertical",
+    "image centre, horizontal",
+    "image centre, vertical",
+    "radial distortion, 1st",
+    "radial distortion, 2nd",
+    "tangential distortion, 1st",
+    "tangential distortion, 2nd",
+    "radial distortion, 3rd",
+)
+"""What each of the nine parameters is, in their order. The image centre is the principal point:
+where the optical axis meets the picture."""
+
 
 @dataclass(frozen=True)
 class Words:

@@ -194,7 +194,11 @@ class Page:
         options = tuple(f"{view.number} · {view.rms_px:.2f} px" for view in snapshot.views)
         self._views.visible = self._drop_button.visible = len(options) > 1
         if options and self._views.options != options:
+            # viser falls back on the first option when the chosen one's text has changed.
+            chosen = str(self._views.value).split(" ")[0]
             self._views.options = options
+            same = [option for option in options if option.split(" ")[0] == chosen]
+            self._views.value = same[0] if same else options[-1]
 
     def _drop_chosen(self) -> None:
         number = str(self._views.value).split(" ")[0]

@@ -26,7 +26,10 @@ _SHIFT = 4  # cv2 draws at 1/16 px
 
 def small_picture(image: LivePicture, width: int = PICTURE_WIDTH) -> NDArray[np.uint8]:
     """An RGB copy of a BGR or grey image, 8 or 16 bit, at most `width` wide."""
-    picture = image if image.dtype == np.uint8 else np.right_shift(image, 8).astype(np.uint8)
+    picture = image
+    if image.dtype != np.uint8:
+        # A 10 or 12 bit camera fills the lower bits only: stretch by what is there.
+        picture = np.rint(image * (255.0 / max(int(image.max()), 1))).astype(np.uint8)
     if picture.shape[1] > width:
         height = round(picture.shape[0] * width / picture.shape[1])
         picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)

@@ -11,19 +11,9 @@ from viser import uplot
 from venus3d.engine.camera import PARAMETERS
 from venus3d.engine.pose import Array
 from venus3d.engine.snapshot import Progress, Snapshot
+from venus3d.engine.words import PARAMETER_WORDS
 from venus3d.scene.style import Theme
 
-PARAMETER_WORDS = (
-    "focal length, horizontal",
-    "focal length, vertical",
-    "image centre, horizontal",
-    "image centre, vertical",
-    "barrel distortion, 1st",
-    "barrel distortion, 2nd",
-    "tilted lens, vertical",
-    "tilted lens, horizontal",
-    "barrel distortion, 3rd",
-)
 _IN_PIXELS = 4
 """The first four parameters are in pixels, the others have no unit."""
 

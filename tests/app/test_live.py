@@ -1,0 +1,122 @@
+"""The live loop with its real parts: rendered camera, detector, session, viewer, four threads."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from venus3d.app.eyes import Eyes
+from venus3d.app.live import LiveGuide
+from venus3d.engine.board import Board
+from venus3d.engine.detection import Detector
+from venus3d.engine.errors import SourceError
+from venus3d.engine.session import Session
+from venus3d.engine.snapshot import Snapshot
+from venus3d.engine.work import Settings
+from venus3d.scene.viewer import Viewer
+from venus3d.sources.frame import Frame
+from venus3d.sources.sim import PAPER_CAMERA, Simulation
+
+pytestmark = pytest.mark.slow
+_PATIENCE_S = 120.0
+_SMALL = PAPER_CAMERA.scaled((640, 360))
+
+
+class BreakingCamera(Simulation):
+    """A simulated camera whose plug is pulled when it is told to."""
+
+    pulled = False
+
+    def read(self) -> Frame | None:
+        if self.pulled:
+            raise SourceError("The camera was unplugged; plug it in and start again.")
+        return super().read()
+
+
+@pytest.fixture
+def camera() -> Iterator[BreakingCamera]:
+    source = BreakingCamera(_SMALL, Board(), realtime=True, speed=3.0)
+    yield source
+    source.close()
+
+
+@pytest.fixture
+def viewer() -> Iterator[Viewer]:
+    page = Viewer(port=8290)
+    yield page
+    page.close()
+
+
+def in_background(live: LiveGuide) -> tuple[threading.Thread, list[BaseException]]:
+    raised: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            live.run()
+        except BaseException as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    return thread, raised
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + _PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end, "it never came"
+        time.sleep(0.05)
+
+
+def guide(camera: Simulation, viewer: Viewer, results: list[Snapshot]) -> tuple[Session, LiveGuide]:
+    session = Session(camera.board, camera.image_size, Settings(max_views=12))
+
+    def keep(snapshot: Snapshot) -> str:
+        results.append(snapshot)
+        return ""
+
+    eyes = Eyes(Detector(camera.board, find_layout=False))
+    return session, LiveGuide(session, camera, eyes, viewer, keep, lambda: camera)
+
+
+def test_a_camera_that_is_unplugged_leaves_what_was_captured(
+    camera: BreakingCamera, viewer: Viewer
+) -> None:
+    results: list[Snapshot] = []
+    session, live = guide(camera, viewer, results)
+    thread, raised = in_background(live)
+    wait_for(lambda: len(session.snapshot().views) >= 2)
+    camera.pulled = True
+    thread.join(_PATIENCE_S)
+    assert not thread.is_alive()
+    assert len(raised) == 1 and "unplugged" in str(raised[0])
+    assert len(results) == 1 and len(results[0].views) >= 2
+
+
+def test_the_picture_goes_on_while_the_mathematics_is_at_work(
+    camera: BreakingCamera, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The session's work waits here until we say so: frames and observations must not."""
+    from venus3d.engine.work import Outcome, Work
+
+    go_on, run = threading.Event(), Work.run
+
+    def held(work: Work, *arguments: Callable[[], bool]) -> Outcome:
+        go_on.wait(_PATIENCE_S)
+        return run(work, *arguments)
+
+    monkeypatch.setattr(Work, "run", held)
+    session, live = guide(camera, viewer, [])
+    thread, raised = in_background(live)
+    wait_for(lambda: session.phase == "captured")
+    seen = session.snapshot().number
+    wait_for(lambda: session.snapshot().number >= seen + 10)
+    assert session.phase == "captured", "ten more frames were seen during the work"
+    go_on.set()
+    wait_for(lambda: session.phase == "guiding")
+    live.stop()
+    thread.join(_PATIENCE_S)
+    assert not thread.is_alive() and not raised
