@@ -75,6 +75,24 @@ class LimitOptions:
     min_square_px: Annotated[float | None, _optional("PX", "12")] = None
     """Smallest width of a square in the picture in pixels: detection."""
 
+    def check(self) -> None:
+        """Raises `VenusError` for the first limit that cannot be met."""
+        ranges = {
+            "max_angle_deg": (1, 180),
+            "max_tilt_deg": (1, 85),
+            "nearest_mm": (10, 100_000),
+            "farthest_mm": (10, 100_000),
+            "max_depth_ratio": (1.01, 100),
+            "min_square_px": (1, 1000),
+        }
+        for name, (low, high) in ranges.items():
+            value = getattr(self, name)
+            if value is not None:
+                _within(f"--limits.{name.replace('_', '-')}", value, low, high)
+        nearest, farthest = self.nearest_mm, self.farthest_mm
+        if nearest is not None and farthest is not None and nearest >= farthest:
+            raise VenusError("--limits.nearest-mm must be smaller than --limits.farthest-mm.")
+
     def chosen(self) -> dict[str, float]:
         """What was set, as fields of the engine's `Limits`; the session finds the rest itself."""
         given = {
@@ -131,6 +149,17 @@ class GuideOptions:
     json: Switch = False
     """Print the result as one JSON object on the last line."""
 
+    def check(self) -> None:
+        """Raises `VenusError` for the first option that cannot be met."""
+        self.board.board()
+        self.limits.check()
+        _within("--overlap", self.overlap, 0.1, 0.99)
+        _within("--speed", self.speed, 0.1, 10)
+        _within("--max-views", self.max_views, 1, 1000)
+        _within("--seed", self.seed, 0, 2**63)
+        if self.camera_size is not None:
+            image_size_of(self.camera_size)
+
     @property
     def image_size(self) -> tuple[int, int] | None:
         """`camera_size` as (width, height); None if it was not given."""
@@ -142,4 +171,12 @@ def image_size_of(text: str) -> tuple[int, int]:
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal() and int(width) and int(height)):
         raise VenusError(f"A picture's size is WIDTHxHEIGHT, such as 1280x720, not {text!r}.")
-    return int(width), int(height)
+    size = int(width), int(height)
+    if not all(64 <= side <= 16384 for side in size):
+        raise VenusError(f"A picture of {text} px is of no use; take 64 to 16384 px a side.")
+    return size
+
+
+def _within(option: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:  # also refuses what is no number
+        raise VenusError(f"{option} must be from {low:g} to {high:g}, not {value:g}.")

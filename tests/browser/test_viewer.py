@@ -101,6 +101,7 @@ def test_outline_is_drawn_where_opencv_projects_the_board(
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_grey_pictures_of_any_depth_are_shown(dtype: type) -> None:
     grey = np.full((480, 500), np.iinfo(dtype).max // 2, dtype)
+    grey[-1, -1] = np.iinfo(dtype).max
     rgb = small_picture(grey)
     assert rgb.shape == (480, 500, 3) and rgb.dtype == np.uint8
     assert abs(int(rgb[0, 0, 0]) - 127) <= 1

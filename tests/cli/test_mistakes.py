@@ -23,7 +23,7 @@ Photographs = Callable[[str, Sequence[Pose]], Path]
 def test_no_such_source(run: Run) -> None:
     assert run("calibrate", "no/such/place").sentence == (
         "There is no file or folder no/such/place; give an existing video, image or folder, a "
-        "pattern of images, a camera's number, a stream's address, or sim."
+        "pattern of images, a camera's number or a stream's address (guide also takes sim)."
     )
 
 
@@ -37,8 +37,8 @@ def test_text_file_named_jpg(run: Run, tmp_path: Path) -> None:
 
 def test_image_without_board(run: Run, blank_picture: Path) -> None:
     assert run("calibrate", blank_picture).sentence == (
-        "There is no view to calibrate from: the board was found in no image; check its size, its "
-        "dictionary and that the picture is sharp."
+        "There is no view to calibrate from: the board was found in no image; check its size "
+        "(columns and rows swapped?), its dictionary and that the picture is sharp."
     )
 
 
@@ -186,3 +186,33 @@ def test_address_that_cannot_be_bound(run: Run) -> None:
     """viser would hang for ever on such an address; 192.0.2.1 is reserved for documentation."""
     sentence = run("guide", "sim", "--host", "192.0.2.1", "--port", "8400").sentence
     assert "192.0.2.1" in sentence
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--speed", "0"),
+        ("--speed", "nan"),
+        ("--speed", "inf"),
+        ("--overlap", "2"),
+        ("--overlap", "nan"),
+        ("--seed", "-5"),
+        ("--max-views", "0"),
+        ("--camera-size", "1x1"),
+        ("--camera-size", "100000x100000"),
+        ("--limits.max-tilt-deg", "180"),
+        ("--limits.max-tilt-deg", "nan"),
+        ("--limits.nearest-mm", "-1"),
+        ("--board.square-mm", "0"),
+    ],
+)
+def test_numbers_that_cannot_be_met(run: Run, option: str, value: str) -> None:
+    """Some of these ran without end, some ended in a traceback."""
+    ran = run("guide", "sim", "--headless", "--autopilot", option, value)
+    assert ran.code == 2 and ran.sentence.count("\n") == 0
+    assert "must be" in ran.sentence or "is of no use" in ran.sentence
+
+
+def test_a_board_is_a_png(run: Run, tmp_path: Path) -> None:
+    ran = run("board", "--output", tmp_path / "board.txt")
+    assert ran.code == 2 and ".png" in ran.sentence and not list(tmp_path.iterdir())

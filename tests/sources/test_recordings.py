@@ -148,7 +148,7 @@ def test_nothing_there(tmp_path: Path):
     )
     assert sentence("nowhere/at-all") == (
         "There is no file or folder nowhere/at-all; give an existing video, image or folder, a "
-        "pattern of images, a camera's number, a stream's address, or sim."
+        "pattern of images, a camera's number or a stream's address (guide also takes sim)."
     )
     assert "empty" in sentence(" ")
 

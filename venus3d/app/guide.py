@@ -13,6 +13,7 @@ from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.detection import Detector
 from venus3d.engine.errors import VenusError
+from venus3d.engine.pose import Pose
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Settings
@@ -30,6 +31,7 @@ _USEFUL_DROP = 0.1
 # Headless, the simulated hand is looked at this often; a person's viewer gets every frame.
 _HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
 _HEADLESS_HASTE = 2.5
+_IN_SIGHT = Pose.from_vector([12, -8, 4, 0, 0, 0.6])
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +83,9 @@ def run_guide(
             print(note, flush=True)
         print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
 
+        if truth is not None and not options.autopilot:
+            viewer.say("Drag the board by its handles in the scene, or press O for the autopilot.")
+
         def hand_on(snapshot: Snapshot) -> str:
             return "" if on_result is None else on_result(result(snapshot))
 
@@ -115,6 +120,8 @@ def _opened(options: GuideOptions, board: Board) -> Source:
         realtime=not options.headless,
         autopilot=options.autopilot,
         speed=options.speed * (_HEADLESS_HASTE if options.headless else 1.0),
+        # A hand brings the board into sight by itself; a person needs something to take hold of.
+        start=None if options.autopilot else _IN_SIGHT,
     )
 
 

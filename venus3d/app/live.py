@@ -29,6 +29,7 @@ from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.latest import Latest
 from venus3d.sources.sim import Simulation
+from venus3d.sources.video import Video
 
 # How long a still of a folder is shown.
 _STILL_S = 1.0
@@ -112,7 +113,10 @@ class LiveGuide:
             self._stop.set()
 
     def _watch(self) -> None:
-        self._running.wait()
+        if not self._running.is_set():
+            self._running.wait()
+            if isinstance(self._source, Video):
+                self._source.resume()
         frame = self._source.read()
         if frame is None:
             if not self._stop.is_set():
@@ -152,7 +156,7 @@ class LiveGuide:
         state = (snapshot.phase, len(snapshot.views))
         if state != self._settled_at and snapshot.phase in ("converged", "finished"):
             try:
-                self._viewer.say(self._on_result(snapshot))
+                self._viewer.saved(self._on_result(snapshot))
             except StorageError as error:
                 self._viewer.say(str(error))
         self._settled_at = state

@@ -8,7 +8,9 @@ in the module of its name. Heavy rooms are imported by the command that needs th
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from typing import Annotated
 
@@ -66,6 +68,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         args=given or ["--help"],
     )
     try:
+        # A plain kill, a logout: what was captured is kept, as with Ctrl-C.
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGTERM, signal.default_int_handler)
         _command_of(options)()
     except VenusError as error:
         print(f"venus3d: {error}", file=sys.stderr)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from venus3d.cli.options import BoardCommand
+from venus3d.engine.errors import StorageError
 from venus3d.storage.board_image import write_board
 
 
@@ -10,7 +11,9 @@ def board_command(options: BoardCommand) -> None:
     """Write the board and say how to print it. Raises `VenusError` for a user's mistake."""
     board = options.board.board()
     path = options.output
-    if path.suffix.lower() != ".png":
+    if path.suffix.lower() not in ("", ".png"):
+        raise StorageError(f"The board is written as a PNG, not as {path.suffix}; name it .png.")
+    if not path.suffix:
         path = path / "board.png"
     width, height, dpi = write_board(path, board, dpi=options.dpi, margin_mm=options.margin_mm)
     print(

@@ -30,6 +30,7 @@ PICTURE_WIDTH = 960
 def decompose_command(options: DecomposeOptions) -> None:
     """Print the steps and write their pictures. Raises `VenusError` for a user's mistake."""
     board = options.board.board()
+    options.limits.check()
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     target = _target(options, board, camera)
     folder = prepare(options.output)
@@ -45,9 +46,12 @@ def _target(options: DecomposeOptions, board: Board, camera: Camera) -> Pose:
     millimetres = (options.xt, options.yt, options.zt)
     vector = [options.xr, options.yr, options.zr, *(length / 1000 for length in millimetres)]
     target = Pose.from_vector(vector, axes=options.axes)
+    if max(abs(angle) for angle in vector[:3]) > 360:
+        raise PoseError("An angle beyond 360° is a mistake; give XR YR ZR in degrees.")
     if options.zt <= 0:
         raise PoseError(
-            f"The board's centre would be {-options.zt:g} mm behind the lens; ZT must be positive."
+            f"The board's centre would be {abs(options.zt):g} mm behind the lens; ZT must be "
+            "positive."
         )
     limits = replace(Limits.for_board(board, camera), **options.limits.chosen())
     refusal = limits.refusal(camera, board, target)

@@ -19,7 +19,7 @@ RESULT_FOLDER = Path("venus3d-result")
 
 def guide(options: GuideOptions) -> None:
     """Guide, print, write. Raises `VenusError` for a user's mistake."""
-    options.board.board()  # a mistake here is told before anything starts
+    options.check()  # a mistake here is told before anything starts
     if options.output is None and not options.headless:
         # Ten minutes of holding a board must not be lost for want of an option.
         options = replace(options, output=RESULT_FOLDER)

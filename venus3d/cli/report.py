@@ -38,6 +38,11 @@ def view_table(calibration: Calibration) -> str:
     return "\n".join(rows)
 
 
+def _views(calibration: Calibration) -> str:
+    count = len(calibration.views)
+    return f"{count} view{'' if count == 1 else 's'}"
+
+
 def print_result(
     calibration: Calibration, warnings: Sequence[str], truth: Camera | None = None
 ) -> None:
@@ -47,7 +52,7 @@ def print_result(
     print(view_table(calibration), end="\n\n")
     print(parameter_table(calibration, truth), end="\n\n")
     print(
-        f"rms {calibration.rms_px:.3f} px over {corners} corners in {len(calibration.views)} views "
+        f"rms {calibration.rms_px:.3f} px over {corners} corners in {_views(calibration)} "
         f"of {width} x {height} px"
     )
     for warning in warnings:

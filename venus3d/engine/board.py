@@ -48,7 +48,7 @@ class Board:
                 f"A board of {self.columns} x {self.rows} squares has too few inner corners to "
                 "calibrate with; use at least 3 columns and 3 rows."
             )
-        if not (np.isfinite(self.square) and np.isfinite(self.marker)) or self.marker <= 0:
+        if not all(0 < side < np.inf for side in (self.square, self.marker)):
             raise BoardError("Square and marker sizes must be positive numbers.")
         if self.marker >= self.square:
             raise BoardError(

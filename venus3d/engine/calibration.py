@@ -149,8 +149,8 @@ def _checked(observations: Sequence[Observation]) -> tuple[int, int]:
     """The one image size (width, height) of observations that can be calibrated."""
     if not observations:
         raise CalibrationError(
-            "There is no view to calibrate from: the board was found in no image; check its size, "
-            "its dictionary and that the picture is sharp."
+            "There is no view to calibrate from: the board was found in no image; check its size "
+            "(columns and rows swapped?), its dictionary and that the picture is sharp."
         )
     sizes = sorted({o.image_size for o in observations})
     if len(sizes) > 1:

@@ -248,7 +248,7 @@ class Session:
             return "Board not seen", words.NOT_SEEN
         if self._match is None:
             return "No target", words.NO_TARGET
-        if self._match.reached:
+        if self._match.reached or all(self._match.within):
             return "Hold still", words.HOLD_STILL
         active = self._match.active_step
         return f"Step {active} of 4", self._match.steps[active - 1].words

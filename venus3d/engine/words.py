@@ -97,6 +97,7 @@ NO_TARGET = Words(
     "Hold the board as you like, tilted and well spread over the picture, and press C.",
     "Hold the board as you like, tilted and well spread over the picture, and press C.",
 )
+STEP_RIGHT = Words("This step is right; leave it.", "This step is right; leave it.")
 HOLD_STILL = Words("Hold the board still.", "Hold the board still.")
 CALCULATING = Words(
     "Got it. Working out the camera and the next pose.",

@@ -92,8 +92,8 @@ def arc_point(angle_deg: float, arc_radius: float) -> Array:
 def frame_along(direction: Array, origin: Array) -> Pose:
     """A pose at `origin` whose +z points along `direction` (3,); its roll does not matter."""
     z = direction / np.linalg.norm(direction)
-    helper = np.array([1.0, 0, 0]) if abs(z[0]) < 0.8 else np.array([0, 1.0, 0])
-    return turn_frame(z, helper, origin)
+    sideways = np.array([1.0, 0, 0]) if abs(z[0]) < 0.8 else np.array([0, 1.0, 0])
+    return turn_frame(z, sideways, origin)
 
 
 def turn_frame(axis: Array, start: Array, origin: Array) -> Pose:

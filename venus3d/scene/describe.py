@@ -115,7 +115,16 @@ def active_shapes(board: Board, camera: Camera, step: Step, options: SceneOption
         return [*shapes, board_ghost(board, step.after, f"{name}/after", colour)]
     shapes.append(board_outline(board, step.before, f"{name}/before", colours.ghost, 2.0))
     shapes.append(board_ghost(board, swept(step, options.sweep), f"{name}/after", colour, 0.45))
-    return [*shapes, *instruction_shapes(board, camera, step, dark=options.dark)]
+    # The text beside the scene says what is left of the step now; this is the whole of it.
+    return [
+        *shapes,
+        *(
+            replace(shape, text=f"{shape.text} in all")
+            if isinstance(shape, LabelShape) and shape.name == f"{name}/label"
+            else shape
+            for shape in instruction_shapes(board, camera, step, dark=options.dark)
+        ),
+    ]
 
 
 def _target_shapes(board: Board, pose: Pose, dark: bool) -> list[Shape]:

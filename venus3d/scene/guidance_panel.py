@@ -9,6 +9,7 @@ from html import escape
 
 from venus3d.engine.decomposition import Steps
 from venus3d.engine.snapshot import Match, Snapshot
+from venus3d.engine.words import HOLD_STILL, STEP_RIGHT
 from venus3d.scene.palette import STEP_STYLES, step_style
 from venus3d.scene.style import Theme
 from venus3d.scene.view_state import ViewState
@@ -29,15 +30,15 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
     """The whole text for this moment."""
     if snapshot is None:
         return _card(theme.info, "…", "Starting", "Waiting for the first picture.", "", "", note)
+    if snapshot.phase in ("captured", "converged", "finished"):
+        return _state_card(snapshot, state, theme, note)
     if state.paused:
         text = "Press Pause again, or the space bar, to go on."
         return _card(theme.quiet, "II", "Paused", text, "", _chips(snapshot, state, theme), note)
-    if snapshot.phase in ("captured", "converged", "finished"):
-        return _state_card(snapshot, state, theme, note)
     if snapshot.match is None or snapshot.pose is None:
         return _unseen_card(snapshot, state, theme, note)
-    if snapshot.match.reached:
-        sentence = snapshot.instruction.holder
+    if snapshot.match.reached or (all(snapshot.match.within) and state.follow):
+        sentence = HOLD_STILL.holder
         chips = _chips(snapshot, state, theme)
         return _card(theme.good, "✓", "Hold still", sentence, "", chips, note)
     return _step_card(snapshot, snapshot.match, state, theme, note)
@@ -63,8 +64,9 @@ def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) 
 def _step_card(snapshot: Snapshot, match: Match, state: ViewState, theme: Theme, note: str) -> str:
     step = match.steps[state.step - 1]
     headline = f"Step {state.step} of 4: {step_style(state.step).title}"
-    words = step.words
-    amount = remaining_text(match, state.step)
+    is_right = match.within[state.step - 1]
+    words = STEP_RIGHT if is_right else step.words
+    amount = "" if is_right else remaining_text(match, state.step)
     colour = theme.steps[state.step - 1]
     chips = _chips(snapshot, state, theme)
     picture = "" if words.camera == words.holder else f"In the camera's picture: {words.camera}"

@@ -70,6 +70,7 @@ class Viewer:
         self._changed = True
         self._looking_at: tuple[bool, int] = (False, 0)
         self._note, self._note_until = "", 0.0
+        self._saved = ""
         self._picture: tuple[LivePicture, Observation | None] | None = None
         self._picture_came = threading.Event()
         self._stop = threading.Event()
@@ -107,6 +108,8 @@ class Viewer:
         with self._wake:
             self._snapshot, self._changed = snapshot, True
             self._wake.notify_all()
+        if self._state.paused:
+            self._picture_came.set()  # no frame comes that would bring the new outline
 
     def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
         """Show this live picture (BGR or grey), with the corners of `observation`, or by default
@@ -120,6 +123,12 @@ class Viewer:
         with self._wake:
             self._note, self._note_until = text, time.monotonic() + _NOTE_SECONDS
             self._changed = True
+            self._wake.notify_all()
+
+    def saved(self, text: str) -> None:
+        """Show a sentence on where the result is, for as long as the calibration has ended."""
+        with self._wake:
+            self._saved, self._changed = text, True
             self._wake.notify_all()
 
     def drain_intents(self) -> list[intents.Intent]:
@@ -223,6 +232,8 @@ class Viewer:
                 show_live=not state.playing,
             )
             shapes = describe(snapshot, options)
+            if not note and snapshot.phase in ("converged", "finished"):
+                note = self._saved
             if not note and snapshot.warnings:
                 note = snapshot.warnings[-1]
         drawn_by = "" if self._projections is None else self._projections.note

@@ -49,7 +49,7 @@ def open_source(
         return Folder.of_pattern(str(path))
     raise SourceError(
         f"There is no file or folder {spec}; give an existing video, image or folder, a pattern of "
-        "images, a camera's number, a stream's address, or sim."
+        "images, a camera's number or a stream's address (guide also takes sim)."
     )
 
 

@@ -14,9 +14,6 @@ from venus3d.engine.errors import SourceError
 from venus3d.sources.frame import Frame
 from venus3d.sources.quiet import silence_opencv
 
-# A reader that comes so much too late has paused; skipping would lose what it paused at.
-_PAUSED_S = 0.5
-
 
 class Video:
     """The frames of a video file. `Frame.time_s` is the video's own time.
@@ -85,6 +82,10 @@ class Video:
             )
         return self._frame(image)
 
+    def resume(self) -> None:
+        """Go on from the last frame after a pause, instead of skipping what the clock ran on."""
+        self._started = time.monotonic() - self._time_s
+
     def close(self) -> None:
         """Release the file. May be called twice."""
         self._capture.release()
@@ -111,9 +112,6 @@ class Video:
         """Wait for the grabbed frame's time, or skip to the one that is due. False at the end."""
         assert self._started is not None
         elapsed = time.monotonic() - self._started
-        if elapsed - self._time_s > _PAUSED_S:  # nobody read: the video was paused, not late
-            self._started += elapsed - self._time_s
-            elapsed = self._time_s
         while self._time_s + 1 / self._rate < elapsed:
             if not self._grab():
                 return False

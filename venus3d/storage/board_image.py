@@ -26,7 +26,7 @@ def board_picture(
     Raises `StorageError` for a resolution that gives no usable picture.
     """
     square_mm = board.square * 1000
-    if not dpi > 0 or margin_mm < 0:
+    if not (0 < dpi < 1e6 and 0 <= margin_mm < 1e6):
         raise StorageError("The resolution must be positive and the margin not negative.")
     square_px = round(square_mm * dpi / MM_PER_INCH)
     # A marker of 8 cells in two thirds of a square still has two pixels a cell.
