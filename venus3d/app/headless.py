@@ -10,15 +10,22 @@ from venus3d.engine.session import Session
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 
+# Some ten times as long as the simulated hand takes for a target.
+_PATIENCE_FRAMES = 400
+
 
 def run_headless(session: Session, source: Source, eyes: Eyes) -> str:
     """Guide without a screen until convergence, enough views, or the recording's end.
 
-    Returns a sentence if the source broke after views had been captured; they are kept. Raises
-    `SourceError` if it broke before.
+    Returns a sentence if it ended otherwise, because the source broke after views had been captured
+    or because the simulated hand got nowhere; the views are kept. Raises `SourceError` if the
+    source broke before.
     """
+    waited, views = 0, 0
     try:
         while session.phase not in ("converged", "finished"):
+            if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
+                return "The simulated hand did not come near enough to its target; lower --overlap."
             frame = source.read()
             if frame is None:
                 break
@@ -29,6 +36,8 @@ def run_headless(session: Session, source: Source, eyes: Eyes) -> str:
             if isinstance(source, Simulation):
                 snapshot = session.snapshot()
                 source.follow(snapshot.target, snapshot.pose)
+                waited = waited + 1 if len(snapshot.views) == views else 0
+                views = len(snapshot.views)
     except KeyboardInterrupt:
         # What was captured until then is a result, too.
         work_out(session, stop=lambda: True)

@@ -208,5 +208,15 @@ class Page:
 
 def _fit_small_screen(client: viser.ClientHandle) -> None:
     # Only this client's own window: another one may be on a large screen.
-    if client.camera.image_height < _SMALL_SCREEN_HEIGHT:
-        client.gui.main_panel.set_width(_SMALL_RIGHT_WIDTH)
+    shown = _RIGHT_WIDTH
+
+    def fit() -> None:
+        nonlocal shown
+        small = client.camera.image_height < _SMALL_SCREEN_HEIGHT
+        wanted = _SMALL_RIGHT_WIDTH if small else _RIGHT_WIDTH
+        if wanted != shown:
+            shown = wanted
+            client.gui.main_panel.set_width(wanted)
+
+    fit()
+    client.camera.on_update(lambda _: fit())  # also told when the window changes its size
