@@ -31,7 +31,7 @@ _USEFUL_DROP = 0.1
 # Headless, the simulated hand is looked at this often; a person's viewer gets every frame.
 _HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
 _HEADLESS_HASTE = 2.5
-_IN_SIGHT = Pose.from_vector([12, -8, 4, 0, 0, 0.6])
+_IN_SIGHT = Pose.from_vector([12, -8, 4, 0, 0, 0.5])
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,8 @@ def run_guide(
         print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
 
         if truth is not None and not options.autopilot:
-            viewer.say("Drag the board by its handles in the scene, or press O for the autopilot.")
+            hint = "Drag the board by its handles in the scene, or press O for the autopilot."
+            viewer.say(hint, seconds=60)
 
         def hand_on(snapshot: Snapshot) -> str:
             return "" if on_result is None else on_result(result(snapshot))

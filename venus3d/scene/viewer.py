@@ -118,10 +118,10 @@ class Viewer:
         self._picture = (image, observation)
         self._picture_came.set()
 
-    def say(self, text: str) -> None:
-        """Show a sentence for a few seconds."""
+    def say(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
+        """Show a sentence for some seconds."""
         with self._wake:
-            self._note, self._note_until = text, time.monotonic() + _NOTE_SECONDS
+            self._note, self._note_until = text, time.monotonic() + seconds
             self._changed = True
             self._wake.notify_all()
 
