@@ -108,4 +108,4 @@ def test_any_size_of_board_has_poses(
     limits = Limits.for_board(board, paper_camera)
     assert random_pose(Space(board, paper_camera, limits), rng).shape == (6,)
     if scale == 1.0:
-        assert limits == Limits()
+        assert limits == Limits(min_square_px=2.4 * 7 * 28 / 21)

@@ -11,8 +11,10 @@ from tests.sources.targets import random_poses, target_of
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.detection import Detector
+from venus3d.engine.limits import Limits
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
+from venus3d.engine.space import Space, random_pose
 from venus3d.scene.offscreen import Offscreen
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import NEAREST, Simulation, near_pose
@@ -228,3 +230,20 @@ def test_closing_ends_the_source(paper_camera: Camera):
     simulation.close()
     simulation.close()
     assert simulation.read() is None
+
+
+@pytest.mark.slow
+def test_whatever_may_be_asked_for_can_be_read(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board
+):
+    """With 12 px squares the limits let through poses whose markers nobody could read, and a hand
+    that had reached its target was told that the board is not seen."""
+    simulation = Simulation(paper_camera, autopilot=False, offscreen=offscreen, seed=2)
+    detector = Detector(default_board, find_layout=False)
+    space = Space(default_board, paper_camera, Limits.for_board(default_board, paper_camera), ())
+    rng = np.random.default_rng(2)
+    found = []
+    for _ in range(40):
+        simulation.move_to(Pose.from_vector(random_pose(space, rng)))
+        found.append(detector.detect(frame_of(simulation).image).count)
+    assert min(found) >= 12 and np.median(found) == default_board.corner_count

@@ -18,6 +18,11 @@ from venus3d.engine.pose import Array, Pose, rotations_of
 Mask = NDArray[np.bool_]
 _REASONS = ("angle", "tilt", "behind", "near", "far", "depth", "outside", "small")
 
+CELL_PX = 2.4
+"""Pixels that a marker's cell needs on its short side. Measured on 110 valid poses of the simulated
+camera with its noise and blur: of the default board's corners 41 % are found where the smallest
+square is 18-21 px wide (2.1 px a cell), 73 % at 21-25 px, 96 % at 25-30 px, all above."""
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -40,7 +45,10 @@ class Limits:
 
     @staticmethod
     def for_board(board: Board, camera: Camera) -> Limits:
-        """The default limits, with the distances adapted where they do not suit the board.
+        """The default limits, adapted where they do not suit the board.
+
+        A square is as large as its marker's cells need: `CELL_PX` each, a border of one around the
+        dictionary's bits; at least the default's 12 px.
 
         `z_fill` is the distance at which the frontal board fills the picture, `z_small` the one at
         which its squares become too small. The default 0.2 ... 1.2 m stands where it leaves the
@@ -48,7 +56,9 @@ class Limits:
         the distances become the same multiples of `z_fill` as they are for the default board and
         a usual webcam: 0.75 and 4.5.
         """
-        limits = Limits()
+        cells = int(board.cv_dictionary.markerSize) + 2
+        legible = CELL_PX * cells * board.square / board.marker
+        limits = Limits(min_square_px=max(Limits.min_square_px, legible))
         room = 1 - 2 * limits.margin
         height_px = camera.height - 2 * limits.margin * camera.width
         z_fill = max(
