@@ -73,7 +73,7 @@ class LimitOptions:
     max_depth_ratio: Annotated[float | None, _optional("RATIO", "2.2")] = None
     """Largest ratio of the farthest to the nearest corner's distance: focus."""
     min_square_px: Annotated[float | None, _optional("PX", "12")] = None
-    """Smallest side of a square in the picture in pixels: detection (12, or what the markers need)."""
+    """Smallest side of a square in the picture in pixels; more where the markers need it."""
 
     def check(self) -> None:
         """Raises `VenusError` for the first limit that cannot be met."""
