@@ -54,3 +54,9 @@ def test_suggest_next_pose() -> None:
 @pytest.mark.slow
 def test_simulated_session() -> None:
     assert "finished after 2 views" in ran("simulated_session.py", "2")
+
+
+@pytest.mark.slow
+def test_feed_the_viewer() -> None:
+    """Another program shows its own snapshots; no browser need be open."""
+    assert "http://" in ran("feed_the_viewer.py", "3")
