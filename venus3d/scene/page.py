@@ -35,6 +35,8 @@ _PICTURE_LEGEND = (
 )
 _Point = tuple[float, float, float]
 # Where the person looks from: behind, above and to the side of the camera.
+_NEAR_TARGET = 0.45
+"""Up to this distance of the target, metres, the scene is seen from `_LOOK_FROM`."""
 _LOOK_FROM, _LOOK_AT, _FOV_RAD = (-0.60, -0.42, -0.33), (-0.02, 0.16, 0.27), np.radians(42.0)
 
 
@@ -66,9 +68,10 @@ class Page:
         self._set_theme(theme, force=True)
         server.on_client_connect(_fit_small_screen)
 
-    def look_at_scene(self) -> None:
-        """Every tab looks at camera, board and target."""
-        self._look(_LOOK_FROM, _LOOK_AT)
+    def look_at_scene(self, back: float) -> None:
+        """Every tab looks at camera, board and target, from `back` times as far away as usual."""
+        (fx, fy, fz), (ax, ay, az) = _LOOK_FROM, _LOOK_AT
+        self._look((back * fx, back * fy, back * fz), (back * ax, back * ay, back * az))
 
     def look_at_strip(self, bounds: NDArray[np.float64]) -> None:
         """Every tab looks from behind the camera at a strip with these bounds, (2, 3), metres."""
@@ -204,6 +207,12 @@ class Page:
         number = str(self._views.value).split(" ")[0]
         if number.isdigit():
             self._drop(int(number))
+
+
+def steps_back(distance: float) -> float:
+    """How much farther away to look from, 1 ... 2.5, so that a target `distance` metres away from
+    the camera is seen; in halves, so that the view a person has turned to is mostly kept."""
+    return float(min(2.5, max(1.0, np.ceil(2 * distance / _NEAR_TARGET) / 2)))
 
 
 def _fit_small_screen(client: viser.ClientHandle) -> None:

@@ -21,12 +21,12 @@ from venus3d.scene import intents
 from venus3d.scene.control_panel import Action
 from venus3d.scene.describe import SceneOptions, describe
 from venus3d.scene.gizmo import BoardGizmo
-from venus3d.scene.page import Page
+from venus3d.scene.page import Page, steps_back
 from venus3d.scene.picture import LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Tiles
 from venus3d.scene.server import start_server
-from venus3d.scene.shapes import Shape
+from venus3d.scene.shapes import LineShape, Shape
 from venus3d.scene.strip import bounds_of
 from venus3d.scene.style import Theme
 from venus3d.scene.view import SceneView
@@ -68,7 +68,7 @@ class Viewer:
         self._state = ViewState(dark=dark, autopilot=autopilot)
         self._snapshot: Snapshot | None = None
         self._changed = True
-        self._looking_at: tuple[bool, int] = (False, 0)
+        self._looking_at: tuple[bool, float] = (False, 1.0)
         self._note, self._note_until = "", 0.0
         self._saved = ""
         self._picture: tuple[LivePicture, Observation | None] | None = None
@@ -246,16 +246,18 @@ class Viewer:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
-        """Turn the tabs' cameras once when the strip comes or goes, or a new one is shown."""
+        """Turn the tabs' cameras once when the strip comes or goes, or the target is far away."""
         strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
-        shown = (True, state.target) if strip else (False, 0)
+        goals = [s.pose for s in shapes if isinstance(s, LineShape) and s.name == "/target/board"]
+        back = steps_back(goals[0].distance_to(Pose.identity()) if goals else 0.0)
+        shown = (True, float(state.target)) if strip else (False, back)
         if shown == self._looking_at:
             return
         self._looking_at = shown
         if strip:
             self._page.look_at_strip(bounds_of(strip))
         else:
-            self._page.look_at_scene()
+            self._page.look_at_scene(back)
 
     def _sources(self, snapshot: Snapshot | None, state: ViewState) -> tuple[str, ...]:
         target = None if snapshot is None else snapshot.target
