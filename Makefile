@@ -41,7 +41,7 @@ format: $(VENV)/.ready-test
 
 $(VENV)/.ready-run: $(PINS)
 	@$(SETUP) system-run
-	@$(SETUP) venv $(VENV) .
+	@$(SETUP) venv $(VENV) '.[study]'
 	@touch $@
 
 $(VENV)/.ready-test: $(PINS)

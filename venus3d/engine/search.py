@@ -8,7 +8,7 @@ allowed `space`'s.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,6 +50,10 @@ class Found:
     """Costs computed."""
     stopped: bool
     """Whether it was stopped before its end."""
+    pool: Array = field(default_factory=lambda: np.empty((0, 6)))
+    """(K, 6) the good poses met, cheapest first, the best included; empty if none were kept."""
+    pool_costs: Array = field(default_factory=lambda: np.empty(0))
+    """(K,) their costs."""
 
 
 Watch = Callable[[Move], None]

@@ -23,8 +23,54 @@ searching; converged: the parameters have settled; finished: the user ended it, 
 
 Method = Literal["random", "pose-selection", "venus", "global"]
 METHODS: tuple[Method, ...] = ("random", "pose-selection", "venus", "global")
-Cost = Literal["projection-variance", "sum-iod", "max-iod", "rms"]
-COSTS: tuple[Cost, ...] = ("projection-variance", "sum-iod", "max-iod", "rms")
+Cost = Literal[
+    "projection-variance", "max-ere", "trace", "log-det", "sum-iod", "max-iod", "rms"
+]
+COSTS: tuple[Cost, ...] = (
+    "projection-variance",
+    "max-ere",
+    "trace",
+    "log-det",
+    "sum-iod",
+    "max-iod",
+    "rms",
+)
+Strategy = Literal["annealing", "global", "dual-annealing", "differential-evolution"]
+STRATEGIES: tuple[Strategy, ...] = (
+    "annealing",
+    "global",
+    "dual-annealing",
+    "differential-evolution",
+)
+DiagnosisKind = Literal[
+    "parallel-views",
+    "unseen-side",
+    "same-depth",
+    "outlying-view",
+    "wrong-layout",
+    "swapped-size",
+    "wrong-dictionary",
+    "impossible-distance",
+    "correlated",
+    "folding",
+    "weak-focal-length",
+]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Something about a calibration that makes its numbers less trustworthy than they look."""
+
+    kind: DiagnosisKind
+    cause: str
+    """One sentence: what is the matter, with figures."""
+    cure: str
+    """One sentence: what to do about it."""
+    views: tuple[int, ...] = ()
+    """Numbers of the views concerned; empty for all."""
+
+    def __str__(self) -> str:
+        return f"{self.cause} {self.cure}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +141,15 @@ class Target:
     """How many candidate poses were looked at."""
     search_s: float
     """How long the search took."""
+    error_px: float = float("nan")
+    """Expected mean projection error over the image before this view; NaN where not known."""
+    alternatives: tuple[Target, ...] = ()
+    """Clearly different poses that are nearly as good, best first; one may suit the wrists."""
+
+    @property
+    def gain_px(self) -> float:
+        """By how much this view is expected to lower the mean projection error; NaN if unknown."""
+        return self.error_px - self.predicted_error_px
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +180,26 @@ class Progress:
     """(9,) standard deviations."""
     error_px: float
     """Mean projection error over the image that the covariance predicts, pixels."""
+    predicted_sigma: Array = field(default_factory=lambda: np.full(9, np.nan))
+    """(9,) what the last view's target had promised; NaN if it was not taken at a target."""
+    predicted_error_px: float = float("nan")
+    """What the last view's target had promised for `error_px`; NaN likewise."""
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """How many more views it takes until a wanted projection error, if targets are followed."""
+
+    wanted_px: float
+    """The wanted mean projection error over the image."""
+    views: int | None
+    """More views needed; 0 if it is reached; None if more than were looked ahead."""
+    low: int | None
+    """Lower end of the interval of about 90 %; None likewise."""
+    high: int | None
+    """Its upper end; None likewise."""
+    looked_ahead: int
+    """How many views ahead were planned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +225,10 @@ class Snapshot:
     instruction: Words
     """The one sentence that says what to do now."""
     warnings: tuple[str, ...] = field(default=())
+    diagnoses: tuple[Diagnosis, ...] = field(default=())
+    """What makes this calibration less trustworthy than its numbers; worst first."""
+    forecast: Forecast | None = None
+    """None while nothing can be said."""
 
     @property
     def views(self) -> tuple[View, ...]:

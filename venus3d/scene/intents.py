@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from venus3d.engine.pose import Pose
+from venus3d.engine.snapshot import Cost, Method
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,23 @@ class DropView:
 
     number: int
     """The view's number, as in `View.number`."""
+
+
+@dataclass(frozen=True)
+class ChangeMethod:
+    """Find the next poses in another way."""
+
+    method: Method
+    cost: Cost | None = None
+    """None: the method's own."""
+
+
+@dataclass(frozen=True)
+class ChooseAlternative:
+    """Take another of the nearly equal targets."""
+
+    index: int
+    """Into the target's `alternatives`."""
 
 
 @dataclass(frozen=True)
@@ -57,4 +75,15 @@ class Autopilot:
     on: bool
 
 
-Intent = Capture | SkipTarget | UndoView | DropView | Finish | Pause | DragBoard | Autopilot
+Intent = (
+    Capture
+    | SkipTarget
+    | UndoView
+    | DropView
+    | ChangeMethod
+    | ChooseAlternative
+    | Finish
+    | Pause
+    | DragBoard
+    | Autopilot
+)
