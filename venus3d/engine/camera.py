@@ -191,44 +191,54 @@ class Camera:
             The pose moves as `R <- exp(w) R, t <- t + v`: (w, v) are a turn (rad) about the
             camera's axes through the board's centre and a translation (m).
         """
-        board = np.asarray(points, dtype=np.float64)
+        J = self.jacobians(points, R, t)
+        u = self.fx * J[:, 6, 0] + self.cx
+        v = self.fy * J[:, 7, 1] + self.cy
+        last = np.moveaxis(J, 1, -1).swapaxes(1, 2)
+        return np.stack([u, v], axis=-1), last[..., 6:], last[..., :6]
+
+    def jacobians(self, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
+        """The same derivatives as (N, 15, 2, M): six of the pose (w, v), nine of the intrinsics.
+
+        Each of the 15 lies in one piece, u of all points and then v: no copy on the way to J J^T.
+        """
         rotations, positions = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64)
-        arm = board @ np.swapaxes(rotations, -1, -2)
-        xyz = arm + positions[:, None, :]
-        iz = 1.0 / xyz[..., 2]
-        x, y = xyz[..., 0] * iz, xyz[..., 1] * iz
-        r2 = x * x + y * y
-        r4, xy2 = r2 * r2, 2 * x * y
-        radial = 1 + self.k1 * r2 + self.k2 * r4 + self.k3 * r2 * r4
-        ax, ay = r2 + 2 * x * x, r2 + 2 * y * y
-        dx = x * radial + self.p1 * xy2 + self.p2 * ax
-        dy = y * radial + self.p1 * ay + self.p2 * xy2
-        pixels = np.stack([self.fx * dx + self.cx, self.fy * dy + self.cy], axis=-1)
-
-        intrinsic = np.zeros((*x.shape, 2, 9))
-        intrinsic[..., 0, 0], intrinsic[..., 1, 1] = dx, dy
-        intrinsic[..., 0, 2] = intrinsic[..., 1, 3] = 1.0
-        fxx, fyy = self.fx * x, self.fy * y
-        for column, power in ((4, r2), (5, r4), (8, r2 * r4)):
-            intrinsic[..., 0, column], intrinsic[..., 1, column] = fxx * power, fyy * power
-        intrinsic[..., 0, 6], intrinsic[..., 1, 6] = self.fx * xy2, self.fy * ay
-        intrinsic[..., 0, 7], intrinsic[..., 1, 7] = self.fx * ax, self.fy * xy2
-
+        arm = rotations @ np.asarray(points, dtype=np.float64).T
+        iz = 1.0 / (arm[:, 2] + positions[:, 2, None])
+        x, y = (arm[:, 0] + positions[:, 0, None]) * iz, (arm[:, 1] + positions[:, 1, None]) * iz
+        x2, y2, xy = x * x, y * y, x * y
+        r2 = x2 + y2
+        r4 = r2 * r2
+        r6 = r2 * r4
+        radial = 1 + self.k1 * r2 + self.k2 * r4 + self.k3 * r6
+        ax, ay, xy2 = r2 + 2 * x2, r2 + 2 * y2, 2 * xy
+        J = np.empty((len(x), 15, 2, x.shape[1]))
+        pose, intrinsic = J[:, :6], J[:, 6:]
+        intrinsic[:, 0, 0] = x * radial + self.p1 * xy2 + self.p2 * ax
+        intrinsic[:, 1, 1] = y * radial + self.p1 * ay + self.p2 * xy2
+        intrinsic[:, 0, 1] = intrinsic[:, 1, 0] = intrinsic[:, 2, 1] = intrinsic[:, 3, 0] = 0.0
+        intrinsic[:, 2, 0] = intrinsic[:, 3, 1] = 1.0
         # d(dx, dy) / d(x, y), then the chain over x = X/Z, y = Y/Z to the camera-frame point.
         slope = 2 * (self.k1 + r2 * (2 * self.k2 + 3 * self.k3 * r2))
-        cross = slope * x * y + 2 * (self.p1 * x + self.p2 * y)
-        xx = radial + slope * x * x + 2 * self.p1 * y + 6 * self.p2 * x
-        yy = radial + slope * y * y + 6 * self.p1 * y + 2 * self.p2 * x
-        pose = np.empty((*x.shape, 2, 6))
-        for row, (f, a, b) in enumerate(((self.fx, xx, cross), (self.fy, cross, yy))):
-            gx, gy = f * a * iz, f * b * iz
+        cross = slope * xy + 2 * (self.p1 * x + self.p2 * y)
+        xx = radial + slope * x2 + 2 * self.p1 * y + 6 * self.p2 * x
+        yy = radial + slope * y2 + 6 * self.p1 * y + 2 * self.p2 * x
+        for row, (f, c, a, b, p1, p2) in enumerate(
+            ((self.fx, x, xx, cross, xy2, ax), (self.fy, y, cross, yy, ay, xy2))
+        ):
+            fc, fz = f * c, f * iz
+            for column, power in ((4, r2), (5, r4), (8, r6)):
+                np.multiply(fc, power, out=intrinsic[:, column, row])
+            np.multiply(f, p1, out=intrinsic[:, 6, row])
+            np.multiply(f, p2, out=intrinsic[:, 7, row])
+            gx, gy = fz * a, fz * b
             gz = -(gx * x + gy * y)
-            pose[..., row, 3], pose[..., row, 4], pose[..., row, 5] = gx, gy, gz
+            pose[:, 3, row], pose[:, 4, row], pose[:, 5, row] = gx, gy, gz
             # d(exp(w) arm)/dw = -[arm]x, so the gradient by w is arm x g.
-            pose[..., row, 0] = arm[..., 1] * gz - arm[..., 2] * gy
-            pose[..., row, 1] = arm[..., 2] * gx - arm[..., 0] * gz
-            pose[..., row, 2] = arm[..., 0] * gy - arm[..., 1] * gx
-        return pixels, intrinsic, pose
+            np.subtract(arm[:, 1] * gz, arm[:, 2] * gy, out=pose[:, 0, row])
+            np.subtract(arm[:, 2] * gx, arm[:, 0] * gz, out=pose[:, 1, row])
+            np.subtract(arm[:, 0] * gy, arm[:, 1] * gx, out=pose[:, 2, row])
+        return J
 
 
 def planning_camera(camera: Camera) -> Camera:

@@ -24,16 +24,20 @@ def view_information(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLi
 
     For corner noise of one pixel per axis. All points must be in front of the lens.
     """
-    _, intrinsic, pose = camera.project_with_jacobians(points, R, t)
-    count = intrinsic.shape[0]
-    J = np.concatenate([intrinsic, pose], axis=-1).reshape(count, -1, 15)
-    gram = np.swapaxes(J, 1, 2) @ J
+    gram = normal_matrices(camera, points, R, t)
     # The pose columns differ in scale by orders of magnitude; unit diagonals keep the solve exact.
-    scale = 1.0 / np.sqrt(np.einsum("nii->ni", gram[:, 9:, 9:]))
-    pose_gram = gram[:, 9:, 9:] * scale[:, :, None] * scale[:, None, :]
-    cross = gram[:, 9:, :9] * scale[:, :, None]
-    marginal = gram[:, :9, :9] - np.swapaxes(cross, 1, 2) @ np.linalg.solve(pose_gram, cross)
+    scale = 1.0 / np.sqrt(np.einsum("nii->ni", gram[:, :6, :6]))
+    pose_gram = gram[:, :6, :6] * scale[:, :, None] * scale[:, None, :]
+    cross = gram[:, :6, 6:] * scale[:, :, None]
+    marginal = gram[:, 6:, 6:] - np.swapaxes(cross, 1, 2) @ np.linalg.solve(pose_gram, cross)
     return 0.5 * (marginal + np.swapaxes(marginal, 1, 2))
+
+
+def normal_matrices(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
+    """J^T J (N, 15, 15) of views, the six of the pose first; arguments as `view_information`."""
+    J = camera.jacobians(points, R, t)
+    J = J.reshape(*J.shape[:2], -1)
+    return J @ np.swapaxes(J, 1, 2)
 
 
 def covariance_of(information: ArrayLike, sigma_px: float = 1.0) -> Array:
