@@ -64,7 +64,7 @@ def test_on_the_real_cost_no_local_descent_and_no_sample_is_much_better(
 
 def test_the_searches_repeat_with_their_seed(space: Space) -> None:
     for search in (
-        lambda rng: search_globally(space, bowl, rng, samples=60, rounds=2, neighbours=32),
+        lambda rng: search_globally(space, bowl, rng, samples=60, budget=124, neighbours=32),
         lambda rng: anneal(space, bowl, [0, 0, 0, 0, 0, 0.5], rng),
     ):
         one, two = search(np.random.default_rng(5)), search(np.random.default_rng(5))

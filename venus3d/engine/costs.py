@@ -1,33 +1,55 @@
 """What a candidate pose is worth: one cost per name, all with the same interface.
 
-`make_cost(...)` returns `cost(vectors (N, 6)) -> (N,)`, smaller is better. All but "rms" come from
-the predicted covariance `sigma^2 (I + I_view)^-1` of the nine intrinsics (see `information`); "rms"
-really calibrates, which takes milliseconds a pose instead of microseconds.
+`make_cost(...)` returns `cost(vectors (N, 6)) -> (N,)`, smaller is better, never negative. All but
+"rms" come from the predicted covariance `sigma^2 (I + I_view)^-1` of the nine intrinsics (see
+`information`); "rms" really calibrates, which takes milliseconds a pose instead of microseconds.
+docs/costs.md derives each and says when it misleads.
 
-Which pose to try next is `search`'s business.
+Which pose to try next is `search`'s business, what is left of an error after the best turn
+`projection_error`'s.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
+from scipy.special import ellipe
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.information import covariance_of, view_information
+from venus3d.engine.noise import NoiseModel
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Array, rotations_of
+from venus3d.engine.projection_error import (
+    GRID,
+    border_moves,
+    grid_pixels,
+    mean_projection_error_px,
+    projection_error_px,
+    projection_weight,
+)
 from venus3d.engine.snapshot import COSTS, Cost
 
+# What is told in pixels lives in `projection_error`; it is part of what a cost is about.
+__all__ = [
+    "GRID",
+    "CostFunction",
+    "dispersion_scale",
+    "expected_distance",
+    "grid_pixels",
+    "index_of_dispersion",
+    "make_cost",
+    "mean_projection_error_px",
+    "predicted_covariance",
+    "projection_error_px",
+    "projection_weight",
+]
+
 CostFunction = Callable[[Array], Array]
-GRID = (12, 8)
-"""Rays across and down the image over which projection errors are averaged."""
 
 
 def make_cost(
@@ -39,6 +61,7 @@ def make_cost(
     sigma_px: float = 1.0,
     observations: Sequence[Observation] = (),
     rng: np.random.Generator | None = None,
+    noise: NoiseModel | None = None,
 ) -> CostFunction:
     """The cost of that name.
 
@@ -46,6 +69,7 @@ def make_cost(
         information: (9, 9) what the views so far say, for corner noise of one pixel.
         sigma_px: standard deviation of a corner coordinate, pixels.
         observations, rng: the views so far and a source of noise; only "rms" needs them.
+        noise: how noise and found corners depend on the pose; None: they do not.
 
     Raises `VenusError` for an unknown name and for "rms" without observations.
     """
@@ -54,34 +78,32 @@ def make_cost(
     if name not in COSTS:
         raise VenusError(f"There is no cost {name!r}; use one of {', '.join(COSTS)}.")
     known = np.asarray(information, dtype=np.float64)
-    variance = sigma_px**2
-    if name == "projection-variance":
-        weight = projection_weight(camera)
+    value_of = _of_covariance(name, camera)
 
-        def projection(vectors: Array) -> Array:
-            covariance = variance * predicted_covariance(board, camera, known, vectors)
-            return np.einsum("ij,nji->n", weight, covariance)
+    def cost(vectors: Array) -> Array:
+        covariance = predicted_covariance(board, camera, known, vectors, noise=noise)
+        return value_of(sigma_px**2 * covariance)
 
-        return projection
-    over = dispersion_scale(camera)
-    total = np.sum if name == "sum-iod" else np.max
-
-    def dispersion(vectors: Array) -> Array:
-        covariance = variance * predicted_covariance(board, camera, known, vectors)
-        return np.asarray(total(np.einsum("nii->ni", covariance) / over, axis=1))
-
-    return dispersion
+    return cost
 
 
 def predicted_covariance(
-    board: Board, camera: Camera, information: ArrayLike, vectors: ArrayLike
+    board: Board,
+    camera: Camera,
+    information: ArrayLike,
+    vectors: ArrayLike,
+    *,
+    noise: NoiseModel | None = None,
 ) -> Array:
     """Covariance (N, 9, 9) of the intrinsics after one more view, for each pose vector (N, 6).
 
-    For corner noise of one pixel; the whole board is seen.
+    For corner noise of one pixel; the whole board is seen. With a noise model the view counts for
+    as much as the noise and the corners found under that pose let it.
     """
     p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
     view = view_information(camera, board.corners, rotations_of(p), p[:, 3:])
+    if noise is not None:
+        view *= noise.weight(camera, board, p)[:, None, None]
     return covariance_of(np.asarray(information, dtype=np.float64) + view)
 
 
@@ -96,74 +118,54 @@ def index_of_dispersion(camera: Camera, covariance: ArrayLike) -> Array:
     return np.diag(np.asarray(covariance, dtype=np.float64)) / dispersion_scale(camera)
 
 
-@lru_cache(maxsize=16)
-def projection_weight(camera: Camera) -> Array:
-    """(9, 9) matrix W with `trace(W cov)` = mean variance of a projected pixel, px^2.
+def expected_distance(covariance: ArrayLike) -> Array:
+    """(...,) mean length of a zero-mean Gaussian vector of covariance (..., 2, 2).
 
-    A change d of the intrinsics moves the pixel of ray k by `Jk d`. A common turn w (3,) of all
-    rays moves it by `Gk w`; since the camera's own orientation is never given, the turn that best
-    undoes the move costs nothing: `w = -(G^T G)^-1 G^T J d`, where G (2n, 3) and J (2n, 9) stack
-    all rays. What is left is `P J d` with the projector `P = 1 - G (G^T G)^-1 G^T`. Its mean square
-    length over the n rays is `d^T (J^T P J / n) d`, and the expectation of that over d with
-    covariance C is `trace(W C)`, W = J^T P J / n. Both pixel axes are summed: the root is the rms
-    distance in the image.
+    With the larger variance a and the smaller b it is `sqrt(2 a / pi) E(1 - b / a)`, E the complete
+    elliptic integral of the second kind of parameter m: the length `sqrt(a cos^2 + b sin^2)` of
+    each direction, averaged over directions, times the mean `sqrt(pi / 2)` of a Rayleigh variable.
     """
-    rays = _rays(camera)
-    if len(rays) < GRID[0] * GRID[1] // 2:
-        # The estimate's distortion folds back within the image: better to plan without it.
-        camera = camera.without_distortion()
-        rays = _rays(camera)
-    _, intrinsic, pose = camera.project_with_jacobians(rays, np.eye(3)[None], np.zeros((1, 3)))
-    J, G = intrinsic.reshape(-1, 9), pose.reshape(-1, 6)[:, :3]
-    left = J - G @ np.linalg.solve(G.T @ G, G.T @ J)
-    return left.T @ left / len(rays)
+    c = np.asarray(covariance, dtype=np.float64)
+    xx, yy, xy = c[..., 0, 0], c[..., 1, 1], c[..., 0, 1]
+    middle, half = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    large = middle + half
+    with np.errstate(invalid="ignore", divide="ignore"):
+        flatness = np.nan_to_num(np.clip(2 * half / large, 0.0, 1.0))
+    return np.sqrt(2 / np.pi * large) * ellipe(flatness)
 
 
-def projection_error_px(camera: Camera, covariance: ArrayLike) -> float:
-    """Expected rms projection error over the image, pixels, of a covariance (9, 9)."""
-    mean_variance = np.sum(projection_weight(camera) * np.asarray(covariance, dtype=np.float64))
-    return float(np.sqrt(max(mean_variance, 0.0)))
+def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
+    """From covariances (N, 9, 9) to values (N,)."""
+    if name in ("sum-iod", "max-iod"):
+        over = dispersion_scale(camera)
+        total = np.sum if name == "sum-iod" else np.max
+        return lambda C: np.asarray(total(np.einsum("nii->ni", C) / over, axis=1))
+    if name == "max-ere":
+        moves = border_moves(camera)
+        return lambda C: _largest_expected_error(moves, C)
+    weight = projection_weight(camera)
+    if name == "projection-variance":
+        return lambda C: C.reshape(-1, 81) @ weight.ravel()
+    # The pixels that a parameter moves on average in the image, squared, for one unit of it.
+    px2 = np.diag(weight)
+    if name == "trace":
+        return lambda C: np.einsum("nii->ni", C) @ px2
+
+    def mean_of_axes(C: Array) -> Array:
+        return np.exp((np.linalg.slogdet(C)[1] + np.log(px2).sum()) / 9)
+
+    return mean_of_axes
 
 
-def mean_projection_error_px(true: Camera, estimate: Camera, grid: tuple[int, int] = GRID) -> float:
-    """Rms distance, pixels, of two cameras' projections after the best common rotation.
-
-    The rays are those of a `grid` (across, down) of the true camera's image.
-    Raises `CalibrationError` if the cameras have different image sizes.
-    """
-    if true.image_size != estimate.image_size:
-        raise CalibrationError("Two cameras can be compared only on images of the same size.")
-    rays = _rays(true, grid)
-    pixels = _unlimited_pixels(true, rays)
-
-    def residuals(rotvec: Array) -> Array:
-        turned = np.asarray(Rotation.from_rotvec(rotvec).apply(rays))
-        return (_unlimited_pixels(estimate, turned) - pixels).ravel()
-
-    best = least_squares(residuals, np.zeros(3), xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    return float(np.sqrt(2 * best.cost / len(rays)))
-
-
-def grid_pixels(image_size: tuple[int, int], grid: tuple[int, int] = GRID) -> Array:
-    """(across * down, 2) centres of equal cells of the image, pixels."""
-    across, down = grid
-    u = (np.arange(across) + 0.5) * image_size[0] / across - 0.5
-    v = (np.arange(down) + 0.5) * image_size[1] / down - 0.5
-    return np.stack([np.tile(u, down), np.repeat(v, across)], axis=1)
-
-
-def _rays(camera: Camera, grid: tuple[int, int] = GRID) -> Array:
-    xy = camera.unproject(grid_pixels(camera.image_size, grid))
-    xy = xy[np.isfinite(xy).all(axis=1)]
-    return np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
-
-
-def _unlimited_pixels(camera: Camera, rays: Array) -> Array:
-    """Like `Camera.project`, but beyond the radius where the model folds too: finite errors."""
-    return camera.distort(rays[:, :2] / rays[:, 2:]) * [camera.fx, camera.fy] + [
-        camera.cx,
-        camera.cy,
-    ]
+def _largest_expected_error(moves: Array, covariances: Array) -> Array:
+    """(N,) largest of the expected distances, pixels, over the rays of `border_moves`."""
+    a, b = moves[:, 0], moves[:, 1]
+    # Elements of every ray's 2 x 2 covariance as one product with the 81 elements of C.
+    pairs = np.stack([np.einsum("ki,kj->kij", p, q) for p, q in ((a, a), (a, b), (b, b))])
+    elements = covariances.reshape(-1, 81) @ pairs.reshape(-1, 81).T
+    xx, xy, yy = np.split(elements, 3, axis=1)
+    pixel = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
+    return np.max(expected_distance(pixel), axis=1)
 
 
 def _rms_cost(

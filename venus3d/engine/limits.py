@@ -82,6 +82,17 @@ class Limits:
         good[left] = (self._excess(camera, board, p[left])[0] <= 0).all(axis=1)
         return good
 
+    def excess(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
+        """By how much the limits are broken, (N,): 0 within them, else a slope to follow back.
+
+        Each limit counts relative to what it allows (a border to the image's width), all together.
+        """
+        excess, _ = self._excess(camera, board, vectors)
+        room = np.array([self.max_angle_deg, self.max_tilt_deg, 1.0, self.nearest, self.farthest])
+        room = np.append(room, [self.max_depth_ratio, camera.width, self.min_square_px])
+        # Behind the lens nothing can be projected: as bad as a whole limit each.
+        return np.where(np.isnan(excess), 1.0, np.maximum(excess / room, 0.0)).sum(axis=1)
+
     def refusal(self, camera: Camera, board: Board, pose: Pose) -> str | None:
         """One sentence that says why this pose is refused, or None if it is not."""
         excess, figures = self._excess(camera, board, pose.vector()[None])

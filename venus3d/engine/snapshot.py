@@ -23,9 +23,7 @@ searching; converged: the parameters have settled; finished: the user ended it, 
 
 Method = Literal["random", "pose-selection", "venus", "global"]
 METHODS: tuple[Method, ...] = ("random", "pose-selection", "venus", "global")
-Cost = Literal[
-    "projection-variance", "max-ere", "trace", "log-det", "sum-iod", "max-iod", "rms"
-]
+Cost = Literal["projection-variance", "max-ere", "trace", "log-det", "sum-iod", "max-iod", "rms"]
 COSTS: tuple[Cost, ...] = (
     "projection-variance",
     "max-ere",

@@ -39,6 +39,10 @@ class Space:
             good &= ~_near(p, pose)
         return good
 
+    def excess(self, vectors: ArrayLike) -> Array:
+        """By how much pose vectors (N, 6) break the limits, (N,): see `Limits.excess`."""
+        return self.limits.excess(self.camera, self.board, vectors)
+
     def from_unit(self, unit: Array) -> Array:
         """Points (N, 6) of the unit cube to pose vectors (N, 6), most of them not in the space.
 
