@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import closing
 
 from venus3d.cli.options import CalibrateOptions
 from venus3d.cli.report import deliver, print_result, tell
-from venus3d.engine.board import Board
 from venus3d.engine.calibration import calibrate, warnings_for
 from venus3d.engine.detection import Detector
-from venus3d.engine.errors import CalibrationError, SourceError, VenusError
+from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.observation import Observation
 from venus3d.engine.selection import choose_informative
-from venus3d.sources.opening import open_source
-from venus3d.sources.video import Video
+from venus3d.sources.observing import observe_recording
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of
 
@@ -31,8 +28,11 @@ def calibrate_command(options: CalibrateOptions) -> None:
         raise VenusError("--every must be at least 1.")
     if options.output is not None:
         prepare(options.output)
-    observations, notes, is_video = observe_all(options.source, detector)
-    warnings = [*notes, *detector.notes]
+    recording = observe_recording(
+        options.source, detector, lambda count: tell(f"{count} frames looked at ...")
+    )
+    observations, is_video = recording.observations, recording.is_video
+    warnings = [*recording.notes, *detector.notes]
     seen = [o for o in observations if o.count]
     if is_video:
         if options.every is None:
@@ -51,34 +51,6 @@ def calibrate_command(options: CalibrateOptions) -> None:
     print_result(calibration, warnings)
     summary = summary_of(calibration, detector.board, warnings=warnings)
     deliver(summary, calibration, detector.board, output=options.output, as_json=options.json)
-
-
-def observe_all(spec: str, detector: Detector) -> tuple[list[Observation], tuple[str, ...], bool]:
-    """What is seen of the board in every frame, the source's notes, and whether it is a video."""
-    seen, boards = _observe(spec, detector)
-    # The layout is found out on the way; what was read with another one is read again.
-    if any(board != detector.board for board in boards):
-        seen, _ = _observe(spec, detector)
-    return seen
-
-
-def _observe(
-    spec: str, detector: Detector
-) -> tuple[tuple[list[Observation], tuple[str, ...], bool], list[Board]]:
-    boards: list[Board] = []
-    observations: list[Observation] = []
-    with closing(open_source(spec)) as source:
-        if source.is_live:
-            raise SourceError(
-                "A live camera has no end to wait for; use venus3d guide for it, or record a "
-                "video first."
-            )
-        while (frame := source.read()) is not None:
-            observations.append(detector.detect(frame.image, time_s=frame.time_s, name=frame.name))
-            boards.append(detector.board)
-            if len(observations) % 100 == 0:
-                tell(f"{len(observations)} frames looked at ...")
-        return (observations, tuple(source.notes), isinstance(source, Video)), boards
 
 
 def _check_count(seen: Sequence[Observation]) -> None:
