@@ -1,0 +1,166 @@
+"""A recording as a pool of real views: what was seen, which part is kept for testing, and which
+view comes nearest to a pose that is asked for.
+
+What a method asks for, and when it has enough, is `table1`'s business.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.detection import Detector
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.limits import Limits
+from venus3d.engine.localisation import locate
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Pose
+from venus3d.sources.observing import observe_recording
+
+FEWEST_TRAINING, FEWEST_TEST = 6, 4
+"""The repaired rule of convergence gives no verdict before six views; a test on fewer than four
+views hangs on each of them."""
+_COMPLETE = 0.5  # share of the board's corners that a view has to show
+_SHARP = 0.7  # of the median sharpness; below it a frame counts as blurred
+SAME = 0.0025
+"""Of the image's width: a frame whose corners lie nearer to a kept view's repeats it. The same as
+for `calibrate` (`choose_informative`)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """The usable views of one recording, in their order."""
+
+    name: str
+    """What the user typed."""
+    board: Board
+    """As it turned out to be printed."""
+    observations: tuple[Observation, ...]
+    frames: int
+    """How many frames the recording has."""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """(width, height) in pixels."""
+        return self.observations[0].image_size
+
+
+def pool_of(
+    spec: str,
+    board: Board,
+    *,
+    same: float = SAME,
+    on_count: Callable[[int], None] | None = None,
+) -> Pool:
+    """Look through a recording once and keep the views that can be calibrated from.
+
+    Args:
+        spec: what the user typed; a recording that `open_source` knows.
+        board: what it shows.
+        same: see `distinct`.
+        on_count: told of the frames looked at, every hundred.
+
+    Raises:
+        SourceError: it cannot be read.
+        CalibrationError: it shows no board, or too few different views of it.
+    """
+    detector = Detector(board)
+    recording = observe_recording(spec, detector, on_count)
+    seen = [o for o in recording.observations if o.count]
+    if not seen:
+        raise CalibrationError(
+            f"The board is seen in none of the {len(recording.observations)} frames of {spec}; "
+            "check the board's options (columns, rows, dictionary)."
+        )
+    kept = distinct(seen, detector.board, same)
+    needed = FEWEST_TRAINING + FEWEST_TEST
+    if len(kept) < needed:
+        raise CalibrationError(
+            f"{spec} holds only {len(kept)} sharp and different views of the board, and a pool "
+            f"needs at least {needed}: {FEWEST_TRAINING} to calibrate from and {FEWEST_TEST} to "
+            "test with; record more."
+        )
+    notes = (*recording.notes, *detector.notes)
+    return Pool(spec, detector.board, tuple(kept), len(recording.observations), notes)
+
+
+def distinct(
+    observations: Sequence[Observation], board: Board, same: float = SAME
+) -> list[Observation]:
+    """The views that show enough of the board, are sharp, and repeat no earlier one.
+
+    Repeats would make the test easy: a held-out frame with its neighbour in training tests
+    nothing. Two views are the same where their corners lie on average nearer to each other than
+    the share `same` of the image's width.
+    """
+    needed = max(8, round(_COMPLETE * board.corner_count))
+    whole = [o for o in observations if o.count >= needed]
+    median = float(np.median([o.sharpness for o in whole])) if whole else 0.0
+    kept: list[Observation] = []
+    for view in whole:
+        least = same * view.image_size[0]
+        if view.sharpness >= _SHARP * median and all(_shift_px(view, o) >= least for o in kept):
+            kept.append(view)
+    return kept
+
+
+def split(
+    count: int, rng: np.random.Generator, share: float = 0.3
+) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Indices 0 ... count - 1 in two parts, both ascending: to calibrate from, and held out.
+
+    `share` of the views is held out at random, at least four, and so many that six remain.
+    """
+    held = min(max(FEWEST_TEST, round(share * count)), count - FEWEST_TRAINING)
+    order = rng.permutation(count)
+    return tuple(sorted(order[held:].tolist())), tuple(sorted(order[:held].tolist()))
+
+
+def nearest(
+    wanted: Pose, pool: Pool, indices: Sequence[int], camera: Camera, limits: Limits
+) -> tuple[int, Pose] | None:
+    """Of the views `indices` the one whose pose under `camera` is nearest, and that pose.
+
+    None if no view has a pose.
+
+    See `distance` for what near means. The camera is the one that guidance knows at that moment: as
+    for a person who brings the board onto its outline on the screen, it is the picture that has to
+    agree, not the metres.
+    """
+    best: tuple[int, Pose] | None = None
+    least = np.inf
+    for index in indices:
+        pose = locate(camera, pool.board, pool.observations[index])
+        if pose is not None and (apart := distance(wanted, pose, camera, limits)) < least:
+            best, least = (index, pose), apart
+    return best
+
+
+def distance(one: Pose, other: Pose, camera: Camera, limits: Limits) -> float:
+    """How far apart two poses are, as shares of what may be asked for; 0 for the same pose.
+
+    The root of the summed squares of the turn between them (of twice the largest angle), the
+    shift of the board's centre in the picture (of its width), and the ratio of the distances from
+    the lens (logarithm, of the range): the coordinates of the search (`Space.to_unit`). Distances
+    of the projected corners would hardly see a tilt, since a board tilted forwards covers nearly
+    the same pixels as one tilted backwards.
+    """
+    turn = one.angle_to_deg(other) / (2 * limits.max_angle_deg)
+    pinhole = camera.without_distortion()
+    shift = np.linalg.norm(pinhole.project(one.t) - pinhole.project(other.t)) / camera.width
+    depth = np.log(one.t[2] / other.t[2]) / np.log(limits.farthest / limits.nearest)
+    return float(np.sqrt(turn**2 + shift**2 + depth**2))
+
+
+def _shift_px(one: Observation, other: Observation) -> float:
+    """Mean distance of the corners that both show, pixels; inf if they share fewer than half."""
+    _, mine, theirs = np.intersect1d(one.ids, other.ids, assume_unique=True, return_indices=True)
+    if 2 * mine.size < max(one.count, other.count):
+        return float("inf")
+    apart = np.linalg.norm(one.corners[mine] - other.corners[theirs], axis=1)
+    return float(apart.mean())

@@ -1,0 +1,227 @@
+"""Table 1 of the paper on real recordings: how few views each method needs, and how good they are.
+
+One trial: a part of the pool is held out by seed; a method asks for poses, gets the nearest real
+view that it has not used, calibrates, and stops when its parameters have converged. The methods run
+through the session that guides people, so what is measured is the program itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from venus3d.engine.camera import Camera
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.limits import Limits
+from venus3d.engine.localisation import locate
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.session import Session
+from venus3d.engine.snapshot import Calibration, Method
+from venus3d.engine.startup import Startup
+from venus3d.engine.work import Settings
+from venus3d.study.pool import Pool, nearest, split
+from venus3d.study.text import mean_sd, table
+
+Row = dict[str, str | int | float]
+Arm = Literal["pose-selection", "opencv", "venus", "global"]
+ARMS: tuple[Arm, ...] = ("pose-selection", "opencv", "venus", "global")
+"""In the paper's order. "opencv": random views of the pool, no guidance."""
+Ending = Literal["converged", "pool empty", "enough views", "no pose fits"]
+
+PAPER = {
+    "pose-selection": (0.4331, 8.8, 0.5139),
+    "opencv": (0.62253, 9.0, 0.43771),
+    "venus": (0.4086, 7.8, 0.4704),
+}
+"""Rms test, frames used, rms train: Table 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table1Trial:
+    """One method on one pool with one seed. Trials of the same seed share the held-out views."""
+
+    pool: Pool
+    arm: Arm
+    seed: int
+    held_out: float = 0.3
+    """Share of the pool that is kept for the test."""
+    max_views: int = 40
+    """Never more views than this, converged or not."""
+
+    @property
+    def key(self) -> str:
+        """Unique in a study."""
+        return f"{self.pool.name}/{self.arm}/{self.seed}"
+
+
+@dataclass(frozen=True, eq=False)
+class Guided:
+    """How a method fared on a pool."""
+
+    calibration: Calibration
+    used: tuple[int, ...]
+    """Indices of the pool's views, in the order in which they were taken."""
+    ending: Ending
+    off_deg: tuple[float, ...]
+    """By how much each view's orientation differs from the one asked for; empty for "opencv"."""
+
+
+def run_table1(trial: Table1Trial) -> list[Row]:
+    """The trial's one row."""
+    pool = trial.pool
+    training, held_out = split(
+        len(pool.observations), np.random.default_rng([trial.seed, 0]), trial.held_out
+    )
+    guided = guide_through(pool, training, trial.arm, trial.seed, trial.max_views)
+    calibration = guided.calibration
+    f = calibration.camera
+    return [
+        {
+            "source": pool.name,
+            "method": trial.arm,
+            "seed": trial.seed,
+            "pool": len(training),
+            "held_out": len(held_out),
+            "views": len(calibration.views),
+            "ended": guided.ending,
+            "rms_train_px": calibration.rms_px,
+            "rms_test_px": test_rms_px(calibration.camera, pool, held_out),
+            "fx": f.fx,
+            "fy": f.fy,
+            "cx": f.cx,
+            "cy": f.cy,
+            "off_deg": float(np.mean(guided.off_deg)) if guided.off_deg else float("nan"),
+        }
+    ]
+
+
+def guide_through(
+    pool: Pool, training: Sequence[int], arm: Arm, seed: int, max_views: int = 40
+) -> Guided:
+    """Calibrate from the views `training` of the pool as the method asks for them.
+
+    The first view is the one nearest to the start-up pose of 3.1, for "opencv" a random one.
+
+    Raises `CalibrationError` if no view of the pool can be calibrated from.
+    """
+    method: Method = "random" if arm == "opencv" else arm
+    settings = Settings(method=method, seed=seed, auto_capture=False, max_views=max_views)
+    session = Session(pool.board, pool.image_size, settings)
+    rng = np.random.default_rng([seed, 1])
+    wanted: Pose | None = Startup(pool.board, pool.image_size).target
+    unused, used, off_deg = list(training), list[int](), list[float]()
+    ending: Ending = "pool empty"
+    while unused and wanted is not None:
+        if arm == "opencv":
+            index, off = int(rng.choice(unused)), None
+        else:
+            limits = Limits.for_board(pool.board, session.camera)
+            found = nearest(wanted, pool, unused, session.camera, limits)
+            if found is None:
+                break
+            index, off = found[0], wanted.angle_to_deg(found[1])
+        unused.remove(index)
+        session.observe(pool.observations[index])
+        if not session.capture():
+            continue  # no pose of the board in it under the present camera
+        used.append(index)
+        off_deg += [] if off is None else [off]
+        _settle(session)
+        snapshot = session.snapshot()
+        if session.phase in ("converged", "finished"):
+            ending = "converged" if session.phase == "converged" else "enough views"
+            break
+        if arm != "opencv":
+            wanted = snapshot.target.pose if snapshot.target is not None else None
+            ending = "pool empty" if wanted is not None else "no pose fits"
+    calibration = session.snapshot().calibration
+    if calibration is None:
+        raise CalibrationError(f"No view of {pool.name} can be calibrated from.")
+    return Guided(calibration, tuple(used), ending, tuple(off_deg))
+
+
+def _settle(session: Session) -> None:
+    """Run what the session has to do; a view that cannot be used is dropped by it."""
+    while (work := session.pending) is not None:
+        try:
+            session.apply(work.run())
+        except CalibrationError as error:
+            session.fail(work, error)
+
+
+def test_rms_px(camera: Camera, pool: Pool, indices: Sequence[int]) -> float:
+    """Reprojection error over the views `indices`, each with its best pose under this camera.
+
+    Root mean square distance over all corners, pixels; inf if a view has no pose at all, so that a
+    camera that cannot explain a view gets no better for it.
+    """
+    squares: list[Array] = []
+    for index in indices:
+        view = pool.observations[index]
+        pose = locate(camera, pool.board, view)
+        if pose is None:
+            return float("inf")
+        error = view.corners - camera.project(pose.apply(pool.board.points_of(view.ids)))
+        squares.append((error**2).sum(axis=1))
+    return float(np.sqrt(np.concatenate(squares).mean()))
+
+
+def table1_trials(
+    pools: Sequence[Pool], repeats: int, seed: int, held_out: float, max_views: int
+) -> list[Table1Trial]:
+    """All methods on all pools, `repeats` seeds each."""
+    return [
+        Table1Trial(pool, arm, seed + k, held_out, max_views)
+        for pool in pools
+        for k in range(repeats)
+        for arm in ARMS
+    ]
+
+
+def table1_text(rows: Sequence[Row], pools: Sequence[Pool]) -> str:
+    """The table for people, one for each source, the paper's figures beside ours."""
+    parts: list[str] = []
+    for pool in pools:
+        mine = [row for row in rows if row["source"] == pool.name]
+        lines = [_line(arm, [row for row in mine if row["method"] == arm]) for arm in ARMS]
+        head = mine[0]
+        parts.append(
+            f"{pool.name}: {pool.frames} frames, {len(pool.observations)} distinct views; "
+            f"{head['pool']} to choose from, {head['held_out']} held out; "
+            f"{len(mine) // len(ARMS)} seeds, mean ± standard deviation"
+        )
+        parts.append(table(_HEADINGS, lines))
+    return "\n\n".join(parts)
+
+
+_HEADINGS = (
+    "method",
+    "rms test (px)",
+    "views used",
+    "rms train (px)",
+    "fx (px)",
+    "converged",
+    "asked - got (°)",
+    "paper: test, views, train",
+)
+
+
+def _line(arm: Arm, rows: Sequence[Row]) -> tuple[str, ...]:
+    def of(name: str) -> list[float]:
+        return [float(row[name]) for row in rows]
+
+    paper = "{:.4f}, {:.1f}, {:.4f}".format(*PAPER[arm]) if arm in PAPER else "-"
+    converged = sum(row["ended"] == "converged" for row in rows)
+    return (
+        arm,
+        mean_sd(of("rms_test_px"), 4),
+        mean_sd(of("views"), 1),
+        mean_sd(of("rms_train_px"), 4),
+        mean_sd(of("fx"), 1),
+        f"{converged} of {len(rows)}",
+        "-" if arm == "opencv" else f"{np.mean(of('off_deg')):.0f}",
+        paper,
+    )
