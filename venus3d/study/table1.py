@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from venus3d.engine.camera import Camera
+from venus3d.engine.convergence import MIN_VIEWS
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.limits import Limits
 from venus3d.engine.localisation import locate
@@ -58,49 +59,51 @@ class Table1Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Guided:
-    """How a method fared on a pool."""
+class Taken:
+    """One view that a method took from the pool, and the calibration with it."""
 
+    index: int
+    """Of the pool's views."""
+    off_deg: float
+    """Turn between the pose asked for and the view's, degrees; NaN where none was asked for."""
     calibration: Calibration
-    used: tuple[int, ...]
-    """Indices of the pool's views, in the order in which they were taken."""
-    ending: Ending
-    off_deg: tuple[float, ...]
-    """By how much each view's orientation differs from the one asked for; empty for "opencv"."""
 
 
 def run_table1(trial: Table1Trial) -> list[Row]:
-    """The trial's one row."""
+    """A row for each view taken; the last says in "ended" why the method stopped."""
     pool = trial.pool
     training, held_out = split(
         len(pool.observations), np.random.default_rng([trial.seed, 0]), trial.held_out
     )
-    guided = guide_through(pool, training, trial.arm, trial.seed, trial.max_views)
-    calibration = guided.calibration
-    f = calibration.camera
-    return [
-        {
-            "source": pool.name,
-            "method": trial.arm,
-            "seed": trial.seed,
-            "pool": len(training),
-            "held_out": len(held_out),
-            "views": len(calibration.views),
-            "ended": guided.ending,
-            "rms_train_px": calibration.rms_px,
-            "rms_test_px": test_rms_px(calibration.camera, pool, held_out),
-            "fx": f.fx,
-            "fy": f.fy,
-            "cx": f.cx,
-            "cy": f.cy,
-            "off_deg": float(np.mean(guided.off_deg)) if guided.off_deg else float("nan"),
-        }
-    ]
+    taken, ending = guide_through(pool, training, trial.arm, trial.seed, trial.max_views)
+    rows: list[Row] = []
+    for step in taken:
+        camera = step.calibration.camera
+        rows.append(
+            {
+                "source": pool.name,
+                "method": trial.arm,
+                "seed": trial.seed,
+                "pool": len(training),
+                "held_out": len(held_out),
+                "views": len(step.calibration.views),
+                "ended": ending if step is taken[-1] else "",
+                "rms_train_px": step.calibration.rms_px,
+                "rms_test_px": rms_of_views_px(camera, pool, held_out),
+                "fx": camera.fx,
+                "fy": camera.fy,
+                "cx": camera.cx,
+                "cy": camera.cy,
+                "view": pool.observations[step.index].name,
+                "off_deg": step.off_deg,
+            }
+        )
+    return rows
 
 
 def guide_through(
     pool: Pool, training: Sequence[int], arm: Arm, seed: int, max_views: int = 40
-) -> Guided:
+) -> tuple[list[Taken], Ending]:
     """Calibrate from the views `training` of the pool as the method asks for them.
 
     The first view is the one nearest to the start-up pose of 3.1, for "opencv" a random one.
@@ -111,36 +114,39 @@ def guide_through(
     settings = Settings(method=method, seed=seed, auto_capture=False, max_views=max_views)
     session = Session(pool.board, pool.image_size, settings)
     rng = np.random.default_rng([seed, 1])
+    unused, taken = list(training), list[Taken]()
     wanted: Pose | None = Startup(pool.board, pool.image_size).target
-    unused, used, off_deg = list(training), list[int](), list[float]()
-    ending: Ending = "pool empty"
-    while unused and wanted is not None:
+    while unused and session.phase not in ("converged", "finished"):
         if arm == "opencv":
-            index, off = int(rng.choice(unused)), None
+            index, off_deg = int(rng.choice(unused)), float("nan")
+        elif wanted is None:
+            break
         else:
             limits = Limits.for_board(pool.board, session.camera)
             found = nearest(wanted, pool, unused, session.camera, limits)
             if found is None:
                 break
-            index, off = found[0], wanted.angle_to_deg(found[1])
+            index, off_deg = found[0], wanted.angle_to_deg(found[1])
         unused.remove(index)
         session.observe(pool.observations[index])
         if not session.capture():
             continue  # no pose of the board in it under the present camera
-        used.append(index)
-        off_deg += [] if off is None else [off]
         _settle(session)
         snapshot = session.snapshot()
-        if session.phase in ("converged", "finished"):
-            ending = "converged" if session.phase == "converged" else "enough views"
-            break
-        if arm != "opencv":
-            wanted = snapshot.target.pose if snapshot.target is not None else None
-            ending = "pool empty" if wanted is not None else "no pose fits"
-    calibration = session.snapshot().calibration
-    if calibration is None:
+        wanted = None if snapshot.target is None else snapshot.target.pose
+        if snapshot.calibration is not None:
+            taken.append(Taken(index, off_deg, snapshot.calibration))
+    if not taken:
         raise CalibrationError(f"No view of {pool.name} can be calibrated from.")
-    return Guided(calibration, tuple(used), ending, tuple(off_deg))
+    return taken, _ending(session, wanted, arm)
+
+
+def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
+    if session.phase == "converged":
+        return "converged"
+    if session.phase == "finished":
+        return "enough views"
+    return "no pose fits" if wanted is None and arm != "opencv" else "pool empty"
 
 
 def _settle(session: Session) -> None:
@@ -152,7 +158,7 @@ def _settle(session: Session) -> None:
             session.fail(work, error)
 
 
-def test_rms_px(camera: Camera, pool: Pool, indices: Sequence[int]) -> float:
+def rms_of_views_px(camera: Camera, pool: Pool, indices: Sequence[int]) -> float:
     """Reprojection error over the views `indices`, each with its best pose under this camera.
 
     Root mean square distance over all corners, pixels; inf if a view has no pose at all, so that a
@@ -188,10 +194,11 @@ def table1_text(rows: Sequence[Row], pools: Sequence[Pool]) -> str:
         mine = [row for row in rows if row["source"] == pool.name]
         lines = [_line(arm, [row for row in mine if row["method"] == arm]) for arm in ARMS]
         head = mine[0]
+        seeds = len({row["seed"] for row in mine})
         parts.append(
             f"{pool.name}: {pool.frames} frames, {len(pool.observations)} distinct views; "
             f"{head['pool']} to choose from, {head['held_out']} held out; "
-            f"{len(mine) // len(ARMS)} seeds, mean ± standard deviation"
+            f"{seeds} seeds, mean ± standard deviation"
         )
         parts.append(table(_HEADINGS, lines))
     return "\n\n".join(parts)
@@ -204,24 +211,28 @@ _HEADINGS = (
     "rms train (px)",
     "fx (px)",
     "converged",
+    f"rms test at {MIN_VIEWS} views",
     "asked - got (°)",
     "paper: test, views, train",
 )
 
 
 def _line(arm: Arm, rows: Sequence[Row]) -> tuple[str, ...]:
-    def of(name: str) -> list[float]:
-        return [float(row[name]) for row in rows]
-
-    paper = "{:.4f}, {:.1f}, {:.4f}".format(*PAPER[arm]) if arm in PAPER else "-"
-    converged = sum(row["ended"] == "converged" for row in rows)
+    last = [row for row in rows if row["ended"]]
+    equal = [row for row in rows if row["views"] == MIN_VIEWS]
+    converged = sum(row["ended"] == "converged" for row in last)
     return (
         arm,
-        mean_sd(of("rms_test_px"), 4),
-        mean_sd(of("views"), 1),
-        mean_sd(of("rms_train_px"), 4),
-        mean_sd(of("fx"), 1),
-        f"{converged} of {len(rows)}",
-        "-" if arm == "opencv" else f"{np.mean(of('off_deg')):.0f}",
-        paper,
+        mean_sd(_column(last, "rms_test_px"), 4),
+        mean_sd(_column(last, "views"), 1),
+        mean_sd(_column(last, "rms_train_px"), 4),
+        mean_sd(_column(last, "fx"), 1),
+        f"{converged} of {len(last)}",
+        mean_sd(_column(equal, "rms_test_px"), 4),
+        "-" if arm == "opencv" else f"{np.mean(_column(rows, 'off_deg')):.0f}",
+        "{:.4f}, {:.1f}, {:.4f}".format(*PAPER[arm]) if arm in PAPER else "-",
     )
+
+
+def _column(rows: Sequence[Row], name: str) -> list[float]:
+    return [float(row[name]) for row in rows]
