@@ -1,0 +1,115 @@
+"""Frames of a recording in memory, all of 720p and all with the board: what times are measured on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.board import Board
+from venus3d.engine.calibration import calibrate
+from venus3d.engine.camera import Camera
+from venus3d.engine.detection import Detector, Region, search_region
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.observation import Observation
+from venus3d.sources.observing import observe_recording
+from venus3d.sources.opening import open_source
+
+Image = NDArray[np.uint8]
+PIXELS = 1280 * 720
+MOST_PICTURES = 60
+"""Kept in memory, 2.8 MB each; they are gone through again and again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """Frames in memory that all show the board, and what the first look at them found."""
+
+    name: str
+    images: tuple[Image, ...]
+    observations: tuple[Observation, ...]
+    board: Board
+    camera: Camera
+    is_video: bool
+    notes: tuple[str, ...]
+
+    def region(self, index: int) -> Region | None:
+        """Where the board was: in the frame before, or, among stills, where it is held."""
+        last = self.observations[index - 1 if self.is_video and index else index]
+        return search_region(last, self.camera.image_size)
+
+
+def load_clip(
+    spec: str,
+    board: Board,
+    on_count: Callable[[int], None] | None = None,
+    most: int = MOST_PICTURES,
+) -> Clip:
+    """Up to `most` frames, evenly spread over those that show the board, at about 1280 x 720.
+
+    A frame of another size is scaled to as many pixels; its sides keep their ratio.
+
+    Raises `SourceError` and `CalibrationError` as `pool_of` does.
+    """
+    detector = Detector(board)
+    recording = observe_recording(spec, detector, on_count)
+    seen = [i for i, o in enumerate(recording.observations) if o.count]
+    if not seen:
+        raise CalibrationError(
+            f"The board is seen in none of the {len(recording.observations)} frames of {spec}; "
+            "check the board's options (columns, rows, dictionary)."
+        )
+    chosen = set(np.array(seen)[np.linspace(0, len(seen) - 1, min(most, len(seen))).astype(int)])
+    images = [_as_720p(image) for image in _frames(spec, chosen)]
+    size = (images[0].shape[1], images[0].shape[0])
+    original = recording.observations[0].image_size
+    notes = (*recording.notes, *detector.notes)
+    if size != original:
+        notes += (
+            f"The frames of {original[0]} x {original[1]} px were scaled to "
+            f"{size[0]} x {size[1]} px.",
+        )
+    settled = Detector(detector.board, find_layout=False)
+    found = [(image, settled.detect(image)) for image in images]
+    usable = [(image, o) for image, o in found if o.count]
+    observations = tuple(o for _, o in usable)
+    camera = _camera_of(detector.board, observations, size)
+    pictures = tuple(image for image, _ in usable)
+    return Clip(spec, pictures, observations, detector.board, camera, recording.is_video, notes)
+
+
+def _frames(spec: str, chosen: set[int]) -> Iterator[Image]:
+    with closing(open_source(spec)) as source:
+        number = 0
+        while (frame := source.read()) is not None:
+            if number in chosen:
+                yield frame.image
+            number += 1
+
+
+def _as_720p(image: Image) -> Image:
+    """BGR, 8 bit, at 1280 x 720 px or as many pixels in the image's own shape."""
+    if image.dtype != np.uint8:
+        image = cv2.convertScaleAbs(image, alpha=255 / max(1, int(image.max()))).astype(np.uint8)
+    if image.ndim == 2:
+        image = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
+    height, width = image.shape[:2]
+    scale = np.sqrt(PIXELS / (width * height))
+    if abs(scale - 1) < 0.01:
+        return image
+    size = (round(width * scale), round(height * scale))
+    smaller = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(image, size, interpolation=smaller), dtype=np.uint8)
+
+
+def _camera_of(board: Board, observations: Sequence[Observation], size: tuple[int, int]) -> Camera:
+    """Good enough to draw with: what is measured is time."""
+    places = np.linspace(0, len(observations) - 1, min(20, len(observations))).astype(int)
+    try:
+        return calibrate(board, [observations[i] for i in np.unique(places)]).camera
+    except CalibrationError:
+        return Camera.guess(size)

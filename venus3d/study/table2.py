@@ -1,0 +1,239 @@
+"""Table 2 of the paper: what guiding costs for each frame, with and without live detection.
+
+Real 720p frames, every way of guiding on each of them in turn, in one process:
+
+axes      detect the board, find its pose, draw its axes and the target's (Rojtberg 2018)
+steps     paste the four prepared pictures and draw the prepared outline (the paper, 3.4)
+region    like axes, but look for the board around where it was: what this program does live
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.decomposition import Step, decompose
+from venus3d.engine.detection import Detector, Region
+from venus3d.engine.limits import Limits
+from venus3d.engine.localisation import locate
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.space import Space, random_pose
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.projections import Projections
+from venus3d.study.clip import Clip, Image
+from venus3d.study.text import table
+
+Way = Literal["axes", "steps", "region"]
+WAYS: tuple[Way, ...] = ("axes", "steps", "region")
+FRAME_RATE = 25
+"""Of the paper's camera, for the delay in a second of video."""
+PAPER_MS: dict[Way, float] = {"axes": 38.46, "steps": 25.24}
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """What the lazily shown steps need; made once for a target."""
+
+    target: Pose
+    pictures: tuple[Image, Image, Image, Image]
+    """BGR, of the four steps."""
+    outlines: tuple[NDArray[np.int32], ...]
+    """(4, 1, 2) pixels, of the board after each step."""
+
+
+@dataclass(frozen=True, eq=False)
+class Costs:
+    """Measured times, milliseconds for a frame."""
+
+    clip: Clip
+    guiding_ms: dict[Way, Array]
+    """(frames,) each."""
+    showing_ms: Array
+    """(frames,) to decode a frame and encode it for the screen: what every way needs besides."""
+    preparing_ms: float
+    """To render the four pictures, once for a target."""
+    threads: int
+
+
+def prepare_steps(clip: Clip, offscreen: Offscreen, rng: np.random.Generator) -> Prepared:
+    """The pictures and outlines of a random target that fits the camera."""
+    limits = Limits.for_board(clip.board, clip.camera)
+    pose = Pose.from_vector(random_pose(Space(clip.board, clip.camera, limits), rng))
+    steps = decompose(pose, clip.camera, clip.board)
+    width = clip.camera.width // 4
+    size = (width, round(width * clip.camera.height / clip.camera.width))
+    projections = Projections(offscreen)
+    one, two, three, four = (_picture(projections, step, clip, size) for step in steps)
+    outlines = tuple(_outline(clip, step.after) for step in steps)
+    return Prepared(pose, (one, two, three, four), outlines)
+
+
+def measure(clip: Clip, prepared: Prepared, frames: int) -> tuple[dict[Way, Array], Array]:
+    """Guiding and showing times, ms: (frames,) for each way, and (frames,) for the showing.
+
+    The ways take turns on the same frame, each first in a third of the frames, so that neither a
+    warm cache nor a busy moment of the machine favours one of them.
+    """
+    detector = Detector(clip.board, find_layout=False)
+    guides: dict[Way, Callable[[Image, Region | None], object]] = {
+        "axes": lambda image, _: draw_axes(image, detector, clip, prepared.target, None),
+        "steps": lambda image, _: draw_steps(image, prepared, 0),
+        "region": lambda image, region: draw_axes(image, detector, clip, prepared.target, region),
+    }
+    times: dict[Way, list[float]] = {way: [] for way in WAYS}
+    showing: list[float] = []
+    encoded = [cv2.imencode(".jpg", image)[1] for image in clip.images]
+    for number in range(-3, frames):  # three to warm up
+        index = number % len(clip.images)
+        region = clip.region(index)
+        for turn in range(len(WAYS)):
+            way = WAYS[(number + turn) % len(WAYS)]
+            image = clip.images[index].copy()
+            took = _ms(lambda w=way, i=image, r=region: guides[w](i, r))
+            if number >= 0:
+                times[way].append(took)
+        took = _ms(lambda i=index: show(encoded[i]))
+        if number >= 0:
+            showing.append(took)
+    return {way: np.array(values) for way, values in times.items()}, np.array(showing)
+
+
+def draw_axes(
+    image: Image, detector: Detector, clip: Clip, target: Pose, region: Region | None
+) -> Pose | None:
+    """Guiding with live detection: the board's axes and the target's, drawn into the image."""
+    seen = detector.detect(image, region=region)
+    pose = locate(clip.camera, clip.board, seen)
+    for shown in (pose, target):
+        if shown is not None:
+            cv2.drawFrameAxes(
+                image,
+                clip.camera.K,
+                clip.camera.distortion,
+                shown.rvec,
+                shown.t,
+                clip.board.height / 2,
+                3,
+            )
+    return pose
+
+
+def draw_steps(image: Image, prepared: Prepared, step: int) -> None:
+    """Guiding without detection: the four pictures along the bottom, the outline of one step."""
+    bottom, left = image.shape[0], 0
+    for picture in prepared.pictures:
+        height, width = picture.shape[:2]
+        image[bottom - height : bottom, left : left + width] = picture
+        left += width
+    cv2.polylines(image, [prepared.outlines[step]], True, (60, 200, 255), 3, cv2.LINE_AA)
+
+
+def show(encoded: Any) -> None:
+    """What every way needs besides: read a frame, and send it to a screen."""
+    picture = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_COLOR))
+    cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 75])
+
+
+def run_table2(clip: Clip, frames: int, threads: int, seed: int) -> Costs:
+    """Prepare once, then measure; OpenCV works with `threads` threads meanwhile."""
+    rng = np.random.default_rng(seed)
+    with _opencv_threads(threads), Offscreen() as offscreen:
+        prepare_steps(clip, offscreen, rng)  # the first picture warms the renderer up
+        started = time.perf_counter()
+        prepared = prepare_steps(clip, offscreen, rng)
+        preparing_ms = 1000 * (time.perf_counter() - started)
+        guiding, showing = measure(clip, prepared, frames)
+    return Costs(clip, guiding, showing, preparing_ms, threads)
+
+
+def table2_rows(costs: Costs) -> list[dict[str, str | int | float]]:
+    """One row for each frame and way."""
+    return [
+        {
+            "source": costs.clip.name,
+            "frame": frame,
+            "way": way,
+            "guiding_ms": round(float(costs.guiding_ms[way][frame]), 4),
+            "showing_ms": round(float(costs.showing_ms[frame]), 4),
+        }
+        for frame in range(len(costs.showing_ms))
+        for way in WAYS
+    ]
+
+
+def table2_text(costs: Costs) -> str:
+    """The table for people, the paper's figures beside ours."""
+    showing = float(np.median(costs.showing_ms))
+    full = float(np.median(costs.guiding_ms["axes"]))
+    lines: list[tuple[str, ...]] = []
+    for way in WAYS:
+        low, middle, high = np.quantile(costs.guiding_ms[way], [0.25, 0.5, 0.75])
+        paper = PAPER_MS.get(way)
+        lines.append(
+            (
+                _SAID[way],
+                f"{middle:.2f} ({low:.2f}-{high:.2f})",
+                f"{middle * FRAME_RATE / 1000:.3f}",
+                f"{middle / full:.3f}",
+                f"{(middle + showing) / (full + showing):.3f}",
+                "-" if paper is None else f"{paper:.2f} ms, {paper / PAPER_MS['axes']:.3f}",
+            )
+        )
+    clip = costs.clip
+    width, height = clip.camera.image_size
+    head = (
+        f"{clip.name}: {len(clip.images)} frames of {width} x {height} px, "
+        f"{len(costs.showing_ms)} measurements, {costs.threads} OpenCV "
+        f"thread{'' if costs.threads == 1 else 's'}; showing a frame (JPEG in, JPEG out) takes "
+        f"{showing:.2f} ms more with every way, preparing the four pictures "
+        f"{costs.preparing_ms:.0f} ms once for each target"
+    )
+    return f"{head}\n\n{table(_HEADINGS, lines)}"
+
+
+_SAID: dict[Way, str] = {
+    "axes": "live detection and axes",
+    "steps": "lazily shown steps",
+    "region": "live detection in a region, axes",
+}
+_HEADINGS = (
+    "guidance",
+    "ms per frame (quartiles)",
+    f"delay at {FRAME_RATE}/s (s)",
+    "ratio",
+    "ratio with showing",
+    "paper",
+)
+
+
+def _picture(projections: Projections, step: Step, clip: Clip, size: tuple[int, int]) -> Image:
+    rgb = projections.of_step(step, clip.camera, clip.board, size=size).result()
+    return np.ascontiguousarray(rgb[:, :, ::-1])
+
+
+def _outline(clip: Clip, pose: Pose) -> NDArray[np.int32]:
+    pixels = clip.camera.without_distortion().project(pose.apply(clip.board.outline))
+    return np.rint(pixels).astype(np.int32).reshape(-1, 1, 2)
+
+
+def _ms(work: Callable[[], object]) -> float:
+    started = time.perf_counter()
+    work()
+    return 1000 * (time.perf_counter() - started)
+
+
+@contextmanager
+def _opencv_threads(count: int) -> Generator[None]:
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(count)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
