@@ -7,6 +7,7 @@ Pixels: integer coordinates are pixel centres (OpenCV).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -113,7 +114,7 @@ class Camera:
             cy=(self.cy + 0.5) * sy - 0.5,
         )
 
-    @property
+    @cached_property
     def radius_limit(self) -> float:
         """Largest normalised radius up to which the radial model still grows, inf if always.
 
@@ -138,6 +139,20 @@ class Camera:
             ],
             axis=-1,
         )
+
+    def distorted_pixels(self, normalised: Array) -> Array:
+        """Eqs (4), (5): ideal coordinates (N, 2, M), x's and y's in one piece each, to pixels.
+
+        Without a look at where the model ends: see `radius_limit`.
+        """
+        x, y = normalised[:, 0], normalised[:, 1]
+        x2, y2, xy2 = x * x, y * y, 2 * x * y
+        r2 = x2 + y2
+        radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
+        pixels = np.empty_like(normalised)
+        pixels[:, 0] = self.fx * (x * radial + self.p1 * xy2 + self.p2 * (r2 + 2 * x2)) + self.cx
+        pixels[:, 1] = self.fy * (y * radial + self.p1 * (r2 + 2 * y2) + self.p2 * xy2) + self.cy
+        return pixels
 
     def project(self, points: ArrayLike) -> Array:
         """Eq. (5): points (..., 3) in the camera's frame, metres, to pixels (..., 2).

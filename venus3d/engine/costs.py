@@ -20,7 +20,7 @@ from scipy.special import ellipe
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import CalibrationError, VenusError
-from venus3d.engine.information import covariance_of, view_information
+from venus3d.engine.information import normal_matrices
 from venus3d.engine.noise import NoiseModel
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Array, rotations_of
@@ -49,6 +49,7 @@ __all__ = [
     "projection_weight",
 ]
 
+_CHUNK = 256  # poses at a time: their Jacobians stay in the processor's cache
 CostFunction = Callable[[Array], Array]
 
 
@@ -99,12 +100,25 @@ def predicted_covariance(
 
     For corner noise of one pixel; the whole board is seen. With a noise model the view counts for
     as much as the noise and the corners found under that pose let it.
+
+    The normal matrix of the view's pose and the intrinsics, with what is known of the latter added,
+    is `L L^T`. The pose stands first, so the lower right block of L is the root of the marginal
+    information: one Cholesky factor does what the Schur complement and a second one would do.
+
+    Raises numpy's `LinAlgError` if all together leave some parameter undetermined.
     """
     p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
-    view = view_information(camera, board.corners, rotations_of(p), p[:, 3:])
-    if noise is not None:
-        view *= noise.weight(camera, board, p)[:, None, None]
-    return covariance_of(np.asarray(information, dtype=np.float64) + view)
+    known = np.asarray(information, dtype=np.float64)
+    covariances = np.empty((len(p), 9, 9))
+    for first in range(0, len(p), _CHUNK):
+        part = p[first : first + _CHUNK]
+        normal = normal_matrices(camera, board.corners, rotations_of(part), part[:, 3:])
+        if noise is not None:
+            normal *= noise.weight(camera, board, part)[:, None, None]
+        normal[:, 6:, 6:] += known
+        root = np.linalg.inv(np.linalg.cholesky(normal)[:, 6:, 6:])
+        np.matmul(np.swapaxes(root, 1, 2), root, out=covariances[first : first + _CHUNK])
+    return covariances
 
 
 def dispersion_scale(camera: Camera) -> Array:

@@ -6,16 +6,18 @@ Knows geometry only. What a pose is worth is said by `costs`, which one to take 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Array, Pose, rotations_of
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.sight import Sight, sight_of
 
 Mask = NDArray[np.bool_]
+# A pose put exactly on a limit must not be lost to rounding.
+_SLACK = 1e-9
 _REASONS = ("angle", "tilt", "behind", "near", "far", "depth", "outside", "small")
 
 CELL_PX = 2.4
@@ -76,10 +78,24 @@ class Limits:
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         # Most candidates of a search fail on what costs little to see; the rest is projected.
         cosine = np.einsum("ni,ni->n", _normals(p), p[:, 3:]) / np.linalg.norm(p[:, 3:], axis=1)
-        good = cosine >= np.cos(np.radians(self.max_tilt_deg)) - 1e-9
+        good = cosine >= np.cos(np.radians(self.max_tilt_deg)) - _SLACK
         good &= (p[:, 5] > 0) & (p[:, 5] <= self.farthest)
         left = np.flatnonzero(good)
-        good[left] = (self._excess(camera, board, p[left])[0] <= 0).all(axis=1)
+        good[left] = self.within(camera, p[left], sight_of(camera, board, p[left]))
+        return good
+
+    def within(self, camera: Camera, vectors: Array, sight: Sight) -> Mask:
+        """The same of pose vectors (N, 6) whose sight is known."""
+        low, high = self.frame(camera)
+        near, far = sight.near, sight.far
+        good = sight.seen & (sight.cosine >= np.cos(np.radians(self.max_tilt_deg)) - _SLACK)
+        good &= np.abs(vectors[:, :3]).max(axis=1) <= self.max_angle_deg + _SLACK
+        good &= (near >= self.nearest - _SLACK) & (far <= self.farthest + _SLACK)
+        good &= far <= (self.max_depth_ratio + _SLACK) * near
+        good &= sight.side >= self.min_square_px - _SLACK
+        for axis in range(2):
+            good &= sight.low[:, axis] >= low[axis] - _SLACK
+            good &= sight.high[:, axis] <= high[axis] + _SLACK
         return good
 
     def excess(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
@@ -124,29 +140,28 @@ class Limits:
         Returns two (N, 8): positive or NaN means broken.
         """
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
-        R, t = rotations_of(p), p[:, 3:]
-        points = _probe(board) @ np.swapaxes(R, 1, 2) + t[:, None, :]
-        distance = np.linalg.norm(points[:, :4], axis=2)
-        near, far = distance.min(axis=1), distance.max(axis=1)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            cosine = np.einsum("ni,ni->n", R[:, :, 2], t) / np.linalg.norm(t, axis=1)
-            tilt = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
-        pixels = camera.project(points)
-        behind = np.where(np.isnan(pixels).any(axis=(1, 2)), 1.0, -1.0)
-        border = self.margin * camera.width - 0.5
-        far_border = np.array([camera.width - 1, camera.height - 1]) - border
-        outside = np.maximum(border - pixels, pixels - far_border).max(axis=(1, 2))
-        x_sides = np.linalg.norm(pixels[:, 4:8] - pixels[:, :4], axis=2)
-        y_sides = np.linalg.norm(pixels[:, 8:12] - pixels[:, :4], axis=2)
-        side = np.minimum(x_sides, y_sides).min(axis=1)
+        sight = sight_of(camera, board, p)
+        tilt = np.degrees(np.arccos(np.clip(sight.cosine, -1.0, 1.0)))
+        low, high = self.frame(camera)
+        behind = np.where(sight.seen, -1.0, 1.0)
+        outside = np.maximum(low - sight.low, sight.high - high).max(axis=1)
+        outside = np.where(sight.seen, outside, np.nan)
+        side = np.where(sight.seen, sight.side, np.nan)
         angle = np.abs(p[:, :3]).max(axis=1)
-        ratio = far / np.maximum(near, 1e-9)
-        figures = np.stack([angle, tilt, behind, near, far, ratio, outside, side], axis=1)
-        # A billionth of slack, so that a pose put exactly on a limit is not lost to rounding.
+        ratio = sight.far / np.maximum(sight.near, 1e-9)
+        figures = np.stack(
+            [angle, tilt, behind, sight.near, sight.far, ratio, outside, side], axis=1
+        )
         limit = np.array([self.max_angle_deg, self.max_tilt_deg, 0.0, self.nearest, self.farthest])
         limit = np.append(limit, [self.max_depth_ratio, 0.0, self.min_square_px])
         sign = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0])
-        return sign * (figures - limit) - 1e-9, figures
+        return sign * (figures - limit) - _SLACK, figures
+
+    def frame(self, camera: Camera) -> tuple[Array, Array]:
+        """(2,) smallest and (2,) largest pixel the board may reach: the image less a margin."""
+        border = self.margin * camera.width - 0.5
+        low = np.full(2, border)
+        return low, np.array([camera.width - 1, camera.height - 1]) - border
 
 
 def brought_within(
@@ -200,16 +215,3 @@ def _normals(vectors: Array) -> Array:
     """(N, 3) the board's z axes under pose vectors (N, 6): the last column of Rz Ry Rx."""
     (sx, sy, sz), (cx, cy, cz) = (f(np.radians(vectors[:, :3])).T for f in (np.sin, np.cos))
     return np.stack([cz * sy * cx + sz * sx, sz * sy * cx - cz * sx, cy * cx], axis=1)
-
-
-@lru_cache(maxsize=8)
-def _probe(board: Board) -> Array:
-    """(16, 3) board points that decide: outline, its neighbours a square along x and y, mid-edges.
-
-    The mid-edges are there because distortion bows a straight edge outwards.
-    """
-    outline = board.outline
-    inward = -np.sign(outline) * board.square
-    middles = (outline + np.roll(outline, -1, axis=0)) / 2
-    x_next, y_next = outline + inward * [1, 0, 0], outline + inward * [0, 1, 0]
-    return np.concatenate([outline, x_next, y_next, middles])

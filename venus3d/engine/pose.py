@@ -167,9 +167,30 @@ def interpolate(start: Pose, end: Pose, fraction: float) -> Pose:
 
 
 def rotations_of(vectors: ArrayLike) -> Array:
-    """Rotation matrices (N, 3, 3) of many pose vectors (N, 6), fixed axes."""
-    angles = np.atleast_2d(np.asarray(vectors, dtype=np.float64))[:, :3]
-    return _matrix(Rotation.from_euler("xyz", angles, degrees=True))
+    """Rotation matrices (N, 3, 3) of many pose vectors (N, 6), fixed axes: `Rz Ry Rx`.
+
+    Written out, since a search asks for thousands: scipy's `from_euler("xyz")` in a fifth of its
+    time.
+    """
+    angles = np.radians(np.atleast_2d(np.asarray(vectors, dtype=np.float64))[:, :3]).T
+    (sx, sy, sz), (cx, cy, cz) = np.sin(angles), np.cos(angles)
+    R = np.empty((angles.shape[1], 3, 3))
+    R[:, 0, 0], R[:, 1, 0], R[:, 2, 0] = cz * cy, sz * cy, -sy
+    R[:, 0, 1], R[:, 1, 1], R[:, 2, 1] = cz * sy * sx - sz * cx, sz * sy * sx + cz * cx, cy * sx
+    R[:, 0, 2], R[:, 1, 2], R[:, 2, 2] = cz * sy * cx + sz * sx, sz * sy * cx - cz * sx, cy * cx
+    return R
+
+
+def angles_of(R: ArrayLike) -> Array:
+    """(N, 3) angles of the pose vector, degrees, of rotations (N, 3, 3); Y within -90 ... 90.
+
+    The inverse of `rotations_of`, but in gimbal lock, where the angles are some that do.
+    """
+    rotations = np.asarray(R, dtype=np.float64)
+    x = np.arctan2(rotations[:, 2, 1], rotations[:, 2, 2])
+    y = np.arcsin(np.clip(-rotations[:, 2, 0], -1.0, 1.0))
+    z = np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0])
+    return np.degrees(np.stack([x, y, z], axis=1))
 
 
 def _matrix(rotation: Any) -> Array:
