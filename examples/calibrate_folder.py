@@ -8,10 +8,11 @@ from __future__ import annotations
 import sys
 
 from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate, warnings_for
+from venus3d.engine.calibration import calibrate
 from venus3d.engine.camera import PARAMETERS
 from venus3d.engine.costs import projection_error_px
 from venus3d.engine.detection import Detector
+from venus3d.engine.diagnosis import diagnose
 from venus3d.sources.opening import open_source
 
 
@@ -38,8 +39,8 @@ def main(folder: str, *board_arguments: str) -> None:
     # The rms says how well the model fits these views; this says how well the camera is known.
     error = projection_error_px(result.camera, result.covariance)
     print(f"rms {result.rms_px:.3f} px; expected error of a projected point {error:.3f} px")
-    for warning in warnings_for(result):
-        print(warning)
+    for diagnosis in diagnose(detector.board, result):
+        print(diagnosis)
 
 
 if __name__ == "__main__":

@@ -113,10 +113,8 @@ def test_layout_and_inversion_are_found_out_and_said(
     assert np.abs(errors_of(first, printed, paper_camera, VECTORS[0])).max() < 0.15
     assert detector.settle(pictures[1:]) == printed
     assert detector.settled
-    said = " ".join(detector.notes)
-    assert ("layout" in said) == legacy
-    assert ("white on black" in said) == inverted
-    assert len(detector.notes) == legacy + inverted
+    assert [d.kind for d in detector.diagnoses] == ["wrong-layout"] * legacy
+    assert ["white on black" in note for note in detector.notes] == [True] * inverted
 
 
 def test_a_layout_that_was_asked_for_is_kept_if_told_so(

@@ -12,6 +12,7 @@ from venus3d.app.live import LiveGuide
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.detection import Detector
+from venus3d.engine.diagnosis import diagnose, worst_first
 from venus3d.engine.errors import VenusError
 from venus3d.engine.pose import Pose
 from venus3d.engine.session import Session
@@ -62,7 +63,11 @@ def run_guide(
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
             said = (*source.notes, *eyes.detector.notes, *snapshot.warnings, *notes)
-            return GuideResult(snapshot, tuple(dict.fromkeys(said)), truth)
+            # No more views come, so the set is judged as it is.
+            known = snapshot.calibration
+            found = () if known is None else diagnose(snapshot.board, known)
+            final = replace(snapshot, diagnoses=worst_first((*eyes.detector.diagnoses, *found)))
+            return GuideResult(final, tuple(dict.fromkeys(said)), truth)
 
         if options.headless:
             broken = run_headless(session, source, eyes)

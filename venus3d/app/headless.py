@@ -31,6 +31,7 @@ def run_headless(session: Session, source: Source, eyes: Eyes) -> str:
                 break
             observation = eyes.look(frame)
             session.use_board(eyes.detector.board)
+            session.board_diagnoses = eyes.detector.diagnoses
             session.observe(observation)
             work_out(session)
             if isinstance(source, Simulation):

@@ -146,6 +146,7 @@ class LiveGuide:
             self._obey(intent)
         if observation is not None:
             session.use_board(self._eyes.detector.board)
+            session.board_diagnoses = self._eyes.detector.diagnoses
             session.observe(observation)
         if not (self._think() or asked or observation is not None):
             return

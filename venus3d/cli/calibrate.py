@@ -6,11 +6,13 @@ from collections.abc import Sequence
 
 from venus3d.cli.options import CalibrateOptions
 from venus3d.cli.report import deliver, print_result, tell
-from venus3d.engine.calibration import calibrate, warnings_for
+from venus3d.engine.calibration import calibrate
 from venus3d.engine.detection import Detector
+from venus3d.engine.diagnosis import diagnose, worst_first
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.observation import Observation
 from venus3d.engine.selection import choose_informative
+from venus3d.engine.snapshot import Diagnosis
 from venus3d.sources.observing import observe_recording
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of
@@ -45,15 +47,21 @@ def calibrate_command(options: CalibrateOptions) -> None:
         missed = [o.name for o in observations if not o.count]
         if missed and seen:
             warnings.append(f"The board was not found in {_listed(missed)}.")
-    _check_count(seen)
+    # Where most pictures lack the board, they may show another one.
+    found = detector.diagnoses
+    if 2 * sum(o.count > 0 for o in observations) < len(observations):
+        found = (*detector.explain(), *found)
+    _check_count(seen, found)
     calibration = calibrate(detector.board, seen)
-    warnings += warnings_for(calibration)
-    print_result(calibration, warnings)
-    summary = summary_of(calibration, detector.board, warnings=warnings)
+    diagnoses = worst_first(dict.fromkeys((*found, *diagnose(detector.board, calibration))))
+    print_result(calibration, warnings, diagnoses=diagnoses)
+    summary = summary_of(calibration, detector.board, warnings=warnings, diagnoses=diagnoses)
     deliver(summary, calibration, detector.board, output=options.output, as_json=options.json)
 
 
-def _check_count(seen: Sequence[Observation]) -> None:
+def _check_count(seen: Sequence[Observation], found: Sequence[Diagnosis]) -> None:
+    if len(seen) < FEWEST_VIEWS and found:
+        raise CalibrationError(str(found[0]))
     if 0 < len(seen) < FEWEST_VIEWS:
         picture = "picture shows" if len(seen) == 1 else "pictures show"
         raise CalibrationError(

@@ -28,6 +28,8 @@ def guide(options: GuideOptions) -> None:
     result = run_guide(options, on_result=lambda complete: _keep(complete, options))
     snapshot = result.snapshot
     if snapshot.calibration is None:
+        if options.headless and snapshot.diagnoses:
+            raise CalibrationError(str(snapshot.diagnoses[0]))
         if options.headless:
             raise CalibrationError(
                 "No view was captured, so there is no result; check the board's options, or use "
@@ -35,7 +37,7 @@ def guide(options: GuideOptions) -> None:
             )
         print("No view was captured, so there is no result.")
         return
-    print_result(snapshot.calibration, result.warnings, result.truth)
+    print_result(snapshot.calibration, result.warnings, result.truth, snapshot.diagnoses)
     deliver(
         _summary(result),
         snapshot.calibration,
@@ -68,6 +70,7 @@ def _summary(result: GuideResult) -> dict[str, Any]:
         snapshot.calibration,
         snapshot.board,
         warnings=result.warnings,
+        diagnoses=snapshot.diagnoses,
         converged=snapshot.convergence is not None and snapshot.convergence.converged,
         truth=result.truth,
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from venus3d.engine.camera import PARAMETERS, Camera
-from venus3d.engine.snapshot import Calibration, Progress
+from venus3d.engine.snapshot import Calibration, Diagnosis, Progress
 from venus3d.engine.words import PARAMETER_WORDS
 from venus3d.storage.result import to_json, write_result
 
@@ -44,7 +44,10 @@ def _views(calibration: Calibration) -> str:
 
 
 def print_result(
-    calibration: Calibration, warnings: Sequence[str], truth: Camera | None = None
+    calibration: Calibration,
+    warnings: Sequence[str],
+    truth: Camera | None = None,
+    diagnoses: Sequence[Diagnosis] = (),
 ) -> None:
     """Print the result for a person."""
     corners = sum(view.observation.count for view in calibration.views)
@@ -57,6 +60,8 @@ def print_result(
     )
     for warning in warnings:
         print(f"Mind: {warning}")
+    for diagnosis in diagnoses:
+        print(f"Diagnosis: {diagnosis.cause}\n     Cure: {diagnosis.cure}")
 
 
 def deliver(

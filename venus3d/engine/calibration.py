@@ -25,12 +25,8 @@ Model = Literal["full", "startup"]
 
 PARALLEL_DEG = 0.5
 """Views whose normals differ by less count as parallel: they share one vanishing line."""
-WEAK_ANGLE_DEG = 20.0
-"""Below this largest angle between two views a set is called weak."""
 UNDETERMINED = 0.1
 """A focal length whose sigma is more than this share of it is not determined."""
-WEAK_SIGMA = 0.01
-"""A focal length whose sigma is more than this share of it is called weak."""
 # The least corner noise to judge by, since exact corners must not make a degenerate set look
 # determined. The start-up model blames a lens's distortion on f, so it is judged more strictly.
 _NOMINAL_NOISE_PX: dict[Model, float] = {"full": 0.05, "startup": 0.25}
@@ -109,26 +105,6 @@ def calibrate(
     )
     _check_result(calibration)
     return calibration
-
-
-def warnings_for(calibration: Calibration) -> tuple[str, ...]:
-    """What is weak about a set of views although it determines a camera; sentences."""
-    found: list[str] = []
-    f = calibration.camera.parameters[:2]
-    share = float(np.max(calibration.sigma[:2] / f))
-    if all(calibration.free):
-        angle = largest_angle_deg(calibration)
-        if angle < WEAK_ANGLE_DEG:
-            found.append(
-                f"The views differ by only {angle:.0f}° in tilt, so the focal length is weak and "
-                "a low rms proves little; add views tilted by 20-45° in different directions."
-            )
-    if share > WEAK_SIGMA:
-        found.append(
-            f"The focal length is known to {100 * share:.1f} % only; add views that are tilted by "
-            "20-45° and fill the picture."
-        )
-    return tuple(found)
 
 
 def largest_angle_deg(calibration: Calibration) -> float:

@@ -7,6 +7,7 @@ layout or white on black is found out. Which frames are worth keeping is left to
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
@@ -16,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.board import Board
+from venus3d.engine.board_diagnosis import BoardCheck, recognise
 from venus3d.engine.calibration import has_spread
 from venus3d.engine.errors import VenusError
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Array
+from venus3d.engine.snapshot import Diagnosis
 
 Region = tuple[int, int, int, int]
 """Search region x0, y0, x1, y1 in pixels; x1 and y1 are not part of it."""
@@ -35,6 +38,8 @@ _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
 _FRAMES_TO_SETTLE = 3
 _FRAMES_AT_MOST = 12
 _LEAD = 2.0
+# So many of the last whole pictures without the board are kept, to be asked what they show.
+_KEPT_MISSED = 3
 
 
 class Detector:
@@ -54,6 +59,8 @@ class Detector:
         self._finders: dict[Board, Any] = {}
         self._evidence: dict[Board, int] = dict.fromkeys(_readings(board), 0)
         self._frames = 0
+        self._check = BoardCheck(board)
+        self._missed: deque[Grey] = deque(maxlen=_KEPT_MISSED)
 
     @property
     def board(self) -> Board:
@@ -67,21 +74,31 @@ class Detector:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was found to differ from the board asked for; sentences."""
-        found: list[str] = []
-        if self._board.legacy != self._asked.legacy:
-            old, new = "layout used before OpenCV 4.6", "layout used since OpenCV 4.6"
-            is_old = self._board.legacy
-            found.append(
-                f"The board is printed in the {old if is_old else new} (legacy is "
-                f"{'on' if is_old else 'off'}), not in the one asked for; it is read that way."
-            )
-        if self._board.inverted != self._asked.inverted:
-            colours = ("white on black", "black on white")[:: 1 if self._board.inverted else -1]
-            found.append(
-                f"The board is printed {colours[0]}, not {colours[1]}; it is read that way."
-            )
-        return tuple(found)
+        """What was found to differ from the board asked for and is read rightly; sentences."""
+        if self._board.inverted == self._asked.inverted:
+            return ()
+        colours = ("white on black", "black on white")[:: 1 if self._board.inverted else -1]
+        return (f"The board is printed {colours[0]}, not {colours[1]}; it is read that way.",)
+
+    @property
+    def diagnoses(self) -> tuple[Diagnosis, ...]:
+        """What the pictures show instead of the board asked for, and how it differs from it."""
+        found = () if self._check.diagnosis is None else (self._check.diagnosis,)
+        if self._board.legacy == self._asked.legacy:
+            return found
+        since, state = ("before", "on") if self._board.legacy else ("since", "off")
+        layout = Diagnosis(
+            "wrong-layout",
+            f"The board is printed in the layout used {since} OpenCV 4.6 (legacy is {state}), not "
+            "in the one asked for; it is read that way.",
+            f"{'Start with' if self._board.legacy else 'Leave out'} --board.legacy to be sure.",
+        )
+        return (*found, layout)
+
+    def explain(self) -> tuple[Diagnosis, ...]:
+        """What the last pictures without the board show instead; may take a second."""
+        found = recognise(self._asked, self._missed)
+        return () if found is None else (found,)
 
     def settle(self, images: Iterable[Any]) -> Board:
         """Look at images until the layout is settled; the board as it is believed then."""
@@ -116,7 +133,11 @@ class Detector:
             return nothing
         ids, corners = self._read(grey)
         if not has_spread(corners):
+            if region is None:
+                self._check.missed(grey)
+                self._missed.append(grey)
             return nothing
+        self._check.found()
         scales = _local_scales(self._board, ids, corners)
         if self._refine:
             corners = _refined(grey, corners, _windows(self._board, scales))

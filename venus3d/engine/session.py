@@ -17,6 +17,7 @@ from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera, planning_camera
 from venus3d.engine.costs import projection_error_px
 from venus3d.engine.decomposition import decompose
+from venus3d.engine.diagnosis import diagnose, worst_first
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.generation import GenerationState
 from venus3d.engine.information import covariance_of, prior_information, view_information
@@ -27,6 +28,7 @@ from venus3d.engine.pose import Array, Pose
 from venus3d.engine.snapshot import (
     Calibration,
     Convergence,
+    Diagnosis,
     Match,
     Phase,
     Progress,
@@ -50,6 +52,8 @@ class Session:
         """A session for images of `image_size` (width, height)."""
         self.settings = settings or Settings()
         self._image_size = image_size
+        self.board_diagnoses: tuple[Diagnosis, ...] = ()
+        """What the detector says of the board it sees; set by whoever drives the session."""
         self._restart(board)
 
     def _restart(self, board: Board) -> None:
@@ -69,6 +73,7 @@ class Session:
         self._generation = GenerationState()
         self._skipped: tuple[Pose, ...] = ()
         self._warnings: tuple[str, ...] = ()
+        self._diagnoses: tuple[Diagnosis, ...] = ()
         self._before = self._observation = Observation.nothing(self._image_size)
         self._pose: Pose | None = None
         self._match: Match | None = None
@@ -157,6 +162,7 @@ class Session:
         self._target = self._match = None
         if self.pending is None:
             self._phase = "finished"
+            self._diagnose()
 
     def use_board(self, board: Board) -> None:
         """Go on with a board whose layout turned out differently; only before the first view."""
@@ -182,6 +188,7 @@ class Session:
             if outcome.suggestion is not None:
                 self._target, self._generation = outcome.suggestion.target, outcome.suggestion.state
                 self._next_target = self._target.number + 1
+        self._diagnose()
         self._pose = locate(self.camera, self.board, self._observation, self._pose)
         self._match = self._matched(None)
         return self.snapshot()
@@ -232,6 +239,7 @@ class Session:
             headline=headline,
             instruction=instruction,
             warnings=self._warnings,
+            diagnoses=worst_first((*self.board_diagnoses, *self._diagnoses)),
         )
 
     def _said(self) -> tuple[str, Words]:
@@ -313,6 +321,11 @@ class Session:
             for information in (known, known + seen)
         )
         return bool(after <= (1 - drop) * before)
+
+    def _diagnose(self) -> None:
+        if self._calibration is not None:
+            growing = self._phase not in ("converged", "finished")
+            self._diagnoses = diagnose(self.board, self._calibration, growing=growing)
 
     def _recalibrate(self) -> None:
         numbers = tuple(number for number, _ in self._captured)

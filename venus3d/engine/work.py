@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate, warnings_for
+from venus3d.engine.calibration import calibrate
 from venus3d.engine.camera import PARAMETERS, Camera, planning_camera
 from venus3d.engine.convergence import Rule, judge
 from venus3d.engine.costs import projection_error_px
@@ -133,8 +133,7 @@ class Work:
         cause = ""
         if len(self.observations) > 1:
             try:
-                full = calibrate(self.board, self.observations, numbers=self.numbers)
-                return full, warnings_for(full)
+                return calibrate(self.board, self.observations, numbers=self.numbers), ()
             except CalibrationError as error:
                 cause = f" {error}"
         # Nothing is lost: the views stay, a simpler model serves until more views come.

@@ -15,7 +15,7 @@ from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.costs import mean_projection_error_px
 from venus3d.engine.observation import View
 from venus3d.engine.pose import Array
-from venus3d.engine.snapshot import Calibration, Progress
+from venus3d.engine.snapshot import Calibration, Diagnosis, Progress
 from venus3d.storage.camera_yaml import write_camera_yaml
 from venus3d.storage.folder import write_bytes
 
@@ -25,12 +25,14 @@ def summary_of(
     board: Board,
     *,
     warnings: Sequence[str] = (),
+    diagnoses: Sequence[Diagnosis] = (),
     converged: bool | None = None,
     truth: Camera | None = None,
 ) -> dict[str, Any]:
     """The result in short: what --json prints. Pixels; the board's lengths in millimetres.
 
     Args:
+        diagnoses: told both as sentences among the warnings and taken apart.
         converged: for a guided calibration; None leaves it out.
         truth: the simulated camera; adds `truth` and `mean_projection_error_px`.
     """
@@ -42,7 +44,8 @@ def summary_of(
         "std": _named(calibration.sigma),
         "image_size": list(camera.image_size),
         "board": board_summary(board),
-        "warnings": list(warnings),
+        "warnings": [*warnings, *map(str, diagnoses)],
+        "diagnoses": [_diagnosis(diagnosis) for diagnosis in diagnoses],
     }
     if converged is not None:
         summary["converged"] = converged
@@ -107,6 +110,16 @@ def write_result(
 def to_json(content: Mapping[str, Any], indent: int | None = None) -> str:
     """JSON that every reader takes: numbers that are not finite become null."""
     return json.dumps(_finite(content), indent=indent, allow_nan=False, ensure_ascii=False)
+
+
+def _diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:
+    return {
+        "kind": diagnosis.kind,
+        "cause": diagnosis.cause,
+        "cure": diagnosis.cure,
+        # Numbers as in `captured`; none where all views are concerned.
+        "views": list(diagnosis.views),
+    }
 
 
 def _view(view: View) -> dict[str, Any]:
