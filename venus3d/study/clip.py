@@ -1,4 +1,4 @@
-"""Frames of a recording in memory, all of 720p and all with the board: what times are measured on."""
+"""Frames of a recording in memory, all of 720p and with the board: what times are measured on."""
 
 from __future__ import annotations
 
@@ -46,8 +46,9 @@ class Clip:
 def load_clip(
     spec: str,
     board: Board,
-    on_count: Callable[[int], None] | None = None,
+    *,
     most: int = MOST_PICTURES,
+    on_count: Callable[[int], None] | None = None,
 ) -> Clip:
     """Up to `most` frames, evenly spread over those that show the board, at about 1280 x 720.
 

@@ -1,0 +1,317 @@
+"""A simulated person who brings the board to a pose with one of three helps. No measurement.
+
+It looks at the help, believes something about what is left to do, moves, and looks again, until the
+program's own `matching` says that the pose is reached. What it believes and how long everything
+takes are `Assumptions`, each with its reason; what comes out follows from them. The real test is
+`venus3d guide --trial` with people. Motions are counted by their duration alone: on the way the
+board is not still, so no pose counts as reached there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import Literal, Protocol
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.matching import Tolerance, match
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.snapshot import Match
+from venus3d.sources.autopilot import TOP_SPEED, TOP_TURN_DEG
+
+Help = Literal["steps", "axes", "outline", "perfect"]
+HELPS: tuple[Help, ...] = ("steps", "axes", "outline", "perfect")
+"""steps: the four steps of eq. (15), one at a time, with the amount that is left (this program).
+axes: the board's axes and the target's over the picture (Rojtberg 2018). outline: the target's
+filled silhouette (AprilCal). perfect: knows the target without looking; nobody can be faster."""
+
+_MIN_JERK_PEAK = 1.875  # peak over mean speed of a bell-shaped motion (Flash and Hogan 1985)
+_MOST_LOOKS = 200
+_ALIGNED_DEG = 10.0  # this near to where one meant to be, one thinks to be there
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """What the simulated person is made of. Times in seconds, errors as standard deviations."""
+
+    reaction_s: float = 0.25
+    """From seeing to beginning to move: simple visual reaction."""
+    reading_s: float = 1.0
+    """To take in a step's arrow and figure for the first time: four fixations. Whoever reads the
+    whole sentence of eight words needs 2 s (240 words a minute; Brysbaert 2019)."""
+    glance_s: float = 0.5
+    """To look again at something known: two fixations of a quarter of a second."""
+    rotation_deg_per_s: float = 60.0
+    """Imagined turns from one picture to another (Shepard and Metzler 1971); with a picture of axes
+    or an outline the turn has to be found in the mind first, a step names it."""
+    fitts_a_s: float = 0.2
+    """Fitts's law (1954), T = a + b log2(2 A / W): starting and stopping."""
+    fitts_b_s: float = 0.2
+    """Seconds a bit. A pointing hand needs about 0.1; a board in two hands is slower."""
+    motor_share: float = 0.05
+    """A motion's end scatters by this share of its length (Harris and Wolpert 1998)."""
+    pivot_mm_per_deg: float = 0.3
+    """A turn also shifts the centre of a board that is held by its edges."""
+    rest_mm: float = 1.2
+    """However short the motion; as for the simulated source's hand."""
+    rest_deg: float = 0.4
+    """The same of a turn."""
+    told_share: float = 0.10
+    """Error of an amount that is told in figures and has to be felt: "turn by 13 degrees"."""
+    place_share: float = 0.05
+    """Error of a shift across the picture, which is seen directly, and of a turn in its plane."""
+    depth_share: float = 0.15
+    """Error of a distance judged by size."""
+    axes_tilt_share: float = 0.25
+    """Error of a tilt judged from the axes' foreshortening, as a share of it ..."""
+    axes_tilt_deg: float = 3.0
+    """... and however small it is."""
+    axes_flip: float = 0.10
+    """How often a tilt is read in the wrong sense from the axes: drawn lines tell near from far
+    only by the knowledge which axis is which."""
+    outline_tilt_share: float = 0.35
+    """Error of a tilt judged from a silhouette, which changes with the cosine only."""
+    outline_tilt_deg: float = 5.0
+    """However small it is."""
+    outline_flip: float = 0.5
+    """A silhouette hardly tells forwards from backwards: the first guess is a coin's."""
+
+    def person(self, spread: float, rng: np.random.Generator) -> Assumptions:
+        """Somebody: all times longer and all errors larger by two factors of their own.
+
+        Both are drawn from a lognormal distribution around 1 with this `spread`.
+        """
+        slow, clumsy = np.exp(spread * rng.standard_normal(2))
+        changed = {
+            name: getattr(self, name) * (slow if name.endswith("_s") else clumsy)
+            for name in (f.name for f in fields(self))
+            if name != "rotation_deg_per_s" and not name.endswith("_flip")
+        }
+        changed["rotation_deg_per_s"] = self.rotation_deg_per_s / slow
+        return replace(self, **changed)
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """How a pose was reached."""
+
+    seconds: float
+    looks: int
+    reached: bool
+    end: Pose
+    """Where the board was left."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A shift and a turn that somebody believes to be missing."""
+
+    shift: Array
+    """(3,) metres, camera frame."""
+    turn_deg: Array
+    """(3,) rotation vector about the camera's axes, degrees."""
+
+
+class Reader(Protocol):
+    """Somebody who looks at a help: what it takes, and what they then mean to do, in order."""
+
+    def __call__(self, now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]: ...
+
+
+def reach(
+    start: Pose,
+    target: Pose,
+    help_: Help,
+    person: Assumptions,
+    camera: Camera,
+    board: Board,
+    rng: np.random.Generator,
+) -> Attempt:
+    """Bring the board from `start` to `target` until `matching` says that it is there."""
+    reader, pose, seconds, looks = READERS[help_](person, board, rng), start, 0.0, 0
+    now = _match(camera, board, pose, target)
+    while not now.reached and looks < _MOST_LOOKS:
+        looks += 1
+        took, motions = reader(now, pose, target)
+        seconds += took
+        for motion in motions:
+            seconds += motion_s(person, board, motion)
+            pose = _moved(pose, motion, person, rng)
+            now = _match(camera, board, pose, target)
+            if now.reached:
+                break
+    return Attempt(seconds, looks, now.reached, pose)
+
+
+def motion_s(person: Assumptions, board: Board, motion: Motion) -> float:
+    """How long a motion takes: the shift and the turn one after the other.
+
+    People switch between placing and turning rather than doing both (Masliah and Milgram 2000).
+    Each takes the time of Fitts's law, its width being the tolerance of a step, and is never faster
+    than a bell-shaped motion with the top speed of the simulated source's hand.
+    """
+    tolerance = Tolerance()
+    width = 2 * tolerance.centre_mm(board) / 1000
+    shift = _single_s(person, float(np.linalg.norm(motion.shift)), width, TOP_SPEED)
+    turn = float(np.linalg.norm(motion.turn_deg))
+    return shift + _single_s(person, turn, 2 * tolerance.deg, TOP_TURN_DEG)
+
+
+def _single_s(person: Assumptions, amount: float, width: float, top_speed: float) -> float:
+    if amount <= 1e-9:
+        return 0.0
+    bits = max(0.0, float(np.log2(2 * amount / width)))
+    fitts_s = person.fitts_a_s + person.fitts_b_s * bits
+    return max(fitts_s, _MIN_JERK_PEAK * amount / top_speed)
+
+
+def _moved(pose: Pose, motion: Motion, person: Assumptions, rng: np.random.Generator) -> Pose:
+    """Where the board really ends up: all that was meant, and what the hand adds to it."""
+    turn = float(np.linalg.norm(motion.turn_deg))
+    shift = float(np.linalg.norm(motion.shift))
+    scatter_deg = np.hypot(person.rest_deg, person.motor_share * turn)
+    scatter_mm = np.hypot(person.rest_mm, 1000 * person.motor_share * shift)
+    scatter_mm = np.hypot(scatter_mm, person.pivot_mm_per_deg * turn)
+    turned = motion.turn_deg + scatter_deg * rng.standard_normal(3)
+    moved = motion.shift + scatter_mm / 1000 * rng.standard_normal(3)
+    return Pose(_rotation(turned) @ pose.R, pose.t + moved)
+
+
+def _rotation(rotvec_deg: Array) -> Array:
+    return Pose.from_rvec_tvec(np.radians(rotvec_deg), np.zeros(3)).R
+
+
+def _match(camera: Camera, board: Board, pose: Pose, target: Pose) -> Match:
+    """As the program sees the board at rest: twice the same corners."""
+    corners = camera.without_distortion().project(pose.apply(board.corners))
+    still = Observation(np.arange(board.corner_count), corners, camera.image_size)
+    return match(camera, board, pose, target, observation=still, before=still)
+
+
+# -- reading the helps ---------------------------------------------------------------------------
+
+
+def _steps_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
+    """One degree of freedom at a time, told in words and figures.
+
+    First the four steps in their order, each once and none that is idle; then whatever is off most.
+    """
+    ahead = [1, 2, 3, 4]
+    tolerance = Tolerance()
+
+    def look(now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]:
+        rest = [float(np.linalg.norm(now.remaining_mm)) / tolerance.centre_mm(board)]
+        rest += [abs(float(angle)) / tolerance.deg for angle in now.remaining_deg]
+        while ahead and rest[ahead[0] - 1] <= 1:
+            ahead.pop(0)
+        took = person.reaction_s + (person.reading_s if ahead else person.glance_s)
+        number = ahead.pop(0) if ahead else 1 + int(np.argmax(rest))
+        told = 1 + person.told_share * rng.standard_normal()
+        if number == 1:
+            return took, [Motion(now.remaining_mm / 1000 * told, np.zeros(3))]
+        turn = np.zeros(3)
+        turn[number - 2] = now.remaining_deg[number - 2] * told
+        return took, [Motion(np.zeros(3), turn)]
+
+    return look
+
+
+def _axes_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
+    """All six at once, from two crosses of axes; each look reads anew."""
+
+    def look(now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]:
+        missing = _missing_deg(pose, target)
+        took = person.reaction_s + person.glance_s
+        took += float(np.linalg.norm(missing)) / person.rotation_deg_per_s
+        sense = -1.0 if rng.random() < person.axes_flip else 1.0
+        return took, _judged(
+            person, now, missing, sense, person.axes_tilt_share, person.axes_tilt_deg, rng
+        )
+
+    return look
+
+
+def _outline_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
+    """The silhouette alone: a sense of the tilt is guessed, and given up when it leads nowhere."""
+    mirrored = rng.random() < person.outline_flip
+
+    def look(now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]:
+        nonlocal mirrored
+        took = person.reaction_s + person.glance_s
+        if pose.angle_to_deg(_believed(target, mirrored)) < _ALIGNED_DEG and now.overlap > 0.7:
+            # It looks right and nothing happens: then it is the other way round.
+            mirrored = not mirrored if person.outline_flip > 0 else mirrored
+        missing = _missing_deg(pose, _believed(target, mirrored))
+        took += float(np.linalg.norm(missing)) / person.rotation_deg_per_s
+        return took, _judged(
+            person, now, missing, 1.0, person.outline_tilt_share, person.outline_tilt_deg, rng
+        )
+
+    return look
+
+
+def _perfect_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
+    """Knows what is missing without looking at anything."""
+
+    def look(now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]:
+        shift, turn = target.t - pose.t, _missing_deg(pose, target)
+        return person.reaction_s, [Motion(shift, np.zeros(3)), Motion(np.zeros(3), turn)]
+
+    return look
+
+
+READERS: dict[Help, Callable[[Assumptions, Board, np.random.Generator], Reader]] = {
+    "steps": _steps_reader,
+    "axes": _axes_reader,
+    "outline": _outline_reader,
+    "perfect": _perfect_reader,
+}
+
+
+def _judged(
+    person: Assumptions,
+    now: Match,
+    missing_deg: Array,
+    sense: float,
+    tilt_share: float,
+    tilt_deg: float,
+    rng: np.random.Generator,
+) -> list[Motion]:
+    """What somebody means to do who judges shift and turn from a picture: place, then turn."""
+    noise = rng.standard_normal(6)
+    shares = np.array([person.place_share, person.place_share, person.depth_share])
+    shift = now.remaining_mm / 1000 * (1 + shares * noise[:3])
+    floor = np.array([tilt_deg, tilt_deg, 0.0])
+    share = np.array([tilt_share, tilt_share, person.place_share])
+    scatter = np.hypot(share * missing_deg, np.minimum(floor, np.linalg.norm(missing_deg)))
+    turn = missing_deg * np.array([sense, sense, 1.0]) + scatter * noise[3:]
+    return [Motion(shift, np.zeros(3)), Motion(np.zeros(3), turn)]
+
+
+def _missing_deg(pose: Pose, target: Pose) -> Array:
+    """(3,) rotation vector from the pose's orientation to the target's, degrees."""
+    return np.degrees(Pose(target.R @ pose.R.T, np.zeros(3)).rvec)
+
+
+def _believed(target: Pose, mirrored: bool) -> Pose:
+    return mirrored_tilt(target) if mirrored else target
+
+
+def mirrored_tilt(pose: Pose) -> Pose:
+    """The board tilted the other way, which covers the same pixels if seen from very far.
+
+    `R = S Rz` with the swing S about an axis in the plane across the line of sight; under parallel
+    projection S and its inverse shorten the board alike.
+    """
+    sight = pose.t / np.linalg.norm(pose.t)
+    axis = np.cross(sight, pose.R[:, 2])
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-9:
+        return pose
+    angle = np.degrees(np.arctan2(sine, float(sight @ pose.R[:, 2])))
+    back = _rotation(-2 * angle * axis / sine)
+    return Pose(back @ pose.R, pose.t)

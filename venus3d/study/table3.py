@@ -1,0 +1,182 @@
+"""Table 3 of the paper with simulated people: the time for ten poses under each help.
+
+A simulation, no measurement: what comes out follows from `hand.Assumptions`, and the lines on
+sensitivity say how much. The same ten targets for every help; time runs from the first pose on, as
+in the paper. People are measured with `venus3d guide --trial`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.limits import Limits
+from venus3d.engine.pose import Pose
+from venus3d.engine.space import Space, random_pose
+from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.study.hand import HELPS, Assumptions, Help, reach
+from venus3d.study.text import minutes, table
+
+Row = dict[str, str | int | float]
+POSES = 10
+PEOPLE = 5
+SPREAD = 0.25
+"""Of people, in times and in errors: a standard deviation of about a quarter."""
+PAPER_S: dict[Help, tuple[int, ...]] = {
+    "axes": (497, 444, 412, 419, 341),
+    "steps": (439, 448, 222, 247, 308),
+}
+"""Table 3, seconds: Pose selection and Pose decomposition."""
+_AS_ASSUMED = "as assumed"
+
+
+@dataclass(frozen=True)
+class Table3Trial:
+    """One simulated person under every help."""
+
+    seed: int
+    person: int
+    assumptions: Assumptions = field(default_factory=Assumptions)
+    variant: str = _AS_ASSUMED
+    """Which assumption was changed, for the lines on sensitivity."""
+
+    @property
+    def key(self) -> str:
+        """Unique in a study."""
+        return f"{self.variant}/{self.person}/{self.seed}"
+
+
+def run_table3(trial: Table3Trial) -> list[Row]:
+    """A row for each help and each pose after the first."""
+    camera, board = PAPER_CAMERA, Board()
+    targets = targets_of(trial.seed, camera, board)
+    # The same person whatever is assumed, so that variants differ by the assumption alone.
+    person = trial.assumptions.person(SPREAD, np.random.default_rng([trial.seed, 1, trial.person]))
+    rows: list[Row] = []
+    for number, help_ in enumerate(HELPS):
+        rng = np.random.default_rng([trial.seed, 2, trial.person, number])
+        pose = targets[0]
+        for count, target in enumerate(targets[1:], start=2):
+            attempt = reach(pose, target, help_, person, camera, board, rng)
+            pose = attempt.end
+            rows.append(
+                {
+                    "kind": "simulated",
+                    "variant": trial.variant,
+                    "person": trial.person,
+                    "help": help_,
+                    "pose": count,
+                    "seconds": round(attempt.seconds, 3),
+                    "looks": attempt.looks,
+                    "reached": int(attempt.reached),
+                }
+            )
+    return rows
+
+
+def targets_of(seed: int, camera: Camera, board: Board, count: int = POSES) -> list[Pose]:
+    """Random valid poses, the same for everybody and every help."""
+    space = Space(board, camera, Limits.for_board(board, camera))
+    rng = np.random.default_rng([seed, 0])
+    return [Pose.from_vector(random_pose(space, rng)) for _ in range(count)]
+
+
+def table3_trials(
+    seed: int,
+    people: int = PEOPLE,
+    assumptions: Assumptions | None = None,
+    sensitivity: bool = True,
+) -> list[Table3Trial]:
+    """Everybody as assumed; then with each assumption halved and doubled."""
+    usual = Assumptions() if assumptions is None else assumptions
+    trials = [Table3Trial(seed, person, usual) for person in range(1, people + 1)]
+    if sensitivity:
+        for name in (f.name for f in fields(usual)):
+            for word, factor in (("halved", 0.5), ("doubled", 2.0)):
+                changed = replace(usual, **{name: getattr(usual, name) * factor})
+                trials += [
+                    Table3Trial(seed, person, changed, f"{name} {word}")
+                    for person in range(1, people + 1)
+                ]
+    return trials
+
+
+def reduction(rows: Sequence[Row], variant: str = _AS_ASSUMED) -> float:
+    """By what share "steps" is faster than "axes", over all people's total times."""
+    steps, axes = (
+        sum(float(r["seconds"]) for r in rows if r["help"] == help_ and r["variant"] == variant)
+        for help_ in ("steps", "axes")
+    )
+    return 1 - steps / axes
+
+
+def table3_text(rows: Sequence[Row]) -> str:
+    """The tables for people: the times beside the paper's, and what the outcome hangs on."""
+    usual = [row for row in rows if row["variant"] == _AS_ASSUMED]
+    people = sorted({int(row["person"]) for row in usual})
+    lines = [_times_line(help_, usual, people) for help_ in HELPS]
+    told: tuple[tuple[Help, str], ...] = (
+        ("axes", "paper, Pose selection"),
+        ("steps", "paper, Pose decomposition"),
+    )
+    for help_, said in told:
+        times = PAPER_S[help_]
+        cells = [minutes(t) for t in times[: len(people)]]
+        cells += ["-"] * (len(people) - len(cells))
+        lines.append((said, *cells, f"{np.mean(times):.0f}", "-", "-"))
+    headings = ("help", *(f"person {n}" for n in people), "mean (s)", "looks a pose", "not reached")
+    paper = 1 - sum(PAPER_S["steps"]) / sum(PAPER_S["axes"])
+    return "\n\n".join(
+        [
+            "SIMULATED PEOPLE, no measurement: time for ten poses from the first on (m:ss)",
+            table(headings, lines),
+            f"Steps against axes: {_signed(-reduction(usual))} of the time (simulated); the paper "
+            f"tells -24.2 %, its own table makes {_signed(-paper)}.",
+            *_sensitivity(rows),
+        ]
+    )
+
+
+_SAID: dict[Help, str] = {
+    "steps": "simulated, decomposed steps",
+    "axes": "simulated, axes overlay",
+    "outline": "simulated, filled outline",
+    "perfect": "simulated, perfect knowledge",
+}
+
+
+def _times_line(help_: Help, rows: Sequence[Row], people: Sequence[int]) -> tuple[str, ...]:
+    mine = [row for row in rows if row["help"] == help_]
+    totals = [sum(float(r["seconds"]) for r in mine if r["person"] == n) for n in people]
+    looks = float(np.mean([float(r["looks"]) for r in mine]))
+    missed = sum(not r["reached"] for r in mine)
+    return (
+        _SAID[help_],
+        *(minutes(total) for total in totals),
+        f"{np.mean(totals):.0f}",
+        f"{looks:.1f}",
+        str(missed),
+    )
+
+
+def _sensitivity(rows: Sequence[Row]) -> list[str]:
+    """How the outcome moves with each assumption, the most decisive first."""
+    variants = {str(row["variant"]) for row in rows}
+    names = {v.removesuffix(" halved") for v in variants if v.endswith(" halved")}
+    if not names:
+        return []
+    ends = {n: (reduction(rows, f"{n} halved"), reduction(rows, f"{n} doubled")) for n in names}
+    ordered = sorted(ends, key=lambda n: (-abs(ends[n][1] - ends[n][0]), n))
+    lines = [(n, _signed(-ends[n][0]), _signed(-ends[n][1])) for n in ordered]
+    return [
+        "What that hangs on: time with steps against axes when one assumption changes (simulated)",
+        table(("assumption", "halved", "doubled"), lines),
+    ]
+
+
+def _signed(share: float) -> str:
+    return f"{100 * share:+.1f} %"
