@@ -11,21 +11,15 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from venus3d.engine.alternatives import nearly_equal
 from venus3d.engine.board import Board
-from venus3d.engine.camera import PARAMETERS, Camera, planning_camera
-from venus3d.engine.costs import (
-    CostFunction,
-    make_cost,
-    predicted_covariance,
-    projection_error_px,
-)
+from venus3d.engine.camera import Camera
+from venus3d.engine.costs import CostFunction, make_cost, projection_error_px
 from venus3d.engine.decomposition import decompose
-from venus3d.engine.errors import VenusError
 from venus3d.engine.generation import (
     Generated,
     GenerationState,
@@ -33,22 +27,17 @@ from venus3d.engine.generation import (
     generate_rojtberg,
     weakest_parameter,
 )
-from venus3d.engine.information import covariance_of, prior_information
 from venus3d.engine.limits import Limits
+from venus3d.engine.noise import NoiseModel
 from venus3d.engine.observation import View
+from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
-from venus3d.engine.reasons import reason_for
-from venus3d.engine.search import Found, Stop, Watch, anneal, search_globally
-from venus3d.engine.snapshot import COSTS, METHODS, Cost, Method, Target
+from venus3d.engine.reasons import reason_for, served
+from venus3d.engine.search import Found, Stop, Watch, search
+from venus3d.engine.snapshot import Cost, Method, Strategy, Target
 from venus3d.engine.space import Space, random_pose
+from venus3d.engine.way import Start, Way, way_of
 
-DEFAULT_COST: dict[Method, Cost] = {
-    "random": "projection-variance",
-    "pose-selection": "projection-variance",
-    "venus": "sum-iod",
-    "global": "projection-variance",
-}
-"""A method's own cost. "random" and "pose-selection" search nothing: it only names what is told."""
 EFFORT = 0.02
 """A pose at the end of all three angles may be this much cheaper and still lose to an upright one.
 
@@ -74,6 +63,9 @@ def suggest(
     *,
     method: Method = "global",
     cost: Cost | None = None,
+    strategy: Strategy | None = None,
+    start: Start = "generated",
+    noise: NoiseModel | None = None,
     limits: Limits | None = None,
     rng: np.random.Generator,
     number: int,
@@ -89,7 +81,9 @@ def suggest(
     Args:
         information: (9, 9) what the views so far say, for corner noise of one pixel.
         sigma_px: standard deviation of a corner coordinate, pixels.
-        cost: None for the method's own (`DEFAULT_COST`).
+        cost, strategy: None for the method's own (`DEFAULT_COST`, `DEFAULT_STRATEGY`).
+        start: where the method venus begins to search: at its rule's pose or at a random one.
+        noise: how noise and found corners depend on the pose; None: they do not.
         limits: None for `Limits.for_board`.
         number: the target's number.
         views: captured so far; only the cost "rms" needs their observations.
@@ -97,97 +91,136 @@ def suggest(
         keep_best: let the annealing return the best pose it met, not the one it ends on.
         stop, on_move: see `search`.
 
-    Raises `VenusError` for a method or cost that does not exist, a cost that the method cannot
-    use, and limits that leave no pose.
+    Raises `VenusError` for what `way_of` refuses, and for limits that leave no pose.
     """
-    chosen = _checked(method, cost)
-    started = time.perf_counter()
-    plan = planning_camera(camera)
-    known = _with_prior(camera, np.asarray(information, dtype=np.float64), sigma_px)
-    before = covariance_of(known, sigma_px)
-    bounds = Limits.for_board(board, plan) if limits is None else limits
-    space = Space(board, plan, bounds, tuple(skipped))
-    begun = (state or GenerationState()).observed(np.sqrt(np.diag(before)))
-    generated = _generated(method, space, before, begun)
-
-    def price() -> CostFunction:
-        seen = [view.observation for view in views]
-        return make_cost(
-            chosen,
-            board=board,
-            camera=plan,
-            information=known,
-            sigma_px=sigma_px,
-            observations=seen,
-            rng=rng,
-        )
-
-    if method == "global":
-        cheap = _with_effort(space, price())
-        found = search_globally(space, cheap, rng, stop=stop, on_move=on_move)
-    elif method == "venus" and generated is not None:
-        start = generated.vector
-        if not space.accepts(start)[0]:
-            start = random_pose(space, rng)
-        found = anneal(space, price(), start, rng, keep_best=keep_best, stop=stop, on_move=on_move)
-    else:
-        vector = random_pose(space, rng) if generated is None else generated.vector
-        found = Found(vector, float("nan"), 0, False)
-
-    after = sigma_px**2 * predicted_covariance(board, plan, known, found.vector)[0]
+    way = way_of(method, cost, strategy, start=start, keep_best=keep_best)
+    began = time.perf_counter()
+    outlook = Outlook.of(board, camera, information, sigma_px, noise)
+    bounds = Limits.for_board(board, outlook.camera) if limits is None else limits
+    space = Space(board, outlook.camera, bounds, tuple(skipped))
+    found, generated, ended = find(
+        way, outlook, space, rng, state=state, views=views, stop=stop, on_move=on_move
+    )
     aimed_at = generated.parameter if method == "pose-selection" and generated else None
-    serves = _served(before, after, aimed_at)
-    pose = Pose.from_vector(found.vector)
-    target = Target(
+    others = tuple(
+        target_at(outlook, way, vector, number, evaluated=found.evaluated)
+        for vector in nearly_equal(outlook, found.vector, found.pool)
+    )
+    target = target_at(
+        outlook,
+        way,
+        found.vector,
+        number,
+        aimed_at=aimed_at,
+        alternatives=others,
+        evaluated=found.evaluated,
+        began=began,
+    )
+    return Suggestion(target, ended, "" if generated is None else generated.note)
+
+
+def find(
+    way: Way,
+    outlook: Outlook,
+    space: Space,
+    rng: np.random.Generator,
+    *,
+    state: GenerationState | None = None,
+    views: Sequence[View] = (),
+    budget: int | None = None,
+    stop: Stop | None = None,
+    on_move: Watch | None = None,
+) -> tuple[Found, Generated | None, GenerationState]:
+    """The pose itself; what the method's rule made, if it has one; the rule's state after it.
+
+    `budget` is about how many poses to look at, None for the search's own. Others as `suggest`.
+    """
+    begun = (state or GenerationState()).observed(np.sqrt(np.diag(outlook.covariance)))
+    made = _generated(way.method, space, outlook.covariance, begun)
+    ended = begun if made is None else made.state
+    if way.strategy is None:
+        vector = random_pose(space, rng) if made is None else made.vector
+        return Found(vector, float("nan"), 0, False), made, ended
+    begin = None
+    if way.strategy == "annealing":
+        ruled = made if way.start == "generated" else None
+        usable = ruled is not None and space.accepts(ruled.vector)[0]
+        begin = ruled.vector if ruled is not None and usable else random_pose(space, rng)
+    found = search(
+        way.strategy,
+        space,
+        _price(way, outlook, space, views, rng),
+        rng,
+        start=begin,
+        budget=budget,
+        stop=stop,
+        on_move=on_move,
+        keep_best=way.keep_best,
+    )
+    return found, made, ended
+
+
+def target_at(
+    outlook: Outlook,
+    way: Way,
+    vector: Array,
+    number: int,
+    *,
+    aimed_at: str | None = None,
+    alternatives: tuple[Target, ...] = (),
+    evaluated: int = 0,
+    began: float | None = None,
+) -> Target:
+    """The complete target at a pose vector (6,).
+
+    Args:
+        aimed_at: the parameter that a rule aimed at; stands first whatever it gains.
+        evaluated: poses looked at.
+        began: `time.perf_counter` when the search began.
+    """
+    camera, board = outlook.camera, outlook.board
+    after = outlook.after(vector)[0]
+    pose, serves = Pose.from_vector(vector), served(outlook.covariance, after, aimed_at)
+    return Target(
         number=number,
         pose=pose,
-        steps=decompose(pose, plan, board),
-        method=method,
-        cost=chosen,
+        steps=decompose(pose, camera, board),
+        method=way.method,
+        cost=way.cost,
         serves=serves,
-        reason=reason_for(serves, pose, plan, board),
+        reason=reason_for(serves, pose, camera, board),
         predicted_sigma=np.sqrt(np.diag(after)),
-        predicted_error_px=projection_error_px(plan, after),
-        evaluated=found.evaluated,
-        search_s=time.perf_counter() - started,
+        predicted_error_px=projection_error_px(camera, after),
+        evaluated=evaluated,
+        search_s=0.0 if began is None else time.perf_counter() - began,
+        error_px=outlook.error_px if outlook.settled else float("nan"),
+        alternatives=alternatives,
     )
-    ended, note = (begun, "") if generated is None else (generated.state, generated.note)
-    return Suggestion(target, ended, note)
 
 
-def _checked(method: Method, cost: Cost | None) -> Cost:
-    if method not in METHODS:
-        raise VenusError(f"There is no method {method!r}; use one of {', '.join(METHODS)}.")
-    if cost is None:
-        return DEFAULT_COST[method]
-    if cost not in COSTS:
-        raise VenusError(f"There is no cost {cost!r}; use one of {', '.join(COSTS)}.")
-    if method in ("random", "pose-selection"):
-        # Named nevertheless: harmless where it is the default, a misunderstanding elsewhere.
-        if cost != DEFAULT_COST[method]:
-            raise VenusError(
-                f"The method {method} does not search, so the cost {cost} has no use there; "
-                "leave the cost out or use the method venus or global."
-            )
-    elif method == "global" and cost == "rms":
-        raise VenusError(
-            "The cost rms calibrates anew for every pose and is too slow for the method global; "
-            "use it with the method venus, or use projection-variance."
-        )
-    return cost
+def _price(
+    way: Way, outlook: Outlook, space: Space, views: Sequence[View], rng: np.random.Generator
+) -> CostFunction:
+    """The cost; for the method global with a tiny surcharge for the turns that a person has to
+    make (see `EFFORT`)."""
+    price = make_cost(
+        way.cost,
+        board=outlook.board,
+        camera=outlook.camera,
+        information=outlook.information,
+        sigma_px=outlook.sigma_px,
+        observations=[view.observation for view in views],
+        rng=rng,
+        noise=outlook.noise,
+    )
+    if way.method != "global":
+        return price
 
+    def with_effort(vectors: Array) -> Array:
+        turns = np.abs(vectors[:, :3]).mean(axis=1) / space.limits.max_angle_deg
+        return price(vectors) * (1 + EFFORT * turns)
 
-def _with_prior(camera: Camera, information: Array, sigma_px: float) -> Array:
-    """The information, with the wide prior added while the views alone say less than it does."""
-    prior = prior_information(camera, sigma_px)
-    believed = sigma_px / np.sqrt(np.diag(prior))
-    with np.errstate(all="ignore"):
-        try:
-            variance = np.diag(covariance_of(information, sigma_px))
-        except np.linalg.LinAlgError:
-            return information + prior
-    settled = bool((variance > 0).all()) and bool((np.sqrt(variance) < believed).all())
-    return information if settled else information + prior
+    return with_effort
 
 
 def _generated(
@@ -208,26 +241,3 @@ def _generated(
             break
         state = made.state
     return made
-
-
-def _with_effort(space: Space, price: CostFunction) -> CostFunction:
-    """The cost with a tiny surcharge for the turns a person has to make (see `EFFORT`)."""
-
-    def cost(vectors: Array) -> Array:
-        turns = np.abs(vectors[:, :3]).mean(axis=1) / space.limits.max_angle_deg
-        return price(vectors) * (1 + EFFORT * turns)
-
-    return cost
-
-
-def _served(before: Array, after: Array, first: str | None) -> tuple[str, ...]:
-    """The parameters whose sigma falls most, best first: at most three, all within 80 % of the
-    largest relative drop. The parameter a rule aimed at stands first whatever it gains."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        drop = 1 - np.sqrt(np.diag(after) / np.diag(before))
-    drop = np.nan_to_num(drop, nan=0.0)
-    order = np.argsort(-drop, kind="stable")[:3]
-    names = [PARAMETERS[i] for i in order if drop[i] >= 0.8 * drop[order[0]]]
-    if first is not None:
-        names = [first, *(name for name in names if name != first)][:3]
-    return cast(tuple[str, ...], tuple(names))
