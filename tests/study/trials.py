@@ -1,0 +1,34 @@
+"""Trials of known outcome that other processes can import."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Some random numbers of a seed."""
+
+    seed: int
+    stop_at: str = ""
+    """A file that, where it exists, makes the process die instead."""
+
+    @property
+    def key(self) -> str:
+        return f"draw-{self.seed}"
+
+
+def drawn(trial: Draw) -> list[dict[str, str | int | float]]:
+    """Three rows; one number of them is a BLAS product, whose last digits may depend on threads."""
+    if trial.stop_at and trial.seed == 5 and Path(trial.stop_at).exists():
+        os._exit(1)
+    rng = np.random.default_rng(trial.seed)
+    matrix = rng.standard_normal((64, 64))
+    return [
+        {"n": n, "value": float(rng.random()), "trace": float(np.trace(matrix @ matrix.T))}
+        for n in range(3)
+    ]

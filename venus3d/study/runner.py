@@ -1,0 +1,179 @@
+"""Trials over the cores or a cluster, with their rows kept as they come.
+
+What a trial does is its function's business; here they are only spread, written down and, after an
+interruption, gone on with. The rows of a finished run do not depend on how many cores made them.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack, closing
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import cv2
+
+from venus3d.engine.errors import StorageError, VenusError
+from venus3d.storage.folder import write_bytes
+
+Value = str | int | float
+Row = Mapping[str, Value]
+REACH_S = 15.0
+"""How long a Dask scheduler may take to answer."""
+
+
+class Trial(Protocol):
+    """One piece of work, small enough to be lost and done again."""
+
+    @property
+    def key(self) -> str:
+        """Unique among the trials and the same in every run."""
+        ...
+
+
+T = TypeVar("T", bound=Trial)
+
+
+def run_trials(
+    function: Callable[[T], Sequence[Row]],
+    trials: Sequence[T],
+    rows_file: Path,
+    *,
+    setup: str = "",
+    jobs: int | None = None,
+    dask: str | None = None,
+    label: str = "trials",
+) -> list[dict[str, Value]]:
+    """Run `function` on every trial; its rows in the trials' order, each with a column `trial`.
+
+    Each trial's rows are appended to a journal beside `rows_file` as soon as they are there, so
+    that a run that was interrupted goes on where it stopped. When all are done `rows_file` (CSV) is
+    written from it.
+
+    Args:
+        function: at a module's top level, so that other processes can import it. It seeds itself
+            from the trial and returns no timings, or rows would differ from run to run.
+        setup: everything besides the trial's key that decides the rows; the journal of another
+            one is refused.
+        jobs: processes; None for one a core.
+        dask: address of a Dask scheduler, such as tcp://host:8786, to use instead.
+
+    Raises `VenusError` for missing packages, a scheduler that does not answer and a journal of
+    another set-up, `StorageError` for a file that cannot be read or written.
+    """
+    keys = [trial.key for trial in trials]
+    if len(set(keys)) < len(keys):
+        raise ValueError("two trials have the same key")
+    journal = rows_file.with_suffix(".journal.jsonl")
+    done = _opened(journal, setup)
+    missing = [trial for trial in trials if trial.key not in done]
+    tqdm: Any = _needed("tqdm", "study").tqdm
+    with ExitStack() as things:
+        finished = (
+            _on_cores(function, missing, jobs)
+            if dask is None
+            else _on_cluster(function, missing, dask, things)
+        )
+        bar = things.enter_context(
+            closing(tqdm(total=len(keys), initial=len(keys) - len(missing), desc=label))
+        )
+        for key, rows in finished:
+            done[key] = [dict(row) for row in rows]
+            _append(journal, {"trial": key, "rows": done[key]})
+            bar.update()
+    table = [{"trial": key, **row} for key in keys for row in done[key]]
+    write_bytes(rows_file, _csv(table).encode())
+    return table
+
+
+def _on_cores(
+    function: Callable[[T], Sequence[Row]], trials: Sequence[T], jobs: int | None
+) -> Iterator[tuple[str, Sequence[Row]]]:
+    joblib: Any = _needed("joblib", "study")
+    count = max(1, min(joblib.cpu_count() if jobs is None else jobs, len(trials)))
+    # The trials fill the cores; threads within them would only get into each other's way.
+    with joblib.parallel_config("loky", n_jobs=count, inner_max_num_threads=1):
+        parallel = joblib.Parallel(return_as="generator_unordered", batch_size=1)
+        try:
+            yield from parallel(joblib.delayed(_one)(function, trial) for trial in trials)
+        except BrokenProcessPool as error:
+            raise VenusError(
+                "A worker process was killed, perhaps for want of memory; what is done is kept: "
+                "run the same command again, with fewer --jobs."
+            ) from error
+
+
+def _on_cluster(
+    function: Callable[[T], Sequence[Row]], trials: Sequence[T], address: str, things: ExitStack
+) -> Iterator[tuple[str, Sequence[Row]]]:
+    distributed: Any = _needed("distributed", "cluster")
+    try:
+        client = things.enter_context(distributed.Client(address, timeout=REACH_S))
+    except (OSError, TimeoutError, ValueError) as error:
+        raise VenusError(
+            f"No Dask scheduler answers at {address}; start one with `dask scheduler` and give its "
+            "address, such as tcp://host:8786."
+        ) from error
+    if not client.scheduler_info()["workers"]:
+        raise VenusError(
+            f"The Dask scheduler at {address} has no workers; start one with "
+            f"`dask worker {address}` where venus3d is installed."
+        )
+    futures = [client.submit(_one, function, trial, pure=False) for trial in trials]
+    return (future.result() for future in distributed.as_completed(futures))
+
+
+def _one(function: Callable[[T], Sequence[Row]], trial: T) -> tuple[str, Sequence[Row]]:
+    cv2.setNumThreads(1)
+    return trial.key, function(trial)
+
+
+def _needed(module: str, extra: str) -> Any:
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise VenusError(
+            f"This needs the package {module}; install it with: pip install 'venus3d[{extra}]'"
+        ) from error
+
+
+def _opened(journal: Path, setup: str) -> dict[str, list[dict[str, Value]]]:
+    """The finished trials of an earlier run of the same set-up; a new journal if there was none."""
+    try:
+        text = journal.read_text("utf-8") if journal.exists() else ""
+    except (OSError, UnicodeError) as error:
+        raise StorageError(f"{journal} cannot be read ({error}); name another output.") from error
+    # What comes after the last line's end was cut off in the middle.
+    lines = [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
+    if lines and lines[0] != {"setup": setup}:
+        raise VenusError(
+            f"{journal} belongs to another run ({lines[0].get('setup')}); name another output, or "
+            "delete it to begin anew."
+        )
+    whole = [{"setup": setup}, *lines[1:]]
+    write_bytes(journal, "".join(json.dumps(line) + "\n" for line in whole).encode())
+    return {line["trial"]: line["rows"] for line in whole[1:]}
+
+
+def _append(journal: Path, line: Mapping[str, Any]) -> None:
+    try:
+        with journal.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
+    except OSError as error:
+        raise StorageError(
+            f"{journal} cannot be written ({error}); what is there is kept."
+        ) from error
+
+
+def _csv(table: Sequence[Row]) -> str:
+    columns = list(dict.fromkeys(name for row in table for name in row))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n", restval="")
+    writer.writeheader()
+    writer.writerows(table)
+    return text.getvalue()
