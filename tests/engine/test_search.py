@@ -44,7 +44,7 @@ def test_the_whole_space_is_searched_to_the_minimum(space: Space) -> None:
         found = search_globally(space, bowl, np.random.default_rng(seed))
         assert found.cost < 0.05 and not found.stopped
         assert space.accepts(found.vector)[0]
-        assert 1000 < found.evaluated <= 500 + 12 * 256
+        assert 3500 <= found.evaluated < 3500 + 64
 
 
 def test_on_the_real_cost_no_local_descent_and_no_sample_is_much_better(
@@ -64,7 +64,7 @@ def test_on_the_real_cost_no_local_descent_and_no_sample_is_much_better(
 
 def test_the_searches_repeat_with_their_seed(space: Space) -> None:
     for search in (
-        lambda rng: search_globally(space, bowl, rng, samples=60, budget=124, neighbours=32),
+        lambda rng: search_globally(space, bowl, rng, budget=300),
         lambda rng: anneal(space, bowl, [0, 0, 0, 0, 0, 0.5], rng),
     ):
         one, two = search(np.random.default_rng(5)), search(np.random.default_rng(5))
@@ -146,7 +146,7 @@ def test_moves_are_reported_with_a_falling_best(space: Space) -> None:
     moves: list[Move] = []
     found = search_globally(space, bowl, np.random.default_rng(0), on_move=moves.append)
     costs = [move.best_cost for move in moves]
-    assert len(moves) == 13 and costs == sorted(costs, reverse=True)
+    assert len(moves) > 10 and costs == sorted(costs, reverse=True)
     assert moves[-1].evaluated == found.evaluated and costs[-1] == found.cost
 
 

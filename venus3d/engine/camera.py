@@ -140,18 +140,17 @@ class Camera:
             axis=-1,
         )
 
-    def distorted_pixels(self, normalised: Array) -> Array:
-        """Eqs (4), (5): ideal coordinates (N, 2, M), x's and y's in one piece each, to pixels.
+    def distorted_pixels(self, x: Array, y: Array) -> Array:
+        """Eqs (4), (5): ideal normalised coordinates, each (...), to pixels (2, ...).
 
         Without a look at where the model ends: see `radius_limit`.
         """
-        x, y = normalised[:, 0], normalised[:, 1]
         x2, y2, xy2 = x * x, y * y, 2 * x * y
         r2 = x2 + y2
         radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
-        pixels = np.empty_like(normalised)
-        pixels[:, 0] = self.fx * (x * radial + self.p1 * xy2 + self.p2 * (r2 + 2 * x2)) + self.cx
-        pixels[:, 1] = self.fy * (y * radial + self.p1 * (r2 + 2 * y2) + self.p2 * xy2) + self.cy
+        pixels = np.empty((2, *x.shape))
+        pixels[0] = self.fx * (x * radial + self.p1 * xy2 + self.p2 * (r2 + 2 * x2)) + self.cx
+        pixels[1] = self.fy * (y * radial + self.p1 * (r2 + 2 * y2) + self.p2 * xy2) + self.cy
         return pixels
 
     def project(self, points: ArrayLike) -> Array:

@@ -1,11 +1,14 @@
 """Our own search: the whole space of poses within the limits, in the time of a blink.
 
+Well-spread samples of the space, then differential evolution in batches. The best poses lie on the
+limits (as near, as tilted, as far into the picture's corner as allowed), where a free neighbour is
+mostly outside; so whatever breaks a limit is brought onto it (`onto_limits`), and steps are
+differences of good poses, which run along the limits that both lie on.
+
 The paper's annealing is in `annealing`, scipy's optimisers as yardsticks in `yardsticks`.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 from scipy.stats import qmc
@@ -16,6 +19,13 @@ from venus3d.engine.pool import Pool
 from venus3d.engine.pose import Array
 from venus3d.engine.space import Space, nothing_fits
 
+_SAMPLES = 0.25  # share of the budget that goes into the first look at the whole space
+_PARENTS = (64, 16)  # at the start and at the end
+_ELITE = 0.1  # share of the parents towards which the others are drawn
+_STRIDE = 0.6  # median length of a step, in differences
+_CROSSOVER = 0.9  # share of the coordinates that a step changes
+_PART = 256  # candidates between two looks at `stop`
+
 
 def search_globally(
     space: Space,
@@ -23,101 +33,124 @@ def search_globally(
     rng: np.random.Generator,
     *,
     budget: int = 3500,
-    samples: int = 500,
-    neighbours: int = 256,
-    parents: int = 32,
-    sigma: float = 0.12,
-    shrink: float = 0.8,
+    rough: CostFunction | None = None,
     stop: Stop | None = None,
     on_move: Watch | None = None,
 ) -> Found:
-    """The whole space: well-spread samples, then ever closer neighbours of the best ones.
+    """The cheapest pose of the space; all randomness is `rng`'s.
 
-    `samples` poses of the space come from a Sobol sequence, shifted at random. Then each of the
-    `rounds` looks at up to `neighbours` Gaussian neighbours of the `parents` best poses met, in the
-    coordinates of `Space.from_unit`: moving away keeps the place in the picture. The standard
-    deviation starts at `sigma` (of the unit cube: 17 degrees, an eighth of the picture) and shrinks
-    by `shrink` each round. A population, so that a good corner of the space is not lost to a better
-    one found first.
+    A quarter of the budget goes into a Sobol sequence over the unit cube of `Space`, shifted at
+    random. The best 64 become parents. A child is `u + F (b - u + p - q)`: parent u, one of the
+    best tenth b, two other parents p and q, F scattered about 0.6 (differential evolution,
+    current-to-pbest/1: Zhang and Sanderson 2009), a tenth of the coordinates kept. The best child
+    that is cheaper takes its parent's place, and the dearest parents drop out until 16 are left.
+
+    Args:
+        budget: costs to compute, about.
+        rough: a quicker cost to rank by; the poses returned have their true cost.
+        stop, on_move: see `search`.
 
     Raises `VenusError` if no pose fits the limits.
     """
-    kept = Pool(space)
-    rounds = max(0, -(-(budget - samples) // neighbours))
-    vectors = _samples(space, min(samples, budget), rng)
-    costs = _costs_in_parts(cost, vectors, stop)
-    evaluated = costs.size
-    kept.add(vectors[:evaluated], costs)
-    pool, costs = _cheapest(space.to_unit(vectors[:evaluated]), costs, parents)
-    _report(on_move, space, pool, costs, pool[0], float(costs[0]), evaluated)
-    stopped = False
-    for _ in range(rounds):
-        stopped = stop is not None and stop()
-        if stopped:
-            break
-        # About half of the neighbours leave the space; twice as many are drawn as are looked at.
-        around = np.repeat(pool, -(-2 * neighbours // len(pool)), axis=0)
-        around = around + sigma * rng.standard_normal(around.shape)
-        sigma *= shrink
-        around = around[space.accepts(space.from_unit(around))]
-        around = around[rng.permutation(len(around))[:neighbours]]
-        if not len(around):
-            continue
-        values = cost(space.from_unit(around))
-        evaluated += len(around)
-        kept.add(space.from_unit(around), values)
-        shown, shown_cost = around[int(np.argmin(values))], float(values.min())
-        pool, costs = _cheapest(
-            np.concatenate([pool, around]), np.concatenate([costs, values]), parents
+    run = _Run(space, cost, rough or cost, stop, on_move)
+    parents, costs = run.samples(budget, rng)
+    while run.pool.evaluated < budget and not run.stopped():
+        spent = run.pool.evaluated / budget
+        count = round(_PARENTS[0] + (_PARENTS[1] - _PARENTS[0]) * spent)
+        order = np.argsort(costs, kind="stable")[:count]
+        parents, costs = parents[order], costs[order]
+        children, of = _children(parents, min(_PART, budget - run.pool.evaluated), rng)
+        found, values, kept = run.look_at(children)
+        _replace(parents, costs, found, values, of[kept])
+    return run.found()
+
+
+class _Run:
+    """One search under way."""
+
+    def __init__(
+        self,
+        space: Space,
+        cost: CostFunction,
+        rough: CostFunction,
+        stop: Stop | None,
+        on_move: Watch | None,
+    ) -> None:
+        self.pool = Pool(space)
+        self._space, self._cost, self._rough = space, cost, rough
+        self._stop, self._on_move, self._stopped = stop, on_move, False
+
+    def stopped(self) -> bool:
+        self._stopped = self._stopped or (self._stop is not None and self._stop())
+        return self._stopped
+
+    def samples(self, budget: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Points (N, 6) of the unit cube spread over the space, and their costs (N,)."""
+        sequence, shift = qmc.Sobol(6, scramble=False), rng.random(6)
+        wanted = max(1, round(_SAMPLES * budget))
+        points: list[Array] = []
+        costs: list[Array] = []
+        for _ in range(64):
+            unit, values, _ = self.look_at((np.asarray(sequence.random(_PART)) + shift) % 1.0)
+            points.append(unit)
+            costs.append(values)
+            if self.pool.evaluated >= wanted or (self.pool.evaluated and self.stopped()):
+                break
+        if not self.pool.evaluated:
+            raise nothing_fits(self._space)
+        return np.concatenate(points), np.concatenate(costs)
+
+    def look_at(self, unit: Array) -> tuple[Array, Array, Array]:
+        """Points (N, 6) brought into the space: those (K, 6) for which it worked, their costs (K,)
+        and numbers (K,)."""
+        vectors, good = self._space.bring_inside(self._space.from_unit(unit))
+        kept = np.flatnonzero(good)
+        if not kept.size:
+            return unit[:0], np.empty(0), kept
+        vectors = vectors[kept]
+        costs = self._rough(vectors)
+        self.pool.add(vectors, costs)
+        self._tell(vectors, costs)
+        return self._space.to_unit(vectors), costs, kept
+
+    def _tell(self, vectors: Array, costs: Array) -> None:
+        """Tell of a batch's best pose; it counts as accepted if it is the best of all."""
+        if self._on_move is None:
+            return
+        i, pool = int(np.argmin(costs)), self.pool
+        cost = float(costs[i])
+        self._on_move(
+            Move(
+                vectors[i], cost, cost <= pool.best_cost, pool.best, pool.best_cost, pool.evaluated
+            )
         )
-        _report(on_move, space, pool, costs, shown, shown_cost, evaluated)
-    return kept.found(stopped)
+
+    def found(self) -> Found:
+        found = self.pool.found(self._stopped)
+        if self._rough is self._cost:
+            return found
+        costs = self._cost(found.pool)
+        order = np.argsort(costs, kind="stable")
+        pool, costs = found.pool[order], costs[order]
+        return Found(pool[0], float(costs[0]), found.evaluated, self._stopped, pool, costs)
 
 
-def _cheapest(pool: Array, costs: Array, count: int) -> tuple[Array, Array]:
-    order = np.argsort(costs, kind="stable")[:count]
-    return pool[order], costs[order]
+def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Children (K, 6) of parents (N, 6), cheapest first, and whose they are (K,); K about count."""
+    n = len(parents)
+    of = np.repeat(np.arange(n), -(-count // n))
+    size = len(of)
+    stride = np.clip(_STRIDE + 0.1 * rng.standard_cauchy((size, 1)), 0.05, 1.2)
+    best = parents[rng.integers(max(1, round(_ELITE * n)), size=size)]
+    one, other = parents[rng.integers(n, size=(2, size))]
+    step = stride * (best - parents[of] + one - other)
+    step *= rng.random((size, 6)) < _CROSSOVER
+    return parents[of] + step, of
 
 
-def _report(
-    on_move: Watch | None,
-    space: Space,
-    pool: Array,
-    costs: Array,
-    shown: Array,
-    shown_cost: float,
-    evaluated: int,
-) -> None:
-    """Tell of a round's best pose; it counts as accepted if it is the best of all."""
-    if on_move is None:
-        return
-    vector, best = space.from_unit(np.stack([shown, pool[0]]))
-    best_cost = float(costs[0])
-    on_move(Move(vector, shown_cost, shown_cost <= best_cost, best, best_cost, evaluated))
-
-
-def _samples(space: Space, count: int, rng: np.random.Generator) -> Array:
-    """Up to `count` poses (N, 6) of the space, well spread."""
-    sequence = qmc.Sobol(6, scramble=False)
-    shift = rng.random(6)
-    found: list[Array] = []
-    for _ in range(32):
-        vectors = space.from_unit((np.asarray(sequence.random(1024)) + shift) % 1.0)
-        found.append(vectors[space.accepts(vectors)])
-        if sum(map(len, found)) >= count:
-            break
-    pool = np.concatenate(found)[:count]
-    if not len(pool):
-        raise nothing_fits(space)
-    return pool
-
-
-def _costs_in_parts(cost: CostFunction, vectors: Array, stop: Stop | None) -> Array:
-    """Costs of the vectors, (N,), or of as many as there was time for; at least one part."""
-    parts: Sequence[Array] = np.array_split(vectors, -(-len(vectors) // 128))
-    costs: list[Array] = []
-    for part in parts:
-        costs.append(cost(part))
-        if stop is not None and stop():
-            break
-    return np.concatenate(costs)
+def _replace(parents: Array, costs: Array, found: Array, values: Array, of: Array) -> None:
+    """Put each parent's cheapest child in its place, in place, if it is cheaper."""
+    order = np.lexsort((values, of))
+    first = order[np.unique(of[order], return_index=True)[1]]
+    better = first[values[first] < costs[of[first]]]
+    parents[of[better]], costs[of[better]] = found[better], values[better]

@@ -33,9 +33,20 @@ def view_information(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLi
     return 0.5 * (marginal + np.swapaxes(marginal, 1, 2))
 
 
-def normal_matrices(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
-    """J^T J (N, 15, 15) of views, the six of the pose first; arguments as `view_information`."""
+def normal_matrices(
+    camera: Camera,
+    points: ArrayLike,
+    R: ArrayLike,
+    t: ArrayLike,
+    weights: ArrayLike | None = None,
+) -> Array:
+    """J^T J (N, 15, 15) of views, the six of the pose first; arguments as `view_information`.
+
+    With weights (M,) each point counts so many times.
+    """
     J = camera.jacobians(points, R, t)
+    if weights is not None:
+        J *= np.sqrt(np.asarray(weights, dtype=np.float64))
     J = J.reshape(*J.shape[:2], -1)
     return J @ np.swapaxes(J, 1, 2)
 

@@ -94,8 +94,8 @@ class Limits:
         good &= far <= (self.max_depth_ratio + _SLACK) * near
         good &= sight.side >= self.min_square_px - _SLACK
         for axis in range(2):
-            good &= sight.low[:, axis] >= low[axis] - _SLACK
-            good &= sight.high[:, axis] <= high[axis] + _SLACK
+            good &= sight.low[axis] >= low[axis] - _SLACK
+            good &= sight.high[axis] <= high[axis] + _SLACK
         return good
 
     def excess(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
@@ -144,7 +144,7 @@ class Limits:
         tilt = np.degrees(np.arccos(np.clip(sight.cosine, -1.0, 1.0)))
         low, high = self.frame(camera)
         behind = np.where(sight.seen, -1.0, 1.0)
-        outside = np.maximum(low - sight.low, sight.high - high).max(axis=1)
+        outside = np.maximum(low[:, None] - sight.low, sight.high - high[:, None]).max(axis=0)
         outside = np.where(sight.seen, outside, np.nan)
         side = np.where(sight.seen, sight.side, np.nan)
         angle = np.abs(p[:, :3]).max(axis=1)
@@ -160,8 +160,7 @@ class Limits:
     def frame(self, camera: Camera) -> tuple[Array, Array]:
         """(2,) smallest and (2,) largest pixel the board may reach: the image less a margin."""
         border = self.margin * camera.width - 0.5
-        low = np.full(2, border)
-        return low, np.array([camera.width - 1, camera.height - 1]) - border
+        return np.full(2, border), np.array([camera.width - 1, camera.height - 1]) - border
 
 
 def brought_within(

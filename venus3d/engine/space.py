@@ -14,6 +14,7 @@ from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import VenusError
 from venus3d.engine.limits import Limits, Mask
+from venus3d.engine.onto_limits import onto_limits
 from venus3d.engine.pose import Array, Pose, rotations_of
 
 SKIPPED_DEG = 15.0
@@ -38,6 +39,13 @@ class Space:
         for pose in self.skipped:
             good &= ~_near(p, pose)
         return good
+
+    def bring_inside(self, vectors: Array) -> tuple[Array, Mask]:
+        """Pose vectors (N, 6) moved onto the limits they break, and which (N,) are inside now."""
+        moved, good = onto_limits(self.limits, self.camera, self.board, vectors)
+        for pose in self.skipped:
+            good &= ~_near(moved, pose)
+        return moved, good
 
     def excess(self, vectors: ArrayLike) -> Array:
         """By how much pose vectors (N, 6) break the limits, (N,): see `Limits.excess`."""
