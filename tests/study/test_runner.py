@@ -59,7 +59,7 @@ def test_a_cluster_of_two_processes_makes_the_same_bytes(
 
 def test_no_scheduler_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("venus3d.study.runner.REACH_S", 1.0)
-    with pytest.raises(VenusError, match="No Dask scheduler answers at tcp://127.0.0.1:9;"):
+    with pytest.raises(VenusError, match=r"No Dask scheduler answers at tcp://127\.0\.0\.1:9;"):
         run_trials(drawn, TRIALS, tmp_path / "rows.csv", dask="tcp://127.0.0.1:9")
 
 

@@ -149,13 +149,13 @@ def _opened(journal: Path, setup: str) -> dict[str, list[dict[str, Value]]]:
     except (OSError, UnicodeError) as error:
         raise StorageError(f"{journal} cannot be read ({error}); name another output.") from error
     # What comes after the last line's end was cut off in the middle.
-    lines = [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
+    lines: list[Any] = [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
     if lines and lines[0] != {"setup": setup}:
         raise VenusError(
             f"{journal} belongs to another run ({lines[0].get('setup')}); name another output, or "
             "delete it to begin anew."
         )
-    whole = [{"setup": setup}, *lines[1:]]
+    whole: list[Any] = [{"setup": setup}, *lines[1:]]
     write_bytes(journal, "".join(json.dumps(line) + "\n" for line in whole).encode())
     return {line["trial"]: line["rows"] for line in whole[1:]}
 
