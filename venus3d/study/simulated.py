@@ -1,0 +1,137 @@
+"""A guided calibration on simulated corners: the paper's camera and noise, targets exactly followed.
+
+No picture is rendered and no board found: corners are projections with Gaussian noise (4.1.2). How
+poses are chosen is told by the engine's `Settings`; everything else is the engine's own `Work`, so
+that what is studied is what guides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.calibration import calibrate
+from venus3d.engine.camera import Camera
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.generation import GenerationState
+from venus3d.engine.limits import Limits
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.projection_error import grid_pixels
+from venus3d.engine.work import Outcome, Settings, Work
+from venus3d.sources.sim import PAPER_CAMERA
+
+NOISE_PX = float(np.sqrt(0.1))
+"""Standard deviation of a corner coordinate: variance 0.1 px^2 (4.1.2)."""
+START_DEG = 45.0
+"""The first pose, [45, 0, 0, 0, 0, z] (3.1)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One calibration of a walk."""
+
+    outcome: Outcome
+    poses: tuple[Pose, ...]
+    """`T_camera_board` of the views in truth."""
+    lost: int
+    """Views so far that could not be calibrated with the others and were taken again."""
+
+
+def walk(
+    settings: Settings,
+    views: int,
+    *,
+    seed: int,
+    repeat: int,
+    truth: Camera = PAPER_CAMERA,
+    board: Board | None = None,
+    noise_px: float = NOISE_PX,
+) -> Iterator[Stage]:
+    """Calibrations with 1, 2, ... `views` views, each view taken exactly where it was asked for.
+
+    The noise depends on the seed, the repeat and the view alone, so that methods can be compared
+    pair by pair; the search's own chances come from `settings.seed`.
+
+    Raises `CalibrationError` if a view fails again and again.
+    """
+    held = board or Board()
+    settings = replace(settings, max_views=views + 1, seed=_one_seed(seed, repeat))
+    pose = first_pose(truth, held)
+    work: Work | None = None
+    poses: list[Pose] = []
+    lost = 0
+    for view in range(views):
+        for attempt in range(10):
+            rng = np.random.default_rng([seed, repeat, view, attempt])
+            seen = observed(truth, held, pose, rng, noise_px)
+            try:
+                outcome = _following(work, settings, held, seen).run()
+                break
+            except CalibrationError:
+                lost += 1
+        else:
+            raise CalibrationError(f"View {view + 1} failed ten times with new noise each time.")
+        poses.append(pose)
+        yield Stage(outcome, tuple(poses), lost)
+        work = outcome.work
+        if outcome.suggestion is not None:
+            work = replace(work, generation=outcome.suggestion.state)
+            pose = outcome.suggestion.target.pose
+        work = replace(work, history=outcome.history)
+
+
+def observed(
+    truth: Camera, board: Board, pose: Pose, rng: np.random.Generator, noise_px: float = NOISE_PX
+) -> Observation:
+    """The corners of the board as a detector with this noise would see them, within the image."""
+    pixels = truth.project(pose.apply(board.corners))
+    pixels = pixels + rng.normal(0, noise_px, pixels.shape)
+    inside = ((pixels >= 0) & (pixels < truth.image_size)).all(axis=1)
+    return Observation(np.flatnonzero(inside), pixels[inside], truth.image_size)
+
+
+def first_pose(truth: Camera, board: Board) -> Pose:
+    """[45, 0, 0, 0, 0, z] with the smallest z at which the frontal board is seen as a whole."""
+    limits = replace(Limits.for_board(board, truth), nearest=0.0, min_square_px=0.0)
+    z = np.geomspace(0.05, 5.0, 2000)
+    frontal = np.zeros((len(z), 6))
+    frontal[:, 5] = z
+    seen = np.flatnonzero(limits.accepts(truth, board, frontal))
+    return Pose.from_vector([START_DEG, 0, 0, 0, 0, float(z[seen[0]])])
+
+
+def _one_seed(seed: int, repeat: int) -> int:
+    """One number for the engine's settings out of two."""
+    return int(np.random.SeedSequence([seed, repeat]).generate_state(1)[0])
+
+
+def _following(before: Work | None, settings: Settings, board: Board, seen: Observation) -> Work:
+    if before is None:
+        return Work(
+            board=board,
+            settings=settings,
+            observations=(seen,),
+            numbers=(1,),
+            history=(),
+            generation=GenerationState(),
+            skipped=(),
+            target_number=1,
+            start=calibrate(board, [seen], model="startup").camera,
+            keep_going=True,
+        )
+    return replace(
+        before,
+        observations=(*before.observations, seen),
+        numbers=(*before.numbers, len(before.numbers) + 1),
+        target_number=before.target_number + 1,
+    )
+
+
+def points_before(truth: Camera, depth: float = 1.0) -> Array:
+    """(96, 3) points that the true camera sees in a grid over its whole image, at one depth (m)."""
+    xy = truth.unproject(grid_pixels(truth.image_size))
+    return depth * np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
