@@ -50,12 +50,16 @@ OUTLYING_RATIO, OUTLYING_SPREADS = 1.75, 5.0
 LEAST_OUTLYING_PX = 0.1
 """No view's error is called outlying below this rms."""
 CORRELATED = 0.99
-"""Two parameters of different kinds with a larger |correlation| are known together only."""
+"""Two parameters with a larger |correlation| are known together only, except for these:"""
+CORRELATED_FOCAL = 0.9985
+"""fx and fy share one scale; here it is known 36 times worse than their ratio."""
+CORRELATED_RADIAL = 0.995
+"""k1, k2 and k3 are terms of one series: 0.97 to 0.99 in good sets."""
 NEAREST_M, FARTHEST_M = 0.05, 20.0
 """No board is calibrated with nearer to the lens, or farther away."""
 
 _TILT = "Add views tilted by 20-45° in different directions."
-_KINDS = ("f", "f", "cx", "cy", "k", "k", "p", "p", "k")
+_GROUPS = ("f", "f", "cx", "cy", "k", "k", "p1", "p2", "k")
 # Corner errors of one view scatter its rms by some 8 % (40 corners, two axes): spread at least so.
 _LEAST_SPREAD = 0.08
 
@@ -95,8 +99,7 @@ def worst_first(found: Iterable[Diagnosis]) -> tuple[Diagnosis, ...]:
 
 
 def _parallel_or_weak(_: Board, calibration: Calibration) -> Iterator[Diagnosis]:
-    f = calibration.camera.parameters[:2]
-    share = 100 * float(np.max(calibration.sigma[:2] / f))
+    share = 100 * _focal_share(calibration)
     angle = largest_angle_deg(calibration)
     if angle < WEAK_ANGLE_DEG:
         yield Diagnosis(
@@ -204,27 +207,39 @@ def _same_depth(board: Board, calibration: Calibration) -> Iterator[Diagnosis]:
 def _correlated(_: Board, calibration: Calibration) -> Iterator[Diagnosis]:
     sigma = calibration.sigma
     correlation = np.abs(calibration.covariance / np.outer(sigma, sigma))
-    # fx with fy (one scale) and k1, k2, k3 with each other always hang together: only their joint
-    # effect is used, so a high correlation within these does no harm. See docs/diagnoses.md.
+    # How near to 1 each pair is, as a share of what its kind is allowed: below 1 is too near.
     pairs = [
-        (float(correlation[i, j]), i, j)
+        ((1 - float(correlation[i, j])) / (1 - _allowed(i, j)), i, j)
         for i, j in combinations(range(9), 2)
-        if _KINDS[i] != _KINDS[j] and correlation[i, j] > CORRELATED
     ]
-    if not pairs:
+    tight = [pair for pair in sorted(pairs) if pair[0] < 1]
+    if _focal_share(calibration) > WEAK_SIGMA or largest_angle_deg(calibration) < WEAK_ANGLE_DEG:
+        tight = [pair for pair in tight if pair[1:] != (0, 1)]  # is told as a weak focal length
+    if not tight:
         return
-    value, i, j = max(pairs)
-    others = (
-        f", and {len(pairs) - 1} more pairs alike"
-        if len(pairs) > 2
-        else (", and one more pair alike" if len(pairs) == 2 else "")
-    )
-    yield Diagnosis(
-        "correlated",
-        f"{PARAMETERS[i]} and {PARAMETERS[j]} cannot be told apart by these views (correlation "
-        f"{value:.4f}{others}): an error of one hides in the other.",
-        "Add views of another kind: tilted to the opposite side, and in the picture's corners.",
-    )
+    _, i, j = tight[0]
+    names = f"{PARAMETERS[i]} and {PARAMETERS[j]}"
+    value = f"correlation {correlation[i, j]:.4f}"
+    if _GROUPS[i] == "f" == _GROUPS[j]:
+        cause = (
+            f"{names} are known only together ({value}): there is little perspective in the views, "
+            f"and the focal length is less certain than its {100 * _focal_share(calibration):.1f} %"
+            " of sigma says."
+        )
+        cure = "Add views that are tilted more, by 30-45° in different directions."
+    elif _GROUPS[i] == _GROUPS[j]:
+        cause = f"{names} can hardly be told apart ({value}): each by itself means little."
+        cure = "Add views with the board in the picture's corners, where the lens bends most."
+    else:
+        cause = f"{names} can hardly be told apart ({value}): an error of one hides in the other."
+        cure = "Add views tilted to the opposite side, and in the picture's corners."
+    yield Diagnosis("correlated", cause, cure)
+
+
+def _allowed(i: int, j: int) -> float:
+    """The largest |correlation| of two parameters, by their indices, that good sets show."""
+    same = _GROUPS[i] == _GROUPS[j]
+    return CORRELATED if not same else CORRELATED_FOCAL if _GROUPS[i] == "f" else CORRELATED_RADIAL
 
 
 def _impossible(board: Board, calibration: Calibration) -> Iterator[Diagnosis]:
@@ -243,6 +258,11 @@ def _impossible(board: Board, calibration: Calibration) -> Iterator[Diagnosis]:
         "Measure a square and start again with --board.square-mm and --board.marker-mm "
         "(the camera's parameters are the same, all distances are wrong).",
     )
+
+
+def _focal_share(calibration: Calibration) -> float:
+    """Sigma of the focal length as a share of it, the larger one of the two axes."""
+    return float(np.max(calibration.sigma[:2] / calibration.camera.parameters[:2]))
 
 
 def _depths(board: Board, calibration: Calibration) -> Array:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.control_panel import Action, ControlPanel
+from venus3d.scene.diagnosis_panel import diagnoses_html
 from venus3d.scene.guidance_panel import guidance_html
 from venus3d.scene.picture import PICTURE_WIDTH
 from venus3d.scene.progress_panel import progress_html, trend, trend_caption, trend_series
@@ -101,6 +102,8 @@ class Page:
         self._set_theme(theme)
         text = guidance_html(snapshot, state, theme, note)
         self.guidance.content = f"<div class='v-wide'>{text}</div>"
+        self.diagnoses.content = diagnoses_html(snapshot)
+        self.diagnoses.visible = bool(self.diagnoses.content)
         self.progress.content = progress_html(snapshot)
         self.projections.content = projections_html(projections, state.step, theme, drawn_by)
         self.controls.show(state)
@@ -131,6 +134,7 @@ class Page:
         panel = gui.add_panel()
         with panel.add_tab("Progress", viser.Icon.CHART_LINE):
             self._add_style()
+            self.diagnoses = gui.add_html("", visible=False)
             self.progress = gui.add_html("")
             self._caption = gui.add_html("", visible=False)
             start = np.array([0.0, 1.0])
