@@ -217,14 +217,14 @@ def _correlated(_: Board, calibration: Calibration) -> Iterator[Diagnosis]:
         tight = [pair for pair in tight if pair[1:] != (0, 1)]  # is told as a weak focal length
     if not tight:
         return
-    _, i, j = tight[0]
+    i, j = tight[0][1:]
     names = f"{PARAMETERS[i]} and {PARAMETERS[j]}"
     value = f"correlation {correlation[i, j]:.4f}"
     if _GROUPS[i] == "f" == _GROUPS[j]:
         cause = (
             f"{names} are known only together ({value}): there is little perspective in the views, "
-            f"and the focal length is less certain than its {100 * _focal_share(calibration):.1f} %"
-            " of sigma says."
+            "so errors that all of them share, as of a board not quite flat, move the focal length "
+            f"by more than its sigma of {100 * _focal_share(calibration):.1f} %."
         )
         cure = "Add views that are tilted more, by 30-45° in different directions."
     elif _GROUPS[i] == _GROUPS[j]:

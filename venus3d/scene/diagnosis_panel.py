@@ -48,6 +48,12 @@ def diagnoses_html(snapshot: Snapshot | None) -> str:
     return f"<div class='v-progress v-diagnoses'><h3>Before you trust this</h3>{items}{rest}</div>"
 
 
+def doubt(snapshot: Snapshot) -> Diagnosis | None:
+    """The worst diagnosis that speaks against the result; None if none does."""
+    against = (d for d in snapshot.diagnoses if TITLES[d.kind][0] != "note")
+    return next(against, None)
+
+
 def _item(diagnosis: Diagnosis, unread: bool) -> str:
     severity, title = TITLES[diagnosis.kind]
     if unread:

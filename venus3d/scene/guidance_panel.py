@@ -10,6 +10,7 @@ from html import escape
 from venus3d.engine.decomposition import Steps
 from venus3d.engine.snapshot import Match, Snapshot
 from venus3d.engine.words import HOLD_STILL, STEP_RIGHT
+from venus3d.scene.diagnosis_panel import doubt
 from venus3d.scene.palette import STEP_STYLES, step_style
 from venus3d.scene.style import Theme
 from venus3d.scene.view_state import ViewState
@@ -24,6 +25,8 @@ _NEXT = {
     "converged": "Capture more views if you like, or press Finish.",
     "finished": "You may close this page.",
 }
+
+_DOUBTED = "The reason stands at the top left. C captures a view, Finish ends it as it is."
 
 
 def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, note: str) -> str:
@@ -45,12 +48,20 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
 
 
 def _state_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) -> str:
+    against = doubt(snapshot)
+    if snapshot.phase == "converged" and against is not None:
+        # The sigmas have settled, but on views that do not say enough.
+        headline = "Settled, but do not trust it yet"
+        return _card(theme.info, "!", headline, against.cure, "", _second(_DOUBTED), note)
     busy = snapshot.phase == "captured"
     colour, mark = (theme.info, "…") if busy else (theme.good, "✓")
     sentence = snapshot.instruction.holder
     second = _NEXT.get(snapshot.phase, "")
-    chips = f"<div class='v-second'>{escape(second)}</div>" if second else ""
-    return _card(colour, mark, _HEADLINES[snapshot.phase], sentence, "", chips, note)
+    return _card(colour, mark, _HEADLINES[snapshot.phase], sentence, "", _second(second), note)
+
+
+def _second(text: str) -> str:
+    return f"<div class='v-second'>{escape(text)}</div>" if text else ""
 
 
 def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) -> str:
