@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import cv2
 import numpy as np
 import pytest
@@ -84,3 +86,11 @@ def test_options_that_make_no_board(options: dict[str, float], cause: str) -> No
 def test_dictionaries_are_those_of_this_opencv() -> None:
     assert "DICT_5X5_100" in DICTIONARIES and "DICT_4X4_50" in DICTIONARIES
     assert all(isinstance(getattr(cv2.aruco, name), int) for name in DICTIONARIES)
+
+
+def test_pickles_after_opencv_objects_were_made() -> None:
+    """A board that had detected something could not be sent to another process."""
+    board = Board(legacy=True)
+    assert board.cv_board is not None
+    again = pickle.loads(pickle.dumps(board))
+    assert again == board and again.cv_board.getLegacyPattern()

@@ -5,7 +5,7 @@ All coordinates are about the board's centre, x along the columns, y along the r
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any
 
@@ -66,6 +66,10 @@ class Board:
                 f"{self.dictionary} has {have} markers, but a board of {self.columns} x "
                 f"{self.rows} squares needs {self.marker_count}; use a larger dictionary."
             )
+
+    def __reduce__(self) -> tuple[type[Board], tuple[Any, ...]]:
+        """Pickled as its options: OpenCV's objects, kept once made, go to no other process."""
+        return Board, astuple(self)
 
     @property
     def marker_count(self) -> int:

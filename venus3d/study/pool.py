@@ -7,6 +7,7 @@ What a method asks for, and when it has enough, is `table1`'s business.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,9 @@ from venus3d.engine.limits import Limits
 from venus3d.engine.localisation import locate
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
+from venus3d.engine.space import Space, random_pose
 from venus3d.sources.observing import observe_recording
+from venus3d.sources.sim import PAPER_CAMERA, Simulation
 
 FEWEST_TRAINING, FEWEST_TEST = 6, 4
 """The repaired rule of convergence gives no verdict before six views; a test on fewer than four
@@ -87,6 +90,27 @@ def pool_of(
         )
     notes = (*recording.notes, *detector.notes)
     return Pool(spec, detector.board, tuple(kept), len(recording.observations), notes)
+
+
+def simulated_pool(board: Board, rng: np.random.Generator, count: int = 150) -> Pool:
+    """Pictures of the simulated camera: `count` random poses within the limits. No real recording.
+
+    Where no recording at hand is rich enough to show a difference between methods, this one is; the
+    pictures are rendered through the paper's camera, blurred and noisy, and detected like others.
+    """
+    limits = Limits.for_board(board, PAPER_CAMERA)
+    space = Space(board, PAPER_CAMERA, limits)
+    detector = Detector(board, find_layout=False)
+    seen: list[Observation] = []
+    seed = int(rng.integers(2**31))
+    with closing(Simulation(board=board, seed=seed, autopilot=False)) as source:
+        for number in range(count):
+            source.move_to(Pose.from_vector(random_pose(space, rng)))
+            frame = source.read()
+            assert frame is not None
+            seen.append(detector.detect(frame.image, name=f"pose {number + 1}"))
+        notes = source.notes
+    return Pool("sim", board, tuple(distinct(seen, board)), count, notes)
 
 
 def distinct(
