@@ -24,6 +24,9 @@ _PARENTS = (64, 16)  # at the start and at the end
 _ELITE = 0.1  # share of the parents towards which the others are drawn
 _STRIDE = 0.6  # median length of a step, in differences
 _CROSSOVER = 0.9  # share of the coordinates that a step changes
+_MIRRORED = 0.07  # share of the children that are mirrored
+# A board left of the centre, its picture mirrored: the angles about Y and Z turn round as well.
+_MIRRORS = np.array([[0, 1, 1, 1, 0, 0], [1, 0, 1, 0, 1, 0], [1, 1, 0, 1, 1, 0]], dtype=bool)
 _PART = 256  # candidates between two looks at `stop`
 
 
@@ -145,7 +148,10 @@ def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Arr
     one, other = parents[rng.integers(n, size=(2, size))]
     step = stride * (best - parents[of] + one - other)
     step *= rng.random((size, 6)) < _CROSSOVER
-    return parents[of] + step, of
+    children = parents[of] + step
+    mirrored = rng.random(size) < _MIRRORED
+    flip = _MIRRORS[rng.integers(len(_MIRRORS), size=size)] & mirrored[:, None]
+    return np.where(flip, 1 - children, children), of
 
 
 def _replace(parents: Array, costs: Array, found: Array, values: Array, of: Array) -> None:

@@ -89,7 +89,8 @@ class Limits:
         low, high = self.frame(camera)
         near, far = sight.near, sight.far
         good = sight.seen & (sight.cosine >= np.cos(np.radians(self.max_tilt_deg)) - _SLACK)
-        good &= np.abs(vectors[:, :3]).max(axis=1) <= self.max_angle_deg + _SLACK
+        for angle in np.abs(vectors[:, :3]).T:
+            good &= angle <= self.max_angle_deg + _SLACK
         good &= (near >= self.nearest - _SLACK) & (far <= self.farthest + _SLACK)
         good &= far <= (self.max_depth_ratio + _SLACK) * near
         good &= sight.side >= self.min_square_px - _SLACK

@@ -48,14 +48,21 @@ class Pool:
         """The end of the search: its best pose, and the best of each neighbourhood."""
         vectors, costs = np.concatenate(self._vectors), np.concatenate(self._costs)
         order = np.argsort(costs, kind="stable")
-        unit = self._space.to_unit(vectors[order])
-        kept: list[int] = []
-        left = np.ones(len(order), dtype=bool)
-        while len(kept) < KEPT and left.any():
-            first = int(np.argmax(left))
-            kept.append(first)
-            left &= np.abs(unit - unit[first]).max(axis=1) > NEAR
-        chosen = order[kept]
+        chosen = order[: 8 * KEPT][self._apart(vectors[order[: 8 * KEPT]])]
+        if len(chosen) < KEPT < len(order):
+            chosen = order[self._apart(vectors[order])]
         return Found(
             self.best, self.best_cost, self.evaluated, stopped, vectors[chosen], costs[chosen]
         )
+
+    def _apart(self, vectors: Array) -> list[int]:
+        """Which of the vectors (N, 6), cheapest first, are the best of their neighbourhoods."""
+        unit = np.ascontiguousarray(self._space.to_unit(vectors).T)
+        kept: list[int] = []
+        left = np.arange(len(vectors))
+        while len(kept) < KEPT and left.size:
+            first = left[0]
+            kept.append(int(first))
+            apart = np.abs(unit[:, left] - unit[:, first, None]).max(axis=0)
+            left = left[apart > NEAR]
+        return kept

@@ -47,9 +47,15 @@ class Space:
             good &= ~_near(moved, pose)
         return moved, good
 
-    def excess(self, vectors: ArrayLike) -> Array:
-        """By how much pose vectors (N, 6) break the limits, (N,): see `Limits.excess`."""
-        return self.limits.excess(self.camera, self.board, vectors)
+    def excess(self, vectors: Array) -> Array:
+        """How far pose vectors (N, 6) are outside, (N,): 0 inside, else a slope that leads back.
+
+        By how much they break the limits (`Limits.excess`), and 1 for each skipped pose nearby.
+        """
+        total = self.limits.excess(self.camera, self.board, vectors)
+        for pose in self.skipped:
+            total += _near(vectors, pose)
+        return total
 
     def from_unit(self, unit: Array) -> Array:
         """Points (N, 6) of the unit cube to pose vectors (N, 6), most of them not in the space.

@@ -102,8 +102,9 @@ class _Objective:
             raise _Ended
         self._left -= len(unit)
         vectors = self._space.from_unit(unit)
-        values = _OUTSIDE + self._space.excess(vectors)
-        inside = np.flatnonzero(self._space.accepts(vectors))
+        excess = self._space.excess(vectors)
+        values = _OUTSIDE + excess
+        inside = np.flatnonzero(excess == 0)
         if len(inside):
             costs = self._cost(vectors[inside])
             values[inside] = np.log(costs / self._pool.first_cost)
