@@ -10,37 +10,47 @@ spot, and gives the result back with `apply`. Meanwhile observations go on being
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from venus3d.engine import words
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera, planning_camera
-from venus3d.engine.costs import projection_error_px
-from venus3d.engine.decomposition import decompose
 from venus3d.engine.diagnosis import diagnose, worst_first
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.generation import GenerationState
-from venus3d.engine.information import covariance_of, prior_information, view_information
+from venus3d.engine.information import view_information
 from venus3d.engine.localisation import locate
 from venus3d.engine.matching import match, motion_px
 from venus3d.engine.observation import Observation
+from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
+from venus3d.engine.saying import said, said_at_startup
 from venus3d.engine.snapshot import (
     Calibration,
     Convergence,
+    Cost,
     Diagnosis,
+    Forecast,
     Match,
+    Method,
     Phase,
     Progress,
     Snapshot,
     Target,
 )
 from venus3d.engine.startup import Startup
-from venus3d.engine.words import Words
-from venus3d.engine.work import LEAST_NOISE_PX, Outcome, Settings, Work
+from venus3d.engine.way import way_of
+from venus3d.engine.work import Outcome, Settings, Work, noise_of
 
-# A start-up target is kept until the estimate has moved the board by more than this share of z.
-_STARTUP_DRIFT = 0.05
+
+@dataclass(frozen=True, eq=False)
+class _Captured:
+    """A view that was taken, and the target it was taken at; None if it was not at one."""
+
+    number: int
+    observation: Observation
+    target: Target | None
 
 
 class Session:
@@ -62,7 +72,7 @@ class Session:
         """The work that waits to be run; `apply` its outcome."""
         self._startup = Startup(board, self._image_size)
         self._phase: Phase = "startup"
-        self._captured: list[tuple[int, Observation]] = []
+        self._captured: list[_Captured] = []
         self._next_view = 1
         self._next_target = 1
         self._target: Target | None = None
@@ -74,6 +84,7 @@ class Session:
         self._skipped: tuple[Pose, ...] = ()
         self._warnings: tuple[str, ...] = ()
         self._diagnoses: tuple[Diagnosis, ...] = ()
+        self._forecast: Forecast | None = None
         self._before = self._observation = Observation.nothing(self._image_size)
         self._pose: Pose | None = None
         self._match: Match | None = None
@@ -100,7 +111,9 @@ class Session:
         self._before, self._observation = self._observation, observation
         if self._phase == "startup":
             self._startup.observe(observation)
-            self._aim_startup()
+            self._target = self._startup.aimed(
+                self._target, self._next_target, self.settings.method, self.settings.cost
+            )
         self._pose = locate(self.camera, self.board, observation, self._pose)
         self._match = self._matched(self._before)
         self._held = self._held + 1 if self._match is not None and self._match.reached else 0
@@ -118,10 +131,13 @@ class Session:
         A view that does not show the focal length is taken as well when asked for: guidance then
         goes on with a guessed camera, and says so, until tilted views come.
         """
-        taken = bool(self._captured) and self._captured[-1][1] is self._observation
+        taken = bool(self._captured) and self._captured[-1].observation is self._observation
         if self._pose is None or taken or self._phase == "finished" or self._ending:
             return False
-        self._captured.append((self._next_view, self._observation))
+        now = self._match
+        there = now is not None and (now.reached or all(now.within))
+        at = self._target if there and self._phase == "guiding" else None
+        self._captured.append(_Captured(self._next_view, self._observation, at))
         self._next_view += 1
         self._keep_going = self._keep_going or self._phase == "converged"
         self._recalibrate()
@@ -135,18 +151,48 @@ class Session:
         self._recalibrate()
         return True
 
+    def choose(self, index: int) -> bool:
+        """Take another of the target's alternatives. False if there is none of that number.
+
+        The pose given up becomes the last alternative, so that `choose(0)` goes round them all.
+        """
+        old = self._target
+        if old is None or self._phase != "guiding" or not 0 <= index < len(old.alternatives):
+            return False
+        others = [other for i, other in enumerate(old.alternatives) if i != index]
+        others.append(replace(old, alternatives=()))
+        self._target = replace(old.alternatives[index], alternatives=tuple(others))
+        self._held = 0
+        self._match = self._matched(None)
+        return True
+
+    def change(self, method: Method, cost: Cost | None = None) -> None:
+        """Find the next poses in another way; a target that is shown is searched anew.
+
+        The method's own search is used, and for `cost` None its own cost. Raises `VenusError` for a
+        combination that makes no sense; the session is then as it was.
+        """
+        way_of(method, cost)
+        same = (method, cost, None)
+        if same == (self.settings.method, self.settings.cost, self.settings.strategy):
+            return
+        self.settings = replace(self.settings, method=method, cost=cost, strategy=None)
+        if self._captured and self._phase in ("guiding", "captured") and not self._ending:
+            self._recalibrate()
+
     def undo(self) -> bool:
         """Take the last captured view back. False if there is none."""
-        return bool(self._captured) and self.drop(self._captured[-1][0])
+        return bool(self._captured) and self.drop(self._captured[-1].number)
 
     def drop(self, number: int) -> bool:
         """Take the view with this number back. False if there is none, or the user has ended it."""
-        numbers = [taken for taken, _ in self._captured]
+        numbers = [view.number for view in self._captured]
         if number not in numbers or self._ending:
             return False
         index = numbers.index(number)
         del self._captured[index]
-        # What was judged with this view among the others does not hold any more.
+        # What was judged or promised with this view among the others does not hold any more.
+        self._captured[index:] = [replace(view, target=None) for view in self._captured[index:]]
         self._history = tuple(p for p in self._history if p.views <= index)
         if self._captured:
             self._recalibrate()
@@ -176,6 +222,7 @@ class Session:
         self.pending = None
         self._calibration, self._information = outcome.calibration, outcome.information
         self._history, self._convergence = outcome.history, outcome.convergence
+        self._forecast = outcome.forecast
         self._warnings = (*outcome.warnings, *([self._lost] if self._lost else []))
         self._lost, self._held = "", 0
         self._target = self._match = None
@@ -223,7 +270,9 @@ class Session:
 
     def snapshot(self) -> Snapshot:
         """Everything about this moment."""
-        headline, instruction = self._said()
+        headline, instruction = said(self._phase, self._match, seen=self._pose is not None)
+        if self._phase == "startup" and not self._startup.determined and self._target is None:
+            headline, instruction = said_at_startup(self._observation.count, self.board)
         return Snapshot(
             number=self._number,
             phase=self._phase,
@@ -240,51 +289,10 @@ class Session:
             instruction=instruction,
             warnings=self._warnings,
             diagnoses=worst_first((*self.board_diagnoses, *self._diagnoses)),
+            forecast=None if self._phase == "finished" else self._forecast,
         )
-
-    def _said(self) -> tuple[str, Words]:
-        if self._phase == "captured":
-            return "Captured", words.CALCULATING
-        if self._phase == "converged":
-            return "Calibrated", words.CONVERGED
-        if self._phase == "finished":
-            return "Finished", words.FINISHED
-        if self._phase == "startup" and not self._startup.determined and self._target is None:
-            count = self._observation.count
-            return "Show the board", words.words_for_startup(count, self.board.corner_count)
-        if self._pose is None:
-            return "Board not seen", words.NOT_SEEN
-        if self._match is None:
-            return "No target", words.NO_TARGET
-        if self._match.reached or all(self._match.within):
-            return "Hold still", words.HOLD_STILL
-        active = self._match.active_step
-        return f"Step {active} of 4", self._match.steps[active - 1].words
 
     # -- how it goes on --------------------------------------------------------------------------
-
-    def _aim_startup(self) -> None:
-        """Keep the start-up target (3.1) on the present estimate of the camera and of z."""
-        if self._startup.distance is None:
-            return
-        pose = self._startup.target
-        old = self._target
-        if old is not None and old.pose.distance_to(pose) < _STARTUP_DRIFT * pose.t[2]:
-            return
-        nothing = float("nan")
-        self._target = Target(
-            number=self._next_target,
-            pose=pose,
-            steps=decompose(pose, self.camera, self.board),
-            method=self.settings.method,
-            cost=self.settings.cost or "projection-variance",
-            serves=("fx", "fy"),
-            reason=words.STARTUP_REASON,
-            predicted_sigma=np.full(9, nothing),
-            predicted_error_px=nothing,
-            evaluated=0,
-            search_s=0.0,
-        )
 
     def _matched(self, before: Observation | None) -> Match | None:
         if self._pose is None or self._target is None:
@@ -311,16 +319,10 @@ class Session:
             return False
         if self._calibration is None:
             return True  # the first view of a recording: there is nothing to compare it with
-        camera = self.camera
-        sigma = max(self._calibration.residual_sigma_px, LEAST_NOISE_PX)
-        known = self._information + prior_information(camera, sigma)
+        now = Outlook.of(self.board, self.camera, self._information, noise_of(self._calibration))
         points = self.board.points_of(self._observation.ids)
-        seen = view_information(camera, points, self._pose.R[None], self._pose.t[None])[0]
-        before, after = (
-            projection_error_px(camera, covariance_of(information, sigma))
-            for information in (known, known + seen)
-        )
-        return bool(after <= (1 - drop) * before)
+        seen = view_information(now.camera, points, self._pose.R[None], self._pose.t[None])[0]
+        return now.with_information(seen).error_px <= (1 - drop) * now.error_px
 
     def _diagnose(self) -> None:
         if self._calibration is not None:
@@ -328,11 +330,11 @@ class Session:
             self._diagnoses = diagnose(self.board, self._calibration, growing=growing)
 
     def _recalibrate(self) -> None:
-        numbers = tuple(number for number, _ in self._captured)
+        numbers = tuple(view.number for view in self._captured)
         self.pending = Work(
             board=self.board,
             settings=self.settings,
-            observations=tuple(observation for _, observation in self._captured),
+            observations=tuple(view.observation for view in self._captured),
             numbers=numbers,
             history=tuple(p for p in self._history if p.views < len(numbers)),
             generation=self._generation,
@@ -340,6 +342,7 @@ class Session:
             target_number=self._next_target if self._target is None else self._target.number + 1,
             start=self._startup.camera,
             keep_going=self._keep_going,
+            last_target=self._captured[-1].target,
         )
         self._phase = "captured"
         self._held = 0

@@ -12,11 +12,13 @@ import numpy as np
 from venus3d.engine.board import Board
 from venus3d.engine.calibration import calibrate, has_spread
 from venus3d.engine.camera import Camera
+from venus3d.engine.decomposition import decompose
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.localisation import locate
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Calibration
+from venus3d.engine.snapshot import Calibration, Cost, Method, Target
+from venus3d.engine.words import STARTUP_REASON
 
 TILT_DEG = 45.0
 """Turn of the first target about the camera's X axis (3.1)."""
@@ -26,6 +28,7 @@ _FARTHER = 1.5  # the first target is at most this much farther than the margin 
 _LEAST_TILT_DEG = 15.0
 _LEAST_CORNERS = 8
 _LARGEST_SHARE = 0.05  # sigma of f over f
+_DRIFT = 0.05  # the target is kept until the estimate has moved it by more than this share of z
 _FOV_DEG = (5.0, 140.0)
 
 
@@ -72,6 +75,29 @@ class Startup:
         if self._distance is not None:
             z = float(np.clip(self._distance, nearest, _FARTHER * nearest))
         return Pose.from_vector([TILT_DEG, 0, 0, 0, 0, z])
+
+    def aimed(
+        self, old: Target | None, number: int, method: Method, cost: Cost | None
+    ) -> Target | None:
+        """The start-up pose as target `number`; `old`, while the estimate has hardly moved it."""
+        if self.distance is None:
+            return old
+        pose, nothing = self.target, float("nan")
+        if old is not None and old.pose.distance_to(pose) < _DRIFT * pose.t[2]:
+            return old
+        return Target(
+            number=number,
+            pose=pose,
+            steps=decompose(pose, self._camera, self._board),
+            method=method,
+            cost=cost or "projection-variance",
+            serves=("fx", "fy"),
+            reason=STARTUP_REASON,
+            predicted_sigma=np.full(9, nothing),
+            predicted_error_px=nothing,
+            evaluated=0,
+            search_s=0.0,
+        )
 
     def observe(self, observation: Observation) -> bool:
         """Take in one frame; true if it gave a better camera. Frames of no use change nothing."""

@@ -16,16 +16,30 @@ from venus3d.engine.camera import PARAMETERS, Camera, planning_camera
 from venus3d.engine.convergence import Rule, judge
 from venus3d.engine.costs import projection_error_px
 from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.forecast import forecast
 from venus3d.engine.generation import GenerationState
 from venus3d.engine.information import view_information
 from venus3d.engine.limits import Limits
 from venus3d.engine.localisation import locate
 from venus3d.engine.matching import Tolerance
+from venus3d.engine.noise import RENDERED, NoiseModel
 from venus3d.engine.observation import Observation, View
+from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.search import Move
-from venus3d.engine.snapshot import Calibration, Convergence, Cost, Method, Progress
+from venus3d.engine.snapshot import (
+    Calibration,
+    Convergence,
+    Cost,
+    Forecast,
+    Method,
+    Progress,
+    Strategy,
+    Target,
+)
+from venus3d.engine.space import Space
 from venus3d.engine.suggest import Suggestion, suggest
+from venus3d.engine.way import way_of
 
 # Corners are never known better than this; keeps predictions finite where residuals vanish.
 LEAST_NOISE_PX = 0.01
@@ -38,6 +52,12 @@ class Settings:
     method: Method = "global"
     cost: Cost | None = None
     """None: the method's own."""
+    strategy: Strategy | None = None
+    """How the method searches; None: its own way."""
+    noise: NoiseModel | None = RENDERED
+    """How noise and found corners depend on a pose, when planning; None: they do not."""
+    wanted_error_px: float = 0.3
+    """The forecast counts the views until the mean projection error is as small."""
     limits: Mapping[str, float] = field(default_factory=dict[str, float])
     """`Limits`' fields that are set by hand; the rest suit the board and the camera."""
     keep_best: bool = False
@@ -73,6 +93,8 @@ class Outcome:
     is_over: bool
     """Whether nothing is left to do: converged, or enough views."""
     warnings: tuple[str, ...]
+    forecast: Forecast | None = None
+    """None while nothing can be said, or when there was no time for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +114,8 @@ class Work:
     """What the start-up knows of the camera; serves while the views determine none."""
     keep_going: bool = False
     """Search on although everything has converged."""
+    last_target: Target | None = None
+    """Where the last view was taken; None if it was not taken at a target."""
 
     def run(
         self,
@@ -104,15 +128,7 @@ class Work:
         """
         calibration, warnings = self._calibrated()
         information = information_of(calibration, self.board)
-        error = projection_error_px(calibration.camera, calibration.covariance)
-        progress = Progress(
-            len(self.observations),
-            calibration.rms_px,
-            calibration.camera.parameters,
-            calibration.sigma,
-            error if all(calibration.free) else float("nan"),
-        )
-        history = (*self.history, progress)
+        history = (*self.history, self._progress(calibration))
         convergence = judge(history, epsilon=self.settings.epsilon, rule=self.settings.rule)
         enough = len(self.observations) >= self.settings.max_views
         is_over = enough or (convergence.converged and not self.keep_going)
@@ -125,7 +141,28 @@ class Work:
         if suggestion is not None and suggestion.note:
             warnings = (*warnings, suggestion.note)
         return Outcome(
-            self, calibration, information, history, convergence, suggestion, is_over, warnings
+            self,
+            calibration,
+            information,
+            history,
+            convergence,
+            suggestion,
+            is_over,
+            warnings,
+            self._forecast(calibration, information, suggestion, stop),
+        )
+
+    def _progress(self, calibration: Calibration) -> Progress:
+        error = projection_error_px(calibration.camera, calibration.covariance)
+        aim = self.last_target
+        return Progress(
+            len(self.observations),
+            calibration.rms_px,
+            calibration.camera.parameters,
+            calibration.sigma,
+            error if all(calibration.free) else float("nan"),
+            np.full(9, np.nan) if aim is None else aim.predicted_sigma,
+            float("nan") if aim is None else aim.predicted_error_px,
         )
 
     def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
@@ -153,28 +190,71 @@ class Work:
         stop: Callable[[], bool] | None,
         on_move: Callable[[Move], None] | None,
     ) -> Suggestion:
-        limits = replace(
-            Limits.for_board(self.board, planning_camera(calibration.camera)),
-            **self.settings.limits,
-        )
+        settings = self.settings
         # Seeded by the target's number, so that a replayed session asks for the same poses.
         return suggest(
             self.board,
             calibration.camera,
             information,
-            max(calibration.residual_sigma_px, LEAST_NOISE_PX),
-            method=self.settings.method,
-            cost=self.settings.cost,
-            limits=limits,
-            rng=np.random.default_rng([self.settings.seed, self.target_number]),
+            noise_of(calibration),
+            method=settings.method,
+            cost=settings.cost,
+            strategy=settings.strategy,
+            noise=settings.noise,
+            limits=self._limits(planning_camera(calibration.camera)),
+            rng=np.random.default_rng([settings.seed, self.target_number]),
             number=self.target_number,
             state=self.generation,
             views=calibration.views,
             skipped=self.skipped,
-            keep_best=self.settings.keep_best,
+            keep_best=settings.keep_best,
             stop=stop,
             on_move=on_move,
         )
+
+    def _limits(self, camera: Camera) -> Limits:
+        return replace(Limits.for_board(self.board, camera), **self.settings.limits)
+
+    def _forecast(
+        self,
+        calibration: Calibration,
+        information: Array,
+        suggestion: Suggestion | None,
+        stop: Callable[[], bool] | None,
+    ) -> Forecast | None:
+        """None before the first full calibration, when stopped, and for the cost "rms", which is
+        too slow to plan with."""
+        settings = self.settings
+        outlook = Outlook.of(
+            self.board, calibration.camera, information, noise_of(calibration), settings.noise
+        )
+        if not all(calibration.free) or not outlook.settled or settings.cost == "rms":
+            return None
+        residuals = 2 * sum(view.observation.count for view in calibration.views)
+        try:
+            return forecast(
+                outlook,
+                way_of(
+                    settings.method,
+                    settings.cost,
+                    settings.strategy,
+                    keep_best=settings.keep_best,
+                ),
+                Space(self.board, outlook.camera, self._limits(outlook.camera), self.skipped),
+                np.random.default_rng([settings.seed, self.target_number, 1]),
+                wanted_px=settings.wanted_error_px,
+                degrees=residuals - len(PARAMETERS) - 6 * len(calibration.views),
+                state=self.generation if suggestion is None else suggestion.state,
+                first=None if suggestion is None else suggestion.target.pose.vector(),
+                stop=stop,
+            )
+        except VenusError:
+            return None  # no pose fits the limits: the suggestion has said so
+
+
+def noise_of(calibration: Calibration) -> float:
+    """Standard deviation of a corner coordinate to plan with, pixels."""
+    return max(calibration.residual_sigma_px, LEAST_NOISE_PX)
 
 
 def provisional(

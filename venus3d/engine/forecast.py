@@ -1,0 +1,140 @@
+"""How many more views it takes until a wanted projection error: a plan ahead, made anew each time.
+
+From what is known now, view after view is added greedily, each the best of a small search, and the
+expected error after each is noted. The plan is only for counting; the poses asked for are
+`suggest`'s, one at a time, since each view changes what is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.stats import chi2
+
+from venus3d.engine.generation import GenerationState
+from venus3d.engine.information import view_information
+from venus3d.engine.moves import Stop
+from venus3d.engine.outlook import Outlook
+from venus3d.engine.pose import Array, rotations_of
+from venus3d.engine.projection_error import projection_weight
+from venus3d.engine.snapshot import Forecast
+from venus3d.engine.space import Space, nothing_fits
+from venus3d.engine.suggest import find
+from venus3d.engine.way import Way
+
+AHEAD = 10
+"""Views planned ahead at most."""
+CONFIDENCE = 0.9
+"""Of the interval."""
+# A plan's search: poses spread over the space once, then rounds of neighbours of the best per view.
+_SPREAD, _NEIGHBOURS, _PARENTS, _ROUNDS, _STRIDE = 512, 128, 16, 2, 0.06
+
+
+def forecast(
+    outlook: Outlook,
+    way: Way,
+    space: Space,
+    rng: np.random.Generator,
+    *,
+    wanted_px: float,
+    degrees: int,
+    state: GenerationState | None = None,
+    first: Array | None = None,
+    ahead: int = AHEAD,
+    stop: Stop | None = None,
+) -> Forecast | None:
+    """Views needed until the mean projection error over the image is `wanted_px` or less.
+
+    Args:
+        degrees: degrees of freedom of the residuals that `outlook.sigma_px` was estimated from.
+        state: of the rule of the methods that have one.
+        first: (6,) the target already found; the plan begins with it.
+        stop: asked before each view.
+
+    Returns None when stopped. Raises `VenusError` if no pose fits the limits.
+    """
+    best, worst = spread_of(degrees)
+    errors = [outlook.error_px]
+    plan = _plan(outlook, way, space, rng, state, first)
+    while len(errors) <= ahead and errors[-1] * worst > wanted_px:
+        if stop is not None and stop():
+            return None
+        errors.append(next(plan))
+    if errors[0] <= wanted_px:
+        return Forecast(wanted_px, 0, 0, 0, 0)
+    views, low, high = (_reached(errors, factor, wanted_px) for factor in (1.0, best, worst))
+    # What is known now is not enough, so at least one more view is needed.
+    return Forecast(wanted_px, views, low and max(low, 1), high, len(errors) - 1)
+
+
+def spread_of(degrees: int) -> tuple[float, float]:
+    """Factors (best, worst) by which all planned errors may come out otherwise.
+
+    From how well the noise is known: `degrees * s^2 / sigma^2` is chi-square distributed.
+    """
+    count, tail = max(degrees, 1), (1 - CONFIDENCE) / 2
+    best, worst = np.sqrt(count / chi2.ppf([1 - tail, tail], count))
+    return float(best), float(worst)
+
+
+def _reached(errors: list[float], factor: float, wanted_px: float) -> int | None:
+    reached = [views for views, error in enumerate(errors) if error * factor <= wanted_px]
+    return reached[0] if reached else None
+
+
+def _plan(
+    outlook: Outlook,
+    way: Way,
+    space: Space,
+    rng: np.random.Generator,
+    state: GenerationState | None,
+    first: Array | None,
+) -> Iterator[float]:
+    """The expected error after one view more, after two, and so on."""
+    poses = _Poses(outlook, space, rng) if way.method == "global" else None
+    while True:
+        if first is not None:
+            vector, first = first, None
+        elif poses is not None:
+            vector = poses.best(outlook)
+        else:
+            found, _, state = find(way, outlook, space, rng, state=state)
+            vector = found.vector
+        outlook = outlook.with_view(vector)
+        yield outlook.error_px
+
+
+class _Poses:
+    """Poses of the space with what a view under each says: computed once, used for every view."""
+
+    def __init__(self, outlook: Outlook, space: Space, rng: np.random.Generator) -> None:
+        self._outlook, self._space, self._rng = outlook, space, rng
+        self._vectors, self._information = np.empty((0, 6)), np.empty((0, 9, 9))
+        self._add(rng.random((_SPREAD, 6)))
+        if not len(self._vectors):
+            raise nothing_fits(space)
+
+    def best(self, outlook: Outlook) -> Array:
+        """(6,) the pose that leaves the least projection error after its view."""
+        for _ in range(_ROUNDS):
+            best = np.argsort(self._variances(outlook), kind="stable")[:_PARENTS]
+            unit = self._space.to_unit(self._vectors[best])
+            around = np.repeat(unit, _NEIGHBOURS // _PARENTS, axis=0)
+            self._add(around + _STRIDE * self._rng.standard_normal(around.shape))
+        return self._vectors[int(np.argmin(self._variances(outlook)))]
+
+    def _variances(self, outlook: Outlook) -> Array:
+        """(N,) mean variance of a projected pixel, over that of a corner, after a view each."""
+        after = np.linalg.inv(outlook.information + self._information)
+        return after.reshape(-1, 81) @ projection_weight(outlook.camera).ravel()
+
+    def _add(self, unit: Array) -> None:
+        vectors, good = self._space.bring_inside(self._space.from_unit(unit))
+        vectors = vectors[good]
+        o = self._outlook
+        told = view_information(o.camera, o.board.corners, rotations_of(vectors), vectors[:, 3:])
+        if o.noise is not None:
+            told *= o.noise.weight(o.camera, o.board, vectors)[:, None, None]
+        self._vectors = np.concatenate([self._vectors, vectors])
+        self._information = np.concatenate([self._information, told])
