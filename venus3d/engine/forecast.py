@@ -65,7 +65,8 @@ def forecast(
         return Forecast(wanted_px, 0, 0, 0, 0)
     views, low, high = (_reached(errors, factor, wanted_px) for factor in (1.0, best, worst))
     # What is known now is not enough, so at least one more view is needed.
-    return Forecast(wanted_px, views, low and max(low, 1), high, len(errors) - 1)
+    low = None if low is None else max(low, 1)
+    return Forecast(wanted_px, views, low, high, len(errors) - 1)
 
 
 def spread_of(degrees: int) -> tuple[float, float]:
@@ -117,19 +118,19 @@ class _Poses:
 
     def best(self, outlook: Outlook) -> Array:
         """(6,) the pose that leaves the least projection error after its view."""
+        variances = _variances(outlook, self._information)
         for _ in range(_ROUNDS):
-            best = np.argsort(self._variances(outlook), kind="stable")[:_PARENTS]
-            unit = self._space.to_unit(self._vectors[best])
-            around = np.repeat(unit, _NEIGHBOURS // _PARENTS, axis=0)
-            self._add(around + _STRIDE * self._rng.standard_normal(around.shape))
-        return self._vectors[int(np.argmin(self._variances(outlook)))]
+            parents = self._vectors[np.argsort(variances, kind="stable")[:_PARENTS]]
+            around = np.repeat(self._space.to_unit(parents), _NEIGHBOURS // _PARENTS, axis=0)
+            told = self._add(around + _STRIDE * self._rng.standard_normal(around.shape))
+            variances = np.concatenate([variances, _variances(outlook, told)])
+        # The next view chooses among the best ones, so that it takes no longer than this one.
+        kept = np.argsort(variances, kind="stable")[:_SPREAD]
+        self._vectors, self._information = self._vectors[kept], self._information[kept]
+        return self._vectors[0]
 
-    def _variances(self, outlook: Outlook) -> Array:
-        """(N,) mean variance of a projected pixel, over that of a corner, after a view each."""
-        after = np.linalg.inv(outlook.information + self._information)
-        return after.reshape(-1, 81) @ projection_weight(outlook.camera).ravel()
-
-    def _add(self, unit: Array) -> None:
+    def _add(self, unit: Array) -> Array:
+        """Take in points (N, 6) of the unit cube; information (K, 9, 9) of those of the space."""
         vectors, good = self._space.bring_inside(self._space.from_unit(unit))
         vectors = vectors[good]
         o = self._outlook
@@ -138,3 +139,11 @@ class _Poses:
             told *= o.noise.weight(o.camera, o.board, vectors)[:, None, None]
         self._vectors = np.concatenate([self._vectors, vectors])
         self._information = np.concatenate([self._information, told])
+        return told
+
+
+def _variances(outlook: Outlook, information: Array) -> Array:
+    """(N,) mean variance of a projected pixel, over that of a corner, after a view of each of the
+    informations (N, 9, 9)."""
+    after = np.linalg.inv(outlook.information + information)
+    return after.reshape(-1, 81) @ projection_weight(outlook.camera).ravel()
