@@ -1,4 +1,4 @@
-"""A guided calibration on simulated corners: the paper's camera and noise, targets exactly followed.
+"""Guided calibrations on simulated corners: the paper's camera and noise, targets followed exactly.
 
 No picture is rendered and no board found: corners are projections with Gaussian noise (4.1.2). How
 poses are chosen is told by the engine's `Settings`; everything else is the engine's own `Work`, so
@@ -7,7 +7,7 @@ that what is studied is what guides.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,10 +17,11 @@ from venus3d.engine.calibration import calibrate
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.generation import GenerationState
+from venus3d.engine.information import covariance_of, view_information
 from venus3d.engine.limits import Limits
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Array, Pose
-from venus3d.engine.projection_error import grid_pixels
+from venus3d.engine.projection_error import grid_pixels, projection_error_px
 from venus3d.engine.work import Outcome, Settings, Work
 from venus3d.sources.sim import PAPER_CAMERA
 
@@ -129,6 +130,27 @@ def _following(before: Work | None, settings: Settings, board: Board, seen: Obse
         numbers=(*before.numbers, len(before.numbers) + 1),
         target_number=before.target_number + 1,
     )
+
+
+def true_information(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAMERA) -> Array:
+    """(9, 9) what views under these poses say in truth, for corner noise of one pixel."""
+    R = np.array([pose.R for pose in poses])
+    t = np.array([pose.t for pose in poses])
+    return np.asarray(view_information(truth, board.corners, R, t).sum(axis=0))
+
+
+def true_error_px(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAMERA) -> float:
+    """Mean projection error over the image that views under these poses leave, pixels.
+
+    From the true camera and noise: no estimate, so methods are compared by their poses alone.
+    Infinite while the views do not determine all nine parameters.
+    """
+    try:
+        covariance = covariance_of(true_information(board, poses, truth), NOISE_PX)
+    except np.linalg.LinAlgError:
+        return float("inf")
+    error = projection_error_px(truth, covariance)
+    return error if (np.diag(covariance) > 0).all() else float("inf")
 
 
 def points_before(truth: Camera, depth: float = 1.0) -> Array:

@@ -1,0 +1,258 @@
+"""`venus3d study bench`: what this project claims about its search, measured here and now.
+
+Speeds are ratios of two things timed in turns within one process. Accuracies are medians over
+seeded repeats, with quartiles. What is compared are the product's own parts with OpenCV's and
+scipy's, and methods with each other by the poses they ask for.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import cv2
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.costs import make_cost
+from venus3d.engine.limits import Limits
+from venus3d.engine.outlook import Outlook
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.search import search
+from venus3d.engine.snapshot import Method
+from venus3d.engine.space import Space, random_pose
+from venus3d.engine.work import Settings, noise_of
+from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.study.runner import Value, run_trials
+from venus3d.study.simulated import NOISE_PX, observed, true_error_px, true_information, walk
+
+VIEWS = 14
+TIMINGS = 15
+"""How often each of two things is timed, in turns."""
+STATES = 10
+"""States of a calibration by `global`, with 2, 3 ... 11 views, on which searches are compared."""
+LONG_RUNS, LONG_BUDGET = 10, 20_000
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One claim, measured."""
+
+    name: str
+    value: float
+    bar: str
+    ok: bool
+    quartiles: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class BenchTrial:
+    """One calibration by one method, or the searches on one state."""
+
+    kind: str
+    """A method, or "state"."""
+    repeat: int
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """`kind/repeat`."""
+        return f"{self.kind}/{self.repeat}"
+
+
+def bench(
+    rows_file: Path, *, seed: int = 0, repeats: int = 20, jobs: int | None = None
+) -> list[Bar]:
+    """Measure every claim; the rows go to `rows_file`. Raises what `run_trials` raises."""
+    speed = (candidate_speed(seed), *suggestion_speed(seed))
+    trials = [
+        *(BenchTrial("state", index, seed) for index in range(STATES)),
+        *(BenchTrial(kind, n, seed) for n in range(repeats) for kind in ("venus", "global")),
+    ]
+    rows = run_trials(
+        bench_trial,
+        trials,
+        rows_file,
+        setup=f"bench seed={seed} views={VIEWS} runs={LONG_RUNS}x{LONG_BUDGET}",
+        jobs=jobs,
+        label="bench",
+    )
+    return [*speed, *judged(rows)]
+
+
+def bench_trial(trial: BenchTrial) -> list[dict[str, Value]]:
+    """The rows of one trial."""
+    return [state_row(trial)] if trial.kind == "state" else method_rows(trial)
+
+
+def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
+    """A row for each view: how good the poses were in truth, the gain promised and the gain got.
+
+    Gains are falls of the expected mean projection error, as the engine itself tells it.
+    """
+    rows: list[dict[str, Value]] = []
+    promised = before = float("nan")
+    settings = Settings(method=cast(Method, trial.kind), noise=None)
+    for stage in walk(settings, VIEWS, seed=trial.seed, repeat=trial.repeat):
+        error = stage.outcome.history[-1].error_px
+        rows.append(
+            {
+                "kind": trial.kind,
+                "repeat": trial.repeat,
+                "views": len(stage.poses),
+                "projection_variance": true_error_px(Board(), stage.poses) ** 2,
+                "promised_gain": before - promised,
+                "gain": before - error,
+            }
+        )
+        next_one = stage.outcome.suggestion
+        before = error
+        promised = float("nan") if next_one is None else next_one.target.predicted_error_px
+    return rows
+
+
+def state_row(trial: BenchTrial) -> dict[str, Value]:
+    """What `global` finds on one state, and the best that long runs of dual annealing find."""
+    settings, views = Settings(noise=None), trial.repeat + 2
+    *_, last = walk(settings, views, seed=trial.seed, repeat=trial.repeat)
+    outcome = last.outcome
+    board = outcome.work.board
+    sigma = noise_of(outcome.calibration)
+    outlook = Outlook.of(board, outcome.calibration.camera, outcome.information, sigma)
+    space = Space(board, outlook.camera, Limits.for_board(board, outlook.camera))
+    cost = make_cost(
+        "projection-variance",
+        board=board,
+        camera=outlook.camera,
+        information=outlook.information,
+        sigma_px=sigma,
+    )
+
+    def found(strategy: Any, chance: int, budget: int | None) -> float:
+        rng = np.random.default_rng([trial.seed, trial.repeat, chance])
+        return search(strategy, space, cost, rng, budget=budget).cost
+
+    long_runs = [found("dual-annealing", 1 + n, LONG_BUDGET) for n in range(LONG_RUNS)]
+    return {
+        "kind": trial.kind,
+        "repeat": trial.repeat,
+        "views": views,
+        "global_cost": found("global", 0, None),
+        "best_cost": min(long_runs),
+    }
+
+
+def judged(rows: Sequence[dict[str, Value]]) -> list[Bar]:
+    """The claims about accuracy, from the trials' rows."""
+    states = [row for row in rows if row["kind"] == "state"]
+    above = np.array([float(row["global_cost"]) / float(row["best_cost"]) for row in states])
+    variance = {kind: _by_repeat(rows, kind, "projection_variance") for kind in ("venus", "global")}
+    ratio = variance["global"][:, 5] / variance["venus"][:, 5]
+    reached = variance["global"] <= variance["venus"][:, -1:]
+    needed = np.where(reached.any(axis=1), reached.argmax(axis=1) + 1, np.inf)
+    gains = _by_repeat(rows, "global", "gain") / _by_repeat(rows, "global", "promised_gain")
+    gains = gains[np.isfinite(gains)]
+    middle = float(np.median(gains))
+    return [
+        _bar("projection variance after 6 views, global over venus", ratio, 1 / 6),
+        _bar("views of global for venus' level at 14", needed, 5),
+        Bar(
+            f"states of {len(states)} in which global is within 5 % of long dual annealing",
+            float(np.sum(above <= 1.05)),
+            ">= 9",
+            bool(np.sum(above <= 1.05) >= 9),
+        ),
+        Bar(
+            "gain of a view over its promise",
+            middle,
+            "0.8 ... 1.25",
+            0.8 <= middle <= 1.25,
+            _quartiles(gains),
+        ),
+    ]
+
+
+def _by_repeat(rows: Sequence[dict[str, Value]], kind: str, column: str) -> Array:
+    """(repeats, views) of a column of a method's rows."""
+    values = [float(row[column]) for row in rows if row["kind"] == kind]
+    return np.array(values).reshape(-1, VIEWS)
+
+
+def _bar(name: str, values: Array, bar: float, *, least: bool = False) -> Bar:
+    """A median against a bar that it must not pass, or, with `least`, must reach."""
+    value = float(np.median(values))
+    ok = value >= bar if least else value <= bar
+    return Bar(name, value, f"{'>=' if least else '<='} {bar:.4g}", ok, _quartiles(values))
+
+
+def _quartiles(values: Array) -> tuple[float, float]:
+    low, high = np.quantile(values, [0.25, 0.75], method="nearest")
+    return float(low), float(high)
+
+
+# -- speed -----------------------------------------------------------------------------------------
+
+
+def candidate_speed(seed: int) -> Bar:
+    """One candidate's cost in a batch of 1000 against one hypothetical calibration, 8 views."""
+    scene = _Scene(seed, views=8)
+    batch = np.array([random_pose(scene.space, scene.rng) for _ in range(1000)])
+    ratios = _ratios(scene.calibrate, lambda: scene.cost(batch)) * len(batch)
+    return _bar("candidate's cost: times faster than a calibration", ratios, 300, least=True)
+
+
+def suggestion_speed(seed: int) -> tuple[Bar, Bar]:
+    """One `global` search at 12 views, in hypothetical calibrations, and how many poses it sees."""
+    scene = _Scene(seed, views=12)
+    looked: list[int] = []
+
+    def suggestion() -> None:
+        rng = np.random.default_rng([seed, len(looked)])
+        looked.append(search("global", scene.space, scene.cost, rng).evaluated)
+
+    ratios = _ratios(suggestion, scene.calibrate)
+    return (
+        _bar("global suggestion: time in calibrations", ratios, 5),
+        _bar("global suggestion: candidates looked at", np.array(looked), 3000, least=True),
+    )
+
+
+class _Scene:
+    """Views of the paper's camera, with what a search of the next one needs."""
+
+    def __init__(self, seed: int, views: int) -> None:
+        self.rng = np.random.default_rng(seed)
+        board, camera = Board(), PAPER_CAMERA
+        self.space = Space(board, camera, Limits.for_board(board, camera))
+        vectors = np.array([random_pose(self.space, self.rng) for _ in range(views + 1)])
+        poses = [Pose.from_vector(vector) for vector in vectors]
+        seen = [observed(camera, board, pose, self.rng) for pose in poses]
+        self._objects: Any = [board.points_of(o.ids).astype(np.float32) for o in seen]
+        self._images: Any = [o.corners.astype(np.float32) for o in seen]
+        self.cost = make_cost(
+            "projection-variance",
+            board=board,
+            camera=camera,
+            information=true_information(board, poses[:views]),
+            sigma_px=NOISE_PX,
+        )
+
+    def calibrate(self) -> None:
+        """What a hypothetical calibration with one more view takes, by OpenCV alone."""
+        cv2.calibrateCamera(self._objects, self._images, PAPER_CAMERA.image_size, None, None)  # type: ignore[call-overload]
+
+
+def _ratios(one: Callable[[], Any], other: Callable[[], Any]) -> Array:
+    """Time of one over time of the other, taken in turns so that both meet the same machine."""
+    for first in (one, other):  # what is made once is made now
+        first()
+    return np.array([_seconds(one) / _seconds(other) for _ in range(TIMINGS)])
+
+
+def _seconds(work: Callable[[], Any]) -> float:
+    began = time.perf_counter()
+    work()
+    return time.perf_counter() - began
