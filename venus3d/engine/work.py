@@ -39,7 +39,7 @@ from venus3d.engine.snapshot import (
 )
 from venus3d.engine.space import Space
 from venus3d.engine.suggest import Suggestion, suggest
-from venus3d.engine.way import way_of
+from venus3d.engine.way import Start, way_of
 
 # Corners are never known better than this; keeps predictions finite where residuals vanish.
 LEAST_NOISE_PX = 0.01
@@ -54,10 +54,12 @@ class Settings:
     """None: the method's own."""
     strategy: Strategy | None = None
     """How the method searches; None: its own way."""
+    start: Start = "generated"
+    """Method venus: where its search begins, at the rule's pose or at a random one."""
     noise: NoiseModel | None = RENDERED
     """How noise and found corners depend on a pose, when planning; None: they do not."""
-    wanted_error_px: float = 0.3
-    """The forecast counts the views until the mean projection error is as small."""
+    wanted_error_px: float | None = 0.3
+    """The forecast counts the views until the mean projection error is as small; None: none."""
     limits: Mapping[str, float] = field(default_factory=dict[str, float])
     """`Limits`' fields that are set by hand; the rest suit the board and the camera."""
     keep_best: bool = False
@@ -200,6 +202,7 @@ class Work:
             method=settings.method,
             cost=settings.cost,
             strategy=settings.strategy,
+            start=settings.start,
             noise=settings.noise,
             limits=self._limits(planning_camera(calibration.camera)),
             rng=np.random.default_rng([settings.seed, self.target_number]),
@@ -225,10 +228,12 @@ class Work:
         """None before the first full calibration, when stopped, and for the cost "rms", which is
         too slow to plan with."""
         settings = self.settings
+        if settings.wanted_error_px is None or settings.cost == "rms":
+            return None
         outlook = Outlook.of(
             self.board, calibration.camera, information, noise_of(calibration), settings.noise
         )
-        if not all(calibration.free) or not outlook.settled or settings.cost == "rms":
+        if not all(calibration.free) or not outlook.settled:
             return None
         residuals = 2 * sum(view.observation.count for view in calibration.views)
         try:
@@ -238,6 +243,7 @@ class Work:
                     settings.method,
                     settings.cost,
                     settings.strategy,
+                    start=settings.start,
                     keep_best=settings.keep_best,
                 ),
                 Space(self.board, outlook.camera, self._limits(outlook.camera), self.skipped),

@@ -95,7 +95,7 @@ def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
     """
     rows: list[dict[str, Value]] = []
     promised = before = float("nan")
-    settings = Settings(method=cast(Method, trial.kind), noise=None)
+    settings = Settings(method=cast(Method, trial.kind))
     for stage in walk(settings, VIEWS, seed=trial.seed, repeat=trial.repeat):
         error = stage.outcome.history[-1].error_px
         rows.append(
@@ -116,7 +116,7 @@ def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
 
 def state_row(trial: BenchTrial) -> dict[str, Value]:
     """What `global` finds on one state, and the best that long runs of dual annealing find."""
-    settings, views = Settings(noise=None), trial.repeat + 2
+    settings, views = Settings(), trial.repeat + 2
     *_, last = walk(settings, views, seed=trial.seed, repeat=trial.repeat)
     outcome = last.outcome
     board = outcome.work.board
