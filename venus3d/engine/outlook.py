@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera, planning_camera
 from venus3d.engine.costs import predicted_covariance, projection_error_px
-from venus3d.engine.information import covariance_of, prior_information
+from venus3d.engine.information import covariance_of, prior_information, view_information
 from venus3d.engine.noise import NoiseModel
-from venus3d.engine.pose import Array
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Array, Pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,12 +74,15 @@ class Outlook:
 
     def with_view(self, vector: ArrayLike) -> Outlook:
         """The outlook once a view under the pose vector (6,) is taken."""
-        after = self.after(vector)[0]
-        return self.with_information(covariance_of(after, self.sigma_px) - self.information)
+        # The inverse of a covariance is its information.
+        after = covariance_of(self.after(vector)[0] / self.sigma_px**2)
+        return replace(self, information=after)
 
-    def with_information(self, more: Array) -> Outlook:
-        """The outlook with information (9, 9) of another view."""
-        return replace(self, information=self.information + more)
+    def with_seen(self, observation: Observation, pose: Pose) -> Outlook:
+        """The outlook with a view as it is seen: those corners, under that pose."""
+        points = self.board.points_of(observation.ids)
+        told = view_information(self.camera, points, pose.R[None], pose.t[None])[0]
+        return replace(self, information=self.information + told)
 
 
 def _settled(information: Array, prior: Array, sigma_px: float) -> bool:

@@ -10,18 +10,16 @@ spot, and gives the result back with `apply`. Meanwhile observations go on being
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera, planning_camera
+from venus3d.engine.captured import Captured
 from venus3d.engine.diagnosis import diagnose, worst_first
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.generation import GenerationState
-from venus3d.engine.information import view_information
-from venus3d.engine.localisation import locate
-from venus3d.engine.matching import match, motion_px
 from venus3d.engine.observation import Observation
 from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
@@ -32,7 +30,6 @@ from venus3d.engine.snapshot import (
     Cost,
     Diagnosis,
     Forecast,
-    Match,
     Method,
     Phase,
     Progress,
@@ -40,17 +37,9 @@ from venus3d.engine.snapshot import (
     Target,
 )
 from venus3d.engine.startup import Startup
+from venus3d.engine.tracking import Tracker
 from venus3d.engine.way import way_of
 from venus3d.engine.work import Outcome, Settings, Work, noise_of
-
-
-@dataclass(frozen=True, eq=False)
-class _Captured:
-    """A view that was taken, and the target it was taken at; None if it was not at one."""
-
-    number: int
-    observation: Observation
-    target: Target | None
 
 
 class Session:
@@ -72,8 +61,7 @@ class Session:
         """The work that waits to be run; `apply` its outcome."""
         self._startup = Startup(board, self._image_size)
         self._phase: Phase = "startup"
-        self._captured: list[_Captured] = []
-        self._next_view = 1
+        self._captured = Captured()
         self._next_target = 1
         self._target: Target | None = None
         self._calibration: Calibration | None = None
@@ -85,10 +73,7 @@ class Session:
         self._warnings: tuple[str, ...] = ()
         self._diagnoses: tuple[Diagnosis, ...] = ()
         self._forecast: Forecast | None = None
-        self._before = self._observation = Observation.nothing(self._image_size)
-        self._pose: Pose | None = None
-        self._match: Match | None = None
-        self._held = 0
+        self._seen = Tracker(board, self._image_size, self.settings)
         self._keep_going = False
         self._ending = False
         self._lost = ""
@@ -101,25 +86,16 @@ class Session:
 
         Raises `CalibrationError` if the frame's size is not the session's.
         """
-        if observation.image_size != self._image_size:
-            raise CalibrationError(
-                f"A frame of {observation.image_size[0]} x {observation.image_size[1]} px came "
-                f"into a calibration of {self._image_size[0]} x {self._image_size[1]} px; "
-                "calibrate each image size by itself."
-            )
-        self._number += 1
-        self._before, self._observation = self._observation, observation
         if self._phase == "startup":
             self._startup.observe(observation)
             self._target = self._startup.aimed(
                 self._target, self._next_target, self.settings.method, self.settings.cost
             )
-        self._pose = locate(self.camera, self.board, observation, self._pose)
-        self._match = self._matched(self._before)
-        self._held = self._held + 1 if self._match is not None and self._match.reached else 0
+        self._seen.see(observation, self.camera, self._target)
+        self._number += 1
         if self.settings.auto_capture and self._phase in ("startup", "guiding"):
             ready = self._phase == "guiding" or self._startup.determined
-            held = ready and self._held >= self.settings.hold_frames
+            held = ready and self._seen.held >= self.settings.hold_frames
             if held or self._is_useful():
                 self.capture()
         return self.snapshot()
@@ -131,14 +107,12 @@ class Session:
         A view that does not show the focal length is taken as well when asked for: guidance then
         goes on with a guessed camera, and says so, until tilted views come.
         """
-        taken = bool(self._captured) and self._captured[-1].observation is self._observation
-        if self._pose is None or taken or self._phase == "finished" or self._ending:
+        seen = self._seen
+        over = self._phase == "finished" or self._ending
+        if seen.pose is None or over or self._captured.has(seen.observation):
             return False
-        now = self._match
-        there = now is not None and (now.reached or all(now.within))
-        at = self._target if there and self._phase == "guiding" else None
-        self._captured.append(_Captured(self._next_view, self._observation, at))
-        self._next_view += 1
+        at_target = seen.is_there and self._phase == "guiding"
+        self._captured.add(seen.observation, self._target if at_target else None)
         self._keep_going = self._keep_going or self._phase == "converged"
         self._recalibrate()
         return True
@@ -162,8 +136,7 @@ class Session:
         others = [other for i, other in enumerate(old.alternatives) if i != index]
         others.append(replace(old, alternatives=()))
         self._target = replace(old.alternatives[index], alternatives=tuple(others))
-        self._held = 0
-        self._match = self._matched(None)
+        self._seen.aim(self.camera, self._target)
         return True
 
     def change(self, method: Method, cost: Cost | None = None) -> None:
@@ -177,42 +150,36 @@ class Session:
         if same == (self.settings.method, self.settings.cost, self.settings.strategy):
             return
         self.settings = replace(self.settings, method=method, cost=cost, strategy=None)
-        if self._captured and self._phase in ("guiding", "captured") and not self._ending:
+        if self._captured.views and self._phase in ("guiding", "captured") and not self._ending:
             self._recalibrate()
 
     def undo(self) -> bool:
         """Take the last captured view back. False if there is none."""
-        return bool(self._captured) and self.drop(self._captured[-1].number)
+        views = self._captured.views
+        return bool(views) and self.drop(views[-1].number)
 
     def drop(self, number: int) -> bool:
         """Take the view with this number back. False if there is none, or the user has ended it."""
-        numbers = [view.number for view in self._captured]
-        if number not in numbers or self._ending:
+        index = None if self._ending else self._captured.drop(number)
+        if index is None:
             return False
-        index = numbers.index(number)
-        del self._captured[index]
-        # What was judged or promised with this view among the others does not hold any more.
-        self._captured[index:] = [replace(view, target=None) for view in self._captured[index:]]
+        # What was judged with this view among the others does not hold any more.
         self._history = tuple(p for p in self._history if p.views <= index)
-        if self._captured:
-            self._recalibrate()
-        else:
-            views_so_far = self._next_view
-            self._restart(self.board)
-            self._next_view = views_so_far
+        self._go_on()
         return True
 
     def finish(self) -> None:
         """End the session; what was captured stays, and what is pending is still to be applied."""
         self._ending = True
-        self._target = self._match = None
+        self._target = None
+        self._seen.aim(self.camera, None)
         if self.pending is None:
             self._phase = "finished"
             self._diagnose()
 
     def use_board(self, board: Board) -> None:
         """Go on with a board whose layout turned out differently; only before the first view."""
-        if not self._captured and board != self.board:
+        if not self._captured.views and board != self.board:
             self._restart(board)
 
     def apply(self, outcome: Outcome) -> Snapshot:
@@ -224,8 +191,7 @@ class Session:
         self._history, self._convergence = outcome.history, outcome.convergence
         self._forecast = outcome.forecast
         self._warnings = (*outcome.warnings, *([self._lost] if self._lost else []))
-        self._lost, self._held = "", 0
-        self._target = self._match = None
+        self._lost, self._target = "", None
         if self._ending:
             self._phase = "finished"
         elif outcome.is_over:
@@ -236,8 +202,7 @@ class Session:
                 self._target, self._generation = outcome.suggestion.target, outcome.suggestion.state
                 self._next_target = self._target.number + 1
         self._diagnose()
-        self._pose = locate(self.camera, self.board, self._observation, self._pose)
-        self._match = self._matched(None)
+        self._seen.aim(self.camera, self._target)
         return self.snapshot()
 
     def fail(self, work: Work, error: CalibrationError) -> Snapshot:
@@ -245,12 +210,9 @@ class Session:
         if work is self.pending:
             self.pending = None
             self._lost = f"The last view was not kept: {error}"
-            self._captured.pop()
-            if self._captured:
-                self._recalibrate()
-            else:
-                lost = self._lost
-                self._restart(self.board)
+            lost = self._lost
+            self._captured.drop(self._captured.views[-1].number)
+            if not self._go_on():
                 self._warnings = (lost,)
         return self.snapshot()
 
@@ -270,18 +232,19 @@ class Session:
 
     def snapshot(self) -> Snapshot:
         """Everything about this moment."""
-        headline, instruction = said(self._phase, self._match, seen=self._pose is not None)
+        seen = self._seen
+        headline, instruction = said(self._phase, seen.match, seen=seen.pose is not None)
         if self._phase == "startup" and not self._startup.determined and self._target is None:
-            headline, instruction = said_at_startup(self._observation.count, self.board)
+            headline, instruction = said_at_startup(seen.observation.count, self.board)
         return Snapshot(
             number=self._number,
             phase=self._phase,
             board=self.board,
             camera=self.camera,
-            observation=self._observation,
-            pose=self._pose,
+            observation=seen.observation,
+            pose=seen.pose,
             target=self._target,
-            match=self._match,
+            match=seen.match,
             calibration=self._calibration,
             convergence=self._convergence,
             history=self._history,
@@ -294,55 +257,46 @@ class Session:
 
     # -- how it goes on --------------------------------------------------------------------------
 
-    def _matched(self, before: Observation | None) -> Match | None:
-        if self._pose is None or self._target is None:
-            return None
-        return match(
-            self.camera,
-            self.board,
-            self._pose,
-            self._target.pose,
-            observation=self._observation,
-            before=before,
-            previous=self._match,
-            overlap_needed=self.settings.overlap_needed,
-            still_px=self.settings.still_px,
-            tolerance=self.settings.tolerance,
-        )
-
     def _is_useful(self) -> bool:
         """Whether this observation tells enough although it is not the target (see settings)."""
-        drop = self.settings.useful_drop
-        if drop is None or self._pose is None:
-            return False
-        if motion_px(self._before, self._observation) > self.settings.still_px:
+        drop, seen = self.settings.useful_drop, self._seen
+        if drop is None or seen.pose is None or not seen.is_still:
             return False
         if self._calibration is None:
             return True  # the first view of a recording: there is nothing to compare it with
         now = Outlook.of(self.board, self.camera, self._information, noise_of(self._calibration))
-        points = self.board.points_of(self._observation.ids)
-        seen = view_information(now.camera, points, self._pose.R[None], self._pose.t[None])[0]
-        return now.with_information(seen).error_px <= (1 - drop) * now.error_px
+        told = now.with_seen(seen.observation, seen.pose)
+        return told.error_px <= (1 - drop) * now.error_px
 
     def _diagnose(self) -> None:
         if self._calibration is not None:
             growing = self._phase not in ("converged", "finished")
             self._diagnoses = diagnose(self.board, self._calibration, growing=growing)
 
+    def _go_on(self) -> bool:
+        """Calibrate the views that are left; begin anew, and return False, if there are none."""
+        if self._captured.views:
+            self._recalibrate()
+            return True
+        captured = self._captured
+        self._restart(self.board)
+        self._captured = captured  # it goes on counting
+        return False
+
     def _recalibrate(self) -> None:
-        numbers = tuple(view.number for view in self._captured)
+        views = self._captured.views
         self.pending = Work(
             board=self.board,
             settings=self.settings,
-            observations=tuple(view.observation for view in self._captured),
-            numbers=numbers,
-            history=tuple(p for p in self._history if p.views < len(numbers)),
+            observations=tuple(view.observation for view in views),
+            numbers=tuple(view.number for view in views),
+            history=tuple(p for p in self._history if p.views < len(views)),
             generation=self._generation,
             skipped=self._skipped,
             target_number=self._next_target if self._target is None else self._target.number + 1,
             start=self._startup.camera,
             keep_going=self._keep_going,
-            last_target=self._captured[-1].target,
+            last_target=views[-1].target,
         )
         self._phase = "captured"
-        self._held = 0
+        self._seen.held = 0
