@@ -1,0 +1,104 @@
+"""Ways to choose poses, run on simulated corners and told by the paper's indicators (4.1.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from venus3d.engine.camera import Camera
+from venus3d.engine.costs import index_of_dispersion, mean_projection_error_px
+from venus3d.engine.snapshot import Calibration
+from venus3d.engine.work import Settings
+from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.study.runner import Value
+from venus3d.study.simulated import points_before, true_error_px, walk
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One way to choose poses."""
+
+    label: str
+    """As it is written beside a line of a plot."""
+    settings: Settings
+
+
+ARMS: Mapping[str, Arm] = {
+    "random": Arm("random poses", Settings(method="random")),
+    "random-rms": Arm(
+        "random start, search on RmsErr", Settings(method="venus", start="random", cost="rms")
+    ),
+    "random-max-iod": Arm(
+        "random start, search on MaxIOD", Settings(method="venus", start="random", cost="max-iod")
+    ),
+    "generated-rms": Arm(
+        "generated start, search on RmsErr", Settings(method="venus", cost="rms")
+    ),
+    "pose-selection": Arm("Pose selection", Settings(method="pose-selection")),
+    "venus": Arm("Pose search (venus)", Settings(method="venus")),
+    "global": Arm("global", Settings(method="global")),
+}
+
+
+@dataclass(frozen=True)
+class ArmTrial:
+    """One calibration by one arm. Trials of one repeat share the first pose and the noise."""
+
+    arm: str
+    repeat: int
+    seed: int
+    views: int
+
+    @property
+    def key(self) -> str:
+        """`arm/repeat`."""
+        return f"{self.arm}/{self.repeat}"
+
+
+def run_arm(trial: ArmTrial) -> Sequence[Mapping[str, Value]]:
+    """A row for each number of views."""
+    stages = walk(ARMS[trial.arm].settings, trial.views, seed=trial.seed, repeat=trial.repeat)
+    return [
+        {
+            "arm": trial.arm,
+            "repeat": trial.repeat,
+            "views": len(stage.poses),
+            **indicators(stage.outcome.calibration, PAPER_CAMERA),
+            "true_projection_error_px": true_error_px(
+                stage.outcome.work.board, stage.poses, PAPER_CAMERA
+            ),
+            "converged": int(stage.outcome.convergence.converged),
+            "retaken": stage.lost,
+        }
+        for stage in stages
+    ]
+
+
+def indicators(calibration: Calibration, truth: Camera) -> dict[str, Value]:
+    """What a calibration is judged by; `sum_iod` is NaN while not all parameters are estimated."""
+    full = all(calibration.free)
+    iod = index_of_dispersion(calibration.camera, calibration.covariance)
+    return {
+        "model": "full" if full else "startup" if any(calibration.free) else "guessed",
+        "sum_iod": float(iod.sum()) if full else float("nan"),
+        "abs_rms_err_px": abs_rms_err_px(truth, calibration.camera),
+        "abs_rms_err_rotated_px": mean_projection_error_px(truth, calibration.camera),
+        "rms_err_px": calibration.rms_px,
+    }
+
+
+def abs_rms_err_px(truth: Camera, estimate: Camera) -> float:
+    """AbsRmsErr (4.1.1): rms distance of the same 3D points through true and estimated intrinsics.
+
+    The paper does not say which points: here those that a grid of the true image sees. The same
+    pose is used for both cameras, so that a principal point off by 3 px counts 3 px although a turn
+    of the camera by a tenth of a degree undoes it; `mean_projection_error_px` is without that.
+    """
+    points = points_before(truth)
+    # Straight through the polynomial: beyond the radius where a bad estimate folds, too.
+    xy = estimate.distort(points[:, :2] / points[:, 2:])
+    pixels = xy * [estimate.fx, estimate.fy] + [estimate.cx, estimate.cy]
+    off = pixels - truth.project(points)
+    return float(np.sqrt((off**2).sum(axis=1).mean()))

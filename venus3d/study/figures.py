@@ -1,0 +1,223 @@
+"""Figures 6 to 9 of the paper, and a tenth: which of two ways to choose poses wins, from when on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import t as student
+
+from venus3d.engine.pose import Array
+from venus3d.study.arms import ARMS, ArmTrial, run_arm
+from venus3d.study.runner import Value, run_trials
+from venus3d.study.text import table
+
+INDICATORS: Mapping[str, str] = {
+    "sum_iod": "SumIOD",
+    "abs_rms_err_px": "AbsRmsErr",
+    "abs_rms_err_rotated_px": "AbsRmsErr, rotation removed",
+    "rms_err_px": "RmsErr",
+}
+_THREE = ("sum_iod", "abs_rms_err_px", "abs_rms_err_rotated_px")
+FIRST_VIEWS = 2
+"""All parameters are estimated from so many views on; before there is nothing to compare."""
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Two arms, and what the paper says of them."""
+
+    number: int
+    title: str
+    arms: tuple[str, str]
+    indicators: tuple[str, ...]
+    claim: str
+    winner: str
+    """The arm that the paper says is better; empty where it says nothing."""
+    from_views: int = 20
+    """From which number of views on at the latest, by the paper."""
+    steadier: bool = False
+    """Whether the claim is less scatter rather than a smaller value."""
+
+
+FIGURES = (
+    Figure(
+        6,
+        "Does searching help? Random poses, with and without a search",
+        ("random", "random-rms"),
+        _THREE,
+        "the search lowers uncertainty and reprojection error",
+        "random-rms",
+    ),
+    Figure(
+        7,
+        "What should the search make small? RmsErr or MaxIOD",
+        ("random-rms", "random-max-iod"),
+        _THREE,
+        "IOD as a loss scatters less",
+        "random-max-iod",
+        steadier=True,
+    ),
+    Figure(
+        8,
+        "Where should the search start? At random or at a generated pose",
+        ("random-rms", "generated-rms"),
+        _THREE,
+        "a generated start is far better",
+        "generated-rms",
+    ),
+    Figure(
+        9,
+        "The paper against its forerunner: Pose selection and Pose search",
+        ("pose-selection", "venus"),
+        (*_THREE, "rms_err_px"),
+        "Pose search is better under all three indicators beyond 5 views",
+        "venus",
+        from_views=6,
+    ),
+    Figure(
+        10,
+        "The whole pose space at once: the paper's search and global",
+        ("venus", "global"),
+        _THREE,
+        "not in the paper",
+        "",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Who wins one indicator of one figure."""
+
+    figure: Figure
+    indicator: str
+    winner: str
+    """Empty if neither does by the last view."""
+    since: int
+    """From this number of views on, to the end; 0 without a winner."""
+    ratio: float
+    """Second arm's value over the first's at the last view, geometric mean."""
+    interval: tuple[float, float]
+    """Of the ratio, 95 %, over the paired repeats."""
+    scatter: float
+    """Second arm's scatter over the first's: standard deviations of ln over the repeats, mean from
+    6 views on."""
+
+    @property
+    def agrees(self) -> str:
+        """Whether this is what the paper says: "yes", "no" or "–"."""
+        figure = self.figure
+        if not figure.winner or self.indicator == "abs_rms_err_rotated_px":
+            return "–"
+        if figure.steadier:
+            return "yes" if self.scatter < 1 else "no"
+        return "yes" if self.winner == figure.winner and self.since <= figure.from_views else "no"
+
+
+def run_figures(
+    rows_file: Path,
+    *,
+    views: int,
+    repeats: int,
+    seed: int,
+    jobs: int | None = None,
+    dask: str | None = None,
+) -> list[dict[str, Value]]:
+    """Run all arms of all figures, each once; rows as `run_arm` makes them, one file for all."""
+    arms = tuple(dict.fromkeys(arm for figure in FIGURES for arm in figure.arms))
+    # The slow arms first, or the last of them would run alone at the end.
+    ordered = sorted(arms, key=lambda arm: ARMS[arm].settings.cost != "rms")
+    trials = [ArmTrial(arm, repeat, seed, views) for arm in ordered for repeat in range(repeats)]
+    return run_trials(
+        run_arm,
+        trials,
+        rows_file,
+        setup=f"figures seed={seed} views={views}",
+        jobs=jobs,
+        dask=dask,
+        label="figures",
+    )
+
+
+def logarithms(rows: Iterable[Mapping[str, Value]], arm: str, indicator: str) -> Array:
+    """(repeats, views) natural logarithms of an indicator; NaN where it was not known."""
+    chosen = [row for row in rows if row["arm"] == arm]
+    repeats = len({row["repeat"] for row in chosen})
+    values = np.array([float(row[indicator]) for row in chosen]).reshape(repeats, -1)
+    return np.log(values)
+
+
+def judge_figure(rows: Sequence[Mapping[str, Value]], figure: Figure) -> list[Verdict]:
+    """A verdict for each indicator."""
+    return [_verdict(rows, figure, indicator) for indicator in figure.indicators]
+
+
+def _verdict(rows: Sequence[Mapping[str, Value]], figure: Figure, indicator: str) -> Verdict:
+    first, second = (logarithms(rows, arm, indicator) for arm in figure.arms)
+    low, high = _interval(second - first)
+    # A winner leads at every number of views from some one on: the interval excludes equality.
+    won = {figure.arms[1]: _since(high < 0), figure.arms[0]: _since(low > 0)}
+    winner, since = min(
+        ((arm, views) for arm, views in won.items() if views), default=("", 0), key=lambda w: w[1]
+    )
+    last = second[:, -1] - first[:, -1]
+    steady = slice(min(5, first.shape[1] - 1), None)
+    spread = [np.nanstd(values[:, steady], axis=0).mean() for values in (second, first)]
+    return Verdict(
+        figure,
+        indicator,
+        winner,
+        since,
+        float(np.exp(np.nanmean(last))),
+        (float(np.exp(low[-1])), float(np.exp(high[-1]))),
+        float(spread[0] / spread[1]) if spread[1] > 0 else float("nan"),
+    )
+
+
+def _interval(differences: Array) -> tuple[Array, Array]:
+    """(views,) lower and upper ends of the mean difference, Student's t over the repeats."""
+    known = np.isfinite(differences)
+    count = known.sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        total = np.where(known, differences, 0.0)
+        mean = total.sum(axis=0) / count
+        variance = (np.where(known, differences - mean, 0.0) ** 2).sum(axis=0) / (count - 1)
+        half = student.ppf((1 + CONFIDENCE) / 2, np.maximum(count - 1, 1)) * np.sqrt(
+            variance / count
+        )
+    return mean - half, mean + half
+
+
+def _since(leads: Array) -> int:
+    """From which number of views on somebody leads to the end; 0 if not at the end."""
+    behind = np.flatnonzero(~leads)
+    since = int(behind[-1]) + 2 if behind.size else 1
+    return since if since <= len(leads) else 0
+
+
+def verdict_table(verdicts: Sequence[Verdict]) -> str:
+    """All verdicts as a table for people."""
+    rows: list[list[str]] = []
+    for verdict in verdicts:
+        figure = verdict.figure
+        won = ARMS[verdict.winner].label if verdict.winner else "neither"
+        since = f", from {verdict.since} views on" if verdict.winner else ""
+        low, high = verdict.interval
+        rows.append(
+            [
+                str(figure.number),
+                f"{ARMS[figure.arms[1]].label} against {ARMS[figure.arms[0]].label}",
+                INDICATORS[verdict.indicator],
+                won + since,
+                f"{verdict.ratio:.2f} ({low:.2f}–{high:.2f})",
+                f"{verdict.scatter:.2f}",
+                verdict.agrees,
+            ]
+        )
+    headings = ["figure", "pair", "indicator", "smaller", "ratio at the end", "scatter", "as paper"]
+    return table(headings, rows)
+

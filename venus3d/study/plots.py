@@ -1,0 +1,130 @@
+"""The figures as pictures for a slide: mean and spread of the logarithms, labels beside the lines."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from venus3d.engine.errors import VenusError
+from venus3d.storage.folder import write_bytes
+from venus3d.study.arms import ARMS
+from venus3d.study.figures import FIRST_VIEWS, INDICATORS, Figure, logarithms
+from venus3d.study.runner import Value
+
+# Okabe and Ito's vermilion and blue: told apart by everybody, and in grey.
+_COLOURS = ("#D55E00", "#0072B2")
+_INK, _QUIET = "#222222", "#777777"
+
+
+def draw_figure(
+    rows: Sequence[Mapping[str, Value]], figure: Figure, directory: Path
+) -> tuple[Path, Path]:
+    """Write `figureN.png` and `figureN.svg`. Raises `StorageError`, and `VenusError` without
+    matplotlib."""
+    plt = _pyplot()
+    with plt.rc_context(
+        {
+            "font.size": 12,
+            "font.family": "DejaVu Sans",
+            "svg.hashsalt": "venus3d",
+            "svg.fonttype": "none",
+            "text.color": _INK,
+            "axes.labelcolor": _INK,
+        }
+    ):
+        count = len(figure.indicators)
+        canvas, panels = plt.subplots(
+            1, count, figsize=(4.45 * count, 5.0), layout="constrained", squeeze=False
+        )
+        for panel, indicator in zip(panels[0], figure.indicators, strict=True):
+            _panel(panel, rows, figure, indicator)
+        canvas.suptitle(f"{figure.title}\n", fontsize=16, fontweight="bold", x=0.01, ha="left")
+        repeats = len({row["repeat"] for row in rows})
+        canvas.text(
+            0.01,
+            0.925,
+            f"Mean of {repeats} seeded repeats and ±1 standard deviation; smaller is better.",
+            fontsize=11,
+            color=_QUIET,
+            va="top",
+        )
+        try:
+            png, svg = (_drawn(canvas, kind) for kind in ("png", "svg"))
+        finally:
+            plt.close(canvas)
+    stem = f"figure{figure.number}"
+    return (
+        write_bytes(directory / f"{stem}.png", png),
+        write_bytes(directory / f"{stem}.svg", svg),
+    )
+
+
+def _panel(
+    panel: Any, rows: Sequence[Mapping[str, Value]], figure: Figure, indicator: str
+) -> None:
+    ends: list[float] = []
+    last = 0
+    for arm, colour in zip(figure.arms, _COLOURS, strict=True):
+        values = logarithms(rows, arm, indicator)[:, FIRST_VIEWS - 1 :]
+        views = np.arange(FIRST_VIEWS, FIRST_VIEWS + values.shape[1])
+        mean, spread = np.nanmean(values, axis=0), np.nanstd(values, axis=0)
+        panel.fill_between(views, mean - spread, mean + spread, color=colour, alpha=0.16, lw=0)
+        panel.plot(views, mean, color=colour, lw=2.4, solid_capstyle="round")
+        ends.append(float(mean[-1]))
+        last = int(views[-1])
+    panel.set_title(INDICATORS[indicator], fontsize=13, loc="left", color=_INK)
+    unit = "" if indicator == "sum_iod" else " (px)"
+    panel.set_ylabel(f"ln {INDICATORS[indicator].split(',')[0]}{unit}")
+    panel.set_xlabel("views")
+    ticks = [FIRST_VIEWS, *range(5, last + 1, 5)] if last > 8 else range(FIRST_VIEWS, last + 1)
+    panel.set_xticks(list(ticks))
+    panel.set_xlim(FIRST_VIEWS, last)
+    panel.spines[["top", "right"]].set_visible(False)
+    panel.spines[["left", "bottom"]].set_color(_QUIET)
+    panel.tick_params(colors=_QUIET, labelcolor=_INK)
+    panel.grid(axis="y", color="#e6e6e6", lw=0.8)
+    panel.set_axisbelow(True)
+    _label_lines(panel, figure, ends, last)
+
+
+def _label_lines(panel: Any, figure: Figure, ends: Sequence[float], last: int) -> None:
+    """Names beside the lines' ends, inside the panel's upper right: the lines fall to the right."""
+    low, high = panel.get_ylim()
+    # Room for the two names above everything that is drawn.
+    panel.set_ylim(low, high + 0.22 * (high - low))
+    upper_first = ends[0] >= ends[1]
+    order = (0, 1) if upper_first else (1, 0)
+    for line, index in enumerate(order):
+        panel.text(
+            0.985,
+            0.975 - 0.075 * line,
+            ARMS[figure.arms[index]].label,
+            transform=panel.transAxes,
+            ha="right",
+            va="top",
+            color=_COLOURS[index],
+            fontsize=11.5,
+            fontweight="bold",
+        )
+
+
+def _drawn(canvas: Any, kind: str) -> bytes:
+    buffer = io.BytesIO()
+    metadata = {"Date": None} if kind == "svg" else {}  # the same rows make the same file
+    canvas.savefig(buffer, format=kind, dpi=150, facecolor="white", metadata=metadata)
+    return buffer.getvalue()
+
+
+def _pyplot() -> Any:
+    try:
+        import_module("matplotlib").use("Agg")
+        return import_module("matplotlib.pyplot")
+    except ImportError as error:
+        raise VenusError(
+            "Plots need the package matplotlib; install it with: pip install 'venus3d[study]'"
+        ) from error
