@@ -27,17 +27,13 @@ class Arm:
 
 ARMS: Mapping[str, Arm] = {
     "random": Arm("random poses", Settings(method="random")),
-    "random-rms": Arm(
-        "random start, search on RmsErr", Settings(method="venus", start="random", cost="rms")
-    ),
+    "random-rms": Arm("random start, RmsErr", Settings(method="venus", start="random", cost="rms")),
     "random-max-iod": Arm(
-        "random start, search on MaxIOD", Settings(method="venus", start="random", cost="max-iod")
+        "random start, MaxIOD", Settings(method="venus", start="random", cost="max-iod")
     ),
-    "generated-rms": Arm(
-        "generated start, search on RmsErr", Settings(method="venus", cost="rms")
-    ),
+    "generated-rms": Arm("generated start, RmsErr", Settings(method="venus", cost="rms")),
     "pose-selection": Arm("Pose selection", Settings(method="pose-selection")),
-    "venus": Arm("Pose search (venus)", Settings(method="venus")),
+    "venus": Arm("Pose search", Settings(method="venus")),
     "global": Arm("global", Settings(method="global")),
 }
 

@@ -1,4 +1,4 @@
-"""The figures as pictures for a slide: mean and spread of the logarithms, labels beside the lines."""
+"""The figures for a slide: mean and spread of the logarithms, with names beside the lines."""
 
 from __future__ import annotations
 
@@ -37,22 +37,12 @@ def draw_figure(
             "axes.labelcolor": _INK,
         }
     ):
-        count = len(figure.indicators)
-        canvas, panels = plt.subplots(
-            1, count, figsize=(4.45 * count, 5.0), layout="constrained", squeeze=False
-        )
-        for panel, indicator in zip(panels[0], figure.indicators, strict=True):
+        canvas, panels = plt.subplots(2, 2, figsize=(13.33, 7.5), layout="constrained")
+        canvas.get_layout_engine().set(rect=(0, 0, 1, 0.865), w_pad=0.12, h_pad=0.1)
+        for panel, indicator in zip(panels.flat, INDICATORS, strict=True):
             _panel(panel, rows, figure, indicator)
-        canvas.suptitle(f"{figure.title}\n", fontsize=16, fontweight="bold", x=0.01, ha="left")
-        repeats = len({row["repeat"] for row in rows})
-        canvas.text(
-            0.01,
-            0.925,
-            f"Mean of {repeats} seeded repeats and ±1 standard deviation; smaller is better.",
-            fontsize=11,
-            color=_QUIET,
-            va="top",
-        )
+        canvas.text(0.012, 0.975, figure.title, fontsize=18, fontweight="bold", va="top")
+        canvas.text(0.012, 0.918, _subtitle(rows, figure), fontsize=12, color=_QUIET, va="top")
         try:
             png, svg = (_drawn(canvas, kind) for kind in ("png", "svg"))
         finally:
@@ -64,9 +54,13 @@ def draw_figure(
     )
 
 
-def _panel(
-    panel: Any, rows: Sequence[Mapping[str, Value]], figure: Figure, indicator: str
-) -> None:
+def _subtitle(rows: Sequence[Mapping[str, Value]], figure: Figure) -> str:
+    repeats = len({row["repeat"] for row in rows})
+    told = f"The paper: {figure.claim}.   " if figure.claim else ""
+    return f"{told}Mean of {repeats} repeats, ± one standard deviation; smaller is better."
+
+
+def _panel(panel: Any, rows: Sequence[Mapping[str, Value]], figure: Figure, indicator: str) -> None:
     ends: list[float] = []
     last = 0
     for arm, colour in zip(figure.arms, _COLOURS, strict=True):
@@ -77,7 +71,7 @@ def _panel(
         panel.plot(views, mean, color=colour, lw=2.4, solid_capstyle="round")
         ends.append(float(mean[-1]))
         last = int(views[-1])
-    panel.set_title(INDICATORS[indicator], fontsize=13, loc="left", color=_INK)
+    panel.set_title(INDICATORS[indicator], loc="left", color=_INK)
     unit = "" if indicator == "sum_iod" else " (px)"
     panel.set_ylabel(f"ln {INDICATORS[indicator].split(',')[0]}{unit}")
     panel.set_xlabel("views")
@@ -93,23 +87,21 @@ def _panel(
 
 
 def _label_lines(panel: Any, figure: Figure, ends: Sequence[float], last: int) -> None:
-    """Names beside the lines' ends, inside the panel's upper right: the lines fall to the right."""
+    """Names at the lines' ends, pushed apart where the lines end together."""
     low, high = panel.get_ylim()
-    # Room for the two names above everything that is drawn.
-    panel.set_ylim(low, high + 0.22 * (high - low))
-    upper_first = ends[0] >= ends[1]
-    order = (0, 1) if upper_first else (1, 0)
-    for line, index in enumerate(order):
-        panel.text(
-            0.985,
-            0.975 - 0.075 * line,
+    least = 0.09 * (high - low)
+    upper, lower = (0, 1) if ends[0] >= ends[1] else (1, 0)
+    push = max(0.0, least - (ends[upper] - ends[lower])) / 2
+    for index, place in ((upper, ends[upper] + push), (lower, ends[lower] - push)):
+        panel.annotate(
             ARMS[figure.arms[index]].label,
-            transform=panel.transAxes,
-            ha="right",
-            va="top",
+            (last, place),
+            xytext=(8, 0),
+            textcoords="offset points",
+            va="center",
             color=_COLOURS[index],
-            fontsize=11.5,
             fontweight="bold",
+            annotation_clip=False,
         )
 
 
