@@ -11,6 +11,7 @@ The paper's annealing is in `annealing`, scipy's optimisers as yardsticks in `ya
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from venus3d.engine.costs import CostFunction
@@ -19,6 +20,7 @@ from venus3d.engine.pool import Pool
 from venus3d.engine.pose import Array
 from venus3d.engine.space import Space, nothing_fits
 
+Numbers = NDArray[np.intp]
 _SAMPLES = 0.25  # share of the budget that goes into the first look at the whole space
 _PARENTS = (64, 16)  # at the start and at the end
 _ELITE = 0.1  # share of the parents towards which the others are drawn
@@ -103,13 +105,13 @@ class _Run:
             raise nothing_fits(self._space)
         return np.concatenate(points), np.concatenate(costs)
 
-    def look_at(self, unit: Array) -> tuple[Array, Array, Array]:
+    def look_at(self, unit: Array) -> tuple[Array, Array, Numbers]:
         """Points (N, 6) brought into the space: those (K, 6) for which it worked, their costs (K,)
         and numbers (K,)."""
         vectors, good = self._space.bring_inside(self._space.from_unit(unit))
         kept = np.flatnonzero(good)
         if not kept.size:
-            return unit[:0], np.empty(0), kept
+            return unit[:0], np.zeros(0), kept
         vectors = vectors[kept]
         costs = self._rough(vectors)
         self.pool.add(vectors, costs)
@@ -138,7 +140,7 @@ class _Run:
         return Found(pool[0], float(costs[0]), found.evaluated, self._stopped, pool, costs)
 
 
-def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
+def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Array, Numbers]:
     """Children (K, 6) of parents (N, 6), cheapest first, and whose they are (K,); K about count."""
     n = len(parents)
     of = np.repeat(np.arange(n), -(-count // n))
@@ -154,7 +156,7 @@ def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Arr
     return np.where(flip, 1 - children, children), of
 
 
-def _replace(parents: Array, costs: Array, found: Array, values: Array, of: Array) -> None:
+def _replace(parents: Array, costs: Array, found: Array, values: Array, of: Numbers) -> None:
     """Put each parent's cheapest child in its place, in place, if it is cheaper."""
     order = np.lexsort((values, of))
     first = order[np.unique(of[order], return_index=True)[1]]

@@ -30,8 +30,9 @@ def board_nodes(board: Board) -> tuple[Array, Array]:
     long, short = NODES
     x, wx = _gauss(across, long if across >= down else short)
     y, wy = _gauss(down, short if across >= down else long)
-    nodes = np.stack([np.tile(x, len(y)), np.repeat(y, len(x)), np.zeros(len(x) * len(y))], axis=1)
-    return nodes * board.square, np.outer(wy, wx).ravel()
+    nodes = np.zeros((len(x) * len(y), 3))
+    nodes[:, 0], nodes[:, 1] = np.tile(x, len(y)), np.repeat(y, len(x))
+    return nodes * board.square, np.asarray(np.outer(wy, wx).ravel(), dtype=np.float64)
 
 
 def _gauss(count: int, nodes: int) -> tuple[Array, Array]:
@@ -45,4 +46,4 @@ def _gauss(count: int, nodes: int) -> tuple[Array, Array]:
     k = np.arange(1, nodes)
     beside = np.sqrt(k**2 * (count**2 - k**2) / (4 * (4 * k**2 - 1)))
     values, vectors = np.linalg.eigh(np.diag(beside, 1) + np.diag(beside, -1))
-    return values, count * vectors[0] ** 2
+    return np.asarray(values), np.asarray(count * vectors[0] ** 2, dtype=np.float64)
