@@ -15,7 +15,8 @@ from tyro.conf import FlagCreatePairsOff, Positional, arg
 
 from venus3d.engine.board import Board
 from venus3d.engine.errors import VenusError
-from venus3d.engine.snapshot import Cost, Method
+from venus3d.engine.snapshot import Cost, Method, Strategy
+from venus3d.engine.way import way_of
 
 Switch = FlagCreatePairsOff[bool]
 """An option that is off unless it is named."""
@@ -121,6 +122,10 @@ class GuideOptions:
     """How the next pose is found: ours (global), the paper's (venus), Rojtberg's, or by chance."""
     cost: Annotated[Cost | None, arg(help_behavior_hint="(the method's own)")] = None
     """What the search makes small: by itself projection-variance for global, sum-iod for venus."""
+    search: Annotated[Strategy | None, arg(help_behavior_hint="(the method's own)")] = None
+    """How it is searched for: by itself annealing for venus, the whole space for global."""
+    wanted_error: Annotated[float, arg(metavar="PX")] = 0.3
+    """Mean projection error in pixels that is enough; the views until then are forecast."""
     limits: LimitOptions = field(default_factory=LimitOptions)
     keep_best: Switch = False
     """Method venus: take the best pose that its search met, not the one it ends on."""
@@ -152,7 +157,9 @@ class GuideOptions:
     def check(self) -> None:
         """Raises `VenusError` for the first option that cannot be met."""
         self.board.board()
+        way_of(self.method, self.cost, self.search)
         self.limits.check()
+        _within("--wanted-error", self.wanted_error, 0.001, 100)
         _within("--overlap", self.overlap, 0.1, 0.99)
         _within("--speed", self.speed, 0.1, 10)
         _within("--max-views", self.max_views, 1, 1000)

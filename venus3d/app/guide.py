@@ -135,6 +135,8 @@ def _settings(options: GuideOptions, source: Source) -> Settings:
     return Settings(
         method=options.method,
         cost=options.cost,
+        strategy=options.search,
+        wanted_error_px=options.wanted_error,
         limits=options.limits.chosen(),
         keep_best=options.keep_best,
         seed=options.seed,

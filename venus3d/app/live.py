@@ -18,7 +18,7 @@ from contextlib import contextmanager
 
 from venus3d.app.eyes import Eyes
 from venus3d.app.headless import work_out
-from venus3d.engine.errors import CalibrationError, StorageError
+from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.engine.observation import Observation
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
@@ -194,6 +194,14 @@ class LiveGuide:
                 session.undo()
             case intents.DropView(number):
                 session.drop(number)
+            case intents.ChooseAlternative(index):
+                if not session.choose(index):
+                    self._viewer.say("No other pose is nearly as good; K asks for another one.")
+            case intents.ChangeMethod(method, cost):
+                try:
+                    session.change(method, cost)
+                except VenusError as error:
+                    self._viewer.say(str(error))
             case intents.Finish():
                 session.finish()
             case intents.Pause(on):

@@ -73,4 +73,5 @@ def _summary(result: GuideResult) -> dict[str, Any]:
         diagnoses=snapshot.diagnoses,
         converged=snapshot.convergence is not None and snapshot.convergence.converged,
         truth=result.truth,
+        forecast=snapshot.forecast,
     )

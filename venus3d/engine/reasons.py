@@ -1,4 +1,4 @@
-"""What a target is for: the parameters it serves, and one plain sentence."""
+"""What a target is for, in one plain sentence, and how the board is held there, in a few words."""
 
 from __future__ import annotations
 
@@ -35,11 +35,49 @@ def reason_for(serves: Sequence[str], pose: Pose, camera: Camera, board: Board) 
     return f"{_what_it_does(pose, camera, board, lens)} {_what_it_finds(serves)}."
 
 
+def held_in_words(pose: Pose, camera: Camera) -> str:
+    """How a board is held, by what tells poses apart: turn in the picture, place, tilt, distance.
+
+    Sides are the picture's, as on the page.
+    """
+    roll = float(pose.vector()[2])
+    turn = "clockwise" if roll > 0 else "counter-clockwise"
+    u, v = camera.without_distortion().project(pose.t) / (camera.width, camera.height)
+    place = f"{_third(v, 'upper', 'lower')} {_third(u, 'left', 'right')}".strip()
+    tilt = tilt_deg(pose)
+    parts = (
+        "upright" if abs(roll) < 8 else f"turned {abs(roll):.0f}° {turn}",
+        place or "middle",
+        "facing the camera" if tilt < 8 else f"{_edge_in_front(pose)} {tilt:.0f}° nearer",
+        f"{100 * float(np.linalg.norm(pose.t)):.0f} cm away",
+    )
+    return ", ".join(parts)
+
+
+def tilt_deg(pose: Pose) -> float:
+    """Angle between the board's normal and the line of sight to its centre, degrees."""
+    cosine = pose.R[:, 2] @ pose.t / max(float(np.linalg.norm(pose.t)), 1e-9)
+    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def _third(share: float, low: str, high: str) -> str:
+    return low if share < 0.38 else high if share > 0.62 else ""
+
+
+def _edge_in_front(pose: Pose) -> str:
+    """The edge or corner, as it lies in the picture, that is nearer than the line of sight makes
+    it: the side towards which the normal, pointing away from the camera, does not lean."""
+    sight = pose.t / np.linalg.norm(pose.t)
+    x, y = (pose.R[:, 2] - (pose.R[:, 2] @ sight) * sight)[:2]
+    across, up = "right" if x > 0 else "left", "top" if y < 0 else "bottom"
+    if abs(x) > 2.4 * abs(y):
+        return f"{across} edge"
+    return f"{up} edge" if abs(y) > 2.4 * abs(x) else f"{up} {across} corner"
+
+
 def _what_it_does(pose: Pose, camera: Camera, board: Board, lens: bool) -> str:
     """The subject of the sentence: the tilt, or for the lens the place in the picture."""
-    cosine = pose.R[:, 2] @ pose.t / max(float(np.linalg.norm(pose.t)), 1e-9)
-    tilt = float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
-    place = _place(pose, camera, board)
+    tilt, place = tilt_deg(pose), _place(pose, camera, board)
     if lens and place == _FULL:
         return "A board over most of the picture shows"
     if lens and place:

@@ -38,7 +38,7 @@ from venus3d.engine.snapshot import (
 )
 from venus3d.engine.startup import Startup
 from venus3d.engine.tracking import Tracker
-from venus3d.engine.way import way_of
+from venus3d.engine.way import DEFAULT_COST, way_of
 from venus3d.engine.work import Outcome, Settings, Work, noise_of
 
 
@@ -55,13 +55,13 @@ class Session:
         """What the detector says of the board it sees; set by whoever drives the session."""
         self._restart(board)
 
-    def _restart(self, board: Board) -> None:
+    def _restart(self, board: Board, captured: Captured | None = None) -> None:
         self.board = board
         self.pending: Work | None = None
         """The work that waits to be run; `apply` its outcome."""
         self._startup = Startup(board, self._image_size)
         self._phase: Phase = "startup"
-        self._captured = Captured()
+        self._captured = captured or Captured()
         self._next_target = 1
         self._target: Target | None = None
         self._calibration: Calibration | None = None
@@ -95,14 +95,12 @@ class Session:
         self._number += 1
         if self.settings.auto_capture and self._phase in ("startup", "guiding"):
             ready = self._phase == "guiding" or self._startup.determined
-            held = ready and self._seen.held >= self.settings.hold_frames
-            if held or self._is_useful():
+            if (ready and self._seen.held >= self.settings.hold_frames) or self._is_useful():
                 self.capture()
         return self.snapshot()
 
     def capture(self) -> bool:
-        """Take the present observation as a view. False if no board is seen, it is one already,
-        or all is over.
+        """Take the present observation as a view. False if there is none to take, or all is over.
 
         A view that does not show the focal length is taken as well when asked for: guidance then
         goes on with a guessed camera, and says so, until tilted views come.
@@ -146,10 +144,10 @@ class Session:
         combination that makes no sense; the session is then as it was.
         """
         way_of(method, cost)
-        same = (method, cost, None)
-        if same == (self.settings.method, self.settings.cost, self.settings.strategy):
+        now = self.settings
+        if (method, cost, None) == (now.method, now.cost, now.strategy):
             return
-        self.settings = replace(self.settings, method=method, cost=cost, strategy=None)
+        self.settings = replace(now, method=method, cost=cost, strategy=None)
         if self._captured.views and self._phase in ("guiding", "captured") and not self._ending:
             self._recalibrate()
 
@@ -209,8 +207,7 @@ class Session:
         """Take back that `work` could not be done: its last view is dropped and the cause said."""
         if work is self.pending:
             self.pending = None
-            self._lost = f"The last view was not kept: {error}"
-            lost = self._lost
+            self._lost = lost = f"The last view was not kept: {error}"
             self._captured.drop(self._captured.views[-1].number)
             if not self._go_on():
                 self._warnings = (lost,)
@@ -252,7 +249,9 @@ class Session:
             instruction=instruction,
             warnings=self._warnings,
             diagnoses=worst_first((*self.board_diagnoses, *self._diagnoses)),
-            forecast=None if self._phase == "finished" else self._forecast,
+            forecast=self._forecast,
+            method=self.settings.method,
+            cost=self.settings.cost or DEFAULT_COST[self.settings.method],
         )
 
     # -- how it goes on --------------------------------------------------------------------------
@@ -278,9 +277,7 @@ class Session:
         if self._captured.views:
             self._recalibrate()
             return True
-        captured = self._captured
-        self._restart(self.board)
-        self._captured = captured  # it goes on counting
+        self._restart(self.board, self._captured)  # which goes on counting
         return False
 
     def _recalibrate(self) -> None:

@@ -143,6 +143,8 @@ class Target:
     """Expected mean projection error over the image before this view; NaN where not known."""
     alternatives: tuple[Target, ...] = ()
     """Clearly different poses that are nearly as good, best first; one may suit the wrists."""
+    held: str = ""
+    """In a few words, how the board is held there: upright or turned, place, tilt, distance."""
 
     @property
     def gain_px(self) -> float:
@@ -227,6 +229,10 @@ class Snapshot:
     """What makes this calibration less trustworthy than its numbers; worst first."""
     forecast: Forecast | None = None
     """None while nothing can be said."""
+    method: Method = "global"
+    """How the next poses are found."""
+    cost: Cost = "projection-variance"
+    """What the search for them makes small."""
 
     @property
     def views(self) -> tuple[View, ...]:

@@ -32,7 +32,7 @@ from venus3d.engine.noise import NoiseModel
 from venus3d.engine.observation import View
 from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
-from venus3d.engine.reasons import reason_for, served
+from venus3d.engine.reasons import held_in_words, reason_for, served
 from venus3d.engine.search import Found, Stop, Watch, search
 from venus3d.engine.snapshot import Cost, Method, Strategy, Target
 from venus3d.engine.space import Space, random_pose
@@ -195,6 +195,7 @@ def target_at(
         search_s=0.0 if began is None else time.perf_counter() - began,
         error_px=outlook.error_px if outlook.settled else float("nan"),
         alternatives=alternatives,
+        held=held_in_words(pose, camera),
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.costs import mean_projection_error_px
 from venus3d.engine.observation import View
 from venus3d.engine.pose import Array
-from venus3d.engine.snapshot import Calibration, Diagnosis, Progress
+from venus3d.engine.snapshot import Calibration, Diagnosis, Forecast, Progress
 from venus3d.storage.camera_yaml import write_camera_yaml
 from venus3d.storage.folder import write_bytes
 
@@ -28,12 +29,14 @@ def summary_of(
     diagnoses: Sequence[Diagnosis] = (),
     converged: bool | None = None,
     truth: Camera | None = None,
+    forecast: Forecast | None = None,
 ) -> dict[str, Any]:
     """The result in short: what --json prints. Pixels; the board's lengths in millimetres.
 
     Args:
         diagnoses: told both as sentences among the warnings and taken apart.
         converged: for a guided calibration; None leaves it out.
+        forecast: views it takes until the wanted projection error; None leaves it out.
         truth: the simulated camera; adds `truth` and `mean_projection_error_px`.
     """
     camera = calibration.camera
@@ -49,6 +52,8 @@ def summary_of(
     }
     if converged is not None:
         summary["converged"] = converged
+    if forecast is not None:
+        summary["forecast"] = asdict(forecast)
     if truth is not None:
         summary["truth"] = _named(truth.parameters)
         summary["mean_projection_error_px"] = mean_projection_error_px(truth, camera)
@@ -86,6 +91,9 @@ def full_result(
                 "intrinsics": _named(progress.parameters),
                 "std": _named(progress.sigma),
                 "projection_error_px": progress.error_px,
+                # What the target had promised; null for a view that was not taken at one.
+                "promised_std": _named(progress.predicted_sigma),
+                "promised_projection_error_px": progress.predicted_error_px,
             }
             for progress in history
         ],
