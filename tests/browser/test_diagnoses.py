@@ -50,18 +50,19 @@ def test_diagnoses_come_with_cause_and_cure_and_go(
 def test_how_bad_it_is_can_be_read_without_colours(
     viewer: Viewer, open_page: Open, guiding: Snapshot
 ) -> None:
-    """A sign and a word; a board that is not read at all is worse than one that is."""
-    unread = replace(guiding, calibration=None, pose=None, match=None)
+    """A sign and a word."""
     viewer.show(replace(guiding, diagnoses=(PARALLEL, LAYOUT)))
     page = open_page()
     for kind, word, sign in (("parallel-views", "Weak:", "!"), ("wrong-layout", "Note:", "i")):
         named = page.wait_for_selector(f"[data-kind='{kind}'] .v-named").inner_text()
         assert word in named and sign in named.split(word)[0]
-    viewer.show(replace(unread, diagnoses=(MARKERS, LAYOUT)))
-    page.wait_for_selector("[data-kind='wrong-dictionary']")
-    for kind in ("wrong-dictionary", "wrong-layout"):
-        named = page.inner_text(f"[data-kind='{kind}'] .v-named")
-        assert "Wrong:" in named and "✕" in named
+    lost = replace(guiding, phase="startup", calibration=None, pose=None, match=None, target=None)
+    viewer.show(replace(lost, diagnoses=(MARKERS,)))
+    named = page.wait_for_selector("[data-kind='wrong-dictionary'] .v-named").inner_text()
+    assert "Wrong:" in named and "✕" in named
+    # Nobody is asked to go on showing a board that cannot be read.
+    page.wait_for_selector(".v-title:has-text('another board')")
+    assert page.inner_text(".v-sentence") == MARKERS.cure
 
 
 def test_a_doubtful_result_is_not_called_calibrated(

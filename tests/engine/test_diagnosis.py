@@ -385,7 +385,7 @@ def test_swapped_rows_and_columns(small_camera: Camera, default_board: Board, le
 @pytest.mark.parametrize("columns", [8, 10, 12])
 def test_another_number_of_columns(picture: np.ndarray, default_board: Board, columns: int) -> None:
     told = recognise(replace(default_board, columns=columns), [picture])
-    assert told is not None and told.kind == "wrong-layout"
+    assert told is not None and told.kind == "swapped-size"
     assert "9 columns" in told.cause and "--board.columns 9" in told.cure
 
 

@@ -120,13 +120,13 @@ def _misplaced(board: Board, ids: NDArray[np.intp], quads: Array) -> Diagnosis |
         )
     if len(fitting) == 1:
         return Diagnosis(
-            "wrong-layout",
+            "swapped-size",
             f"The markers lie as on a board of {fitting[0]} columns, {asked}.",
             f"Count the rows of squares as well and start with --board.columns {fitting[0]} "
             "--board.rows ROWS.",
         )
     return Diagnosis(
-        "wrong-layout",
+        "swapped-size",
         f"Markers of {board.dictionary} are seen, but they lie {asked}.",
         "Count the squares along both sides and start with --board.columns and --board.rows.",
     )

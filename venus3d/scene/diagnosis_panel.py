@@ -17,7 +17,7 @@ SHOWN = 2
 """So many are told in full; of the others only the number."""
 TITLES: dict[DiagnosisKind, tuple[Severity, str]] = {
     "wrong-dictionary": ("wrong", "other markers than asked for"),
-    "swapped-size": ("wrong", "rows and columns swapped"),
+    "swapped-size": ("wrong", "rows and columns do not fit"),
     "impossible-distance": ("wrong", "impossible distance"),
     "parallel-views": ("weak", "views nearly parallel"),
     "weak-focal-length": ("weak", "focal length uncertain"),
@@ -40,12 +40,16 @@ def diagnoses_html(snapshot: Snapshot | None) -> str:
     """The diagnoses of a moment, worst first; empty if there are none."""
     if snapshot is None or not snapshot.diagnoses:
         return ""
-    # A board that is read in its own layout is no trouble; one that cannot be read is.
-    unread = snapshot.pose is None and not snapshot.views
-    items = "".join(_item(diagnosis, unread) for diagnosis in snapshot.diagnoses[:SHOWN])
+    items = "".join(_item(diagnosis) for diagnosis in snapshot.diagnoses[:SHOWN])
     more = len(snapshot.diagnoses) - SHOWN
     rest = f"<div class='v-more'>and {more} more</div>" if more > 0 else ""
     return f"<div class='v-progress v-diagnoses'><h3>Before you trust this</h3>{items}{rest}</div>"
+
+
+def another_board(snapshot: Snapshot) -> Diagnosis | None:
+    """What says that another board is held up than the one asked for; None if nothing does."""
+    unread = (d for d in snapshot.diagnoses if d.kind in ("wrong-dictionary", "swapped-size"))
+    return next(unread, None)
 
 
 def doubt(snapshot: Snapshot) -> Diagnosis | None:
@@ -54,10 +58,8 @@ def doubt(snapshot: Snapshot) -> Diagnosis | None:
     return next(against, None)
 
 
-def _item(diagnosis: Diagnosis, unread: bool) -> str:
+def _item(diagnosis: Diagnosis) -> str:
     severity, title = TITLES[diagnosis.kind]
-    if unread:
-        severity = "wrong"
     sign, word = _SIGNS[severity]
     return (
         f"<div class='v-diagnosis v-{severity}' data-kind='{diagnosis.kind}'>"

@@ -10,7 +10,7 @@ from html import escape
 from venus3d.engine.decomposition import Steps
 from venus3d.engine.snapshot import Match, Snapshot
 from venus3d.engine.words import HOLD_STILL, STEP_RIGHT
-from venus3d.scene.diagnosis_panel import doubt
+from venus3d.scene.diagnosis_panel import another_board, doubt
 from venus3d.scene.palette import STEP_STYLES, step_style
 from venus3d.scene.style import Theme
 from venus3d.scene.view_state import ViewState
@@ -65,6 +65,9 @@ def _second(text: str) -> str:
 
 
 def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) -> str:
+    other = another_board(snapshot)
+    if other is not None:
+        return _card(theme.info, "✕", "This is another board", other.cure, "", "", note)
     startup = snapshot.phase == "startup" and snapshot.target is None
     headline = _HEADLINES["startup"] if startup else snapshot.headline
     sentence = snapshot.instruction.holder
