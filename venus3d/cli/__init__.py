@@ -18,6 +18,7 @@ import tyro
 
 from venus3d import __version__
 from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
+from venus3d.cli.study import StudyOptions, study
 from venus3d.engine.errors import VenusError
 from venus3d.options import GuideOptions
 
@@ -49,6 +50,12 @@ Command = (
     | Annotated[
         BoardCommand,
         tyro.conf.subcommand("board", description="Write the board as a picture to print."),
+    ]
+    | Annotated[
+        StudyOptions,
+        tyro.conf.subcommand(
+            "study", description="Do the paper's evaluation again: figures, tables, benchmarks."
+        ),
     ]
 )
 
@@ -97,6 +104,8 @@ def _command_of(options: object) -> Callable[[], None]:
         from venus3d.cli.decompose import decompose_command
 
         return lambda: decompose_command(options)
+    if isinstance(options, StudyOptions):
+        return lambda: study(options)
     assert isinstance(options, BoardCommand)
     from venus3d.cli.board import board_command
 

@@ -28,6 +28,7 @@ from venus3d.engine.work import Settings, noise_of
 from venus3d.sources.sim import PAPER_CAMERA
 from venus3d.study.runner import Value, run_trials
 from venus3d.study.simulated import NOISE_PX, observed, true_error_px, true_information, walk
+from venus3d.study.text import table
 
 VIEWS = 14
 TIMINGS = 15
@@ -173,6 +174,15 @@ def judged(rows: Sequence[dict[str, Value]]) -> list[Bar]:
             _quartiles(gains),
         ),
     ]
+
+
+def bench_table(bars: Sequence[Bar]) -> str:
+    """The claims as a table for people."""
+    lines: list[list[str]] = []
+    for bar in bars:
+        spread = "–" if bar.quartiles is None else "{:.3g}–{:.3g}".format(*bar.quartiles)
+        lines.append([bar.name, f"{bar.value:.3g}", spread, bar.bar, "yes" if bar.ok else "NO"])
+    return table(["what", "median", "quartiles", "bar", "met"], lines)
 
 
 def _by_repeat(rows: Sequence[dict[str, Value]], kind: str, column: str) -> Array:

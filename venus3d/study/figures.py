@@ -1,4 +1,4 @@
-"""Figures 6 to 9 of the paper and a tenth: which of two ways to choose poses wins, and since when."""
+"""Figures 6 to 9 of the paper and a tenth: who wins, and from which number of views on."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
+from venus3d.engine.limits import Mask
 from venus3d.engine.pose import Array
 from venus3d.study.arms import ARMS, ArmTrial, run_arm
 from venus3d.study.runner import Value, run_trials
@@ -189,7 +190,7 @@ def _interval(differences: Array) -> tuple[Array, Array]:
     return mean - half, mean + half
 
 
-def _since(leads: Array) -> int:
+def _since(leads: Mask) -> int:
     """From which number of views on somebody leads to the end; 0 if not at the end."""
     behind = np.flatnonzero(~leads)
     since = int(behind[-1]) + 2 if behind.size else 1

@@ -1,0 +1,132 @@
+"""`venus3d study ...`: the paper's evaluation, done again with one command a table or figure.
+
+Each command writes its rows as they come, so that an interrupted run goes on when it is called
+again. What is measured, and how, is in `venus3d.study`.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import OmitSubcommandPrefixes, arg, subcommand
+
+from venus3d.cli.report import tell
+from venus3d.engine.errors import VenusError
+from venus3d.options import Switch
+from venus3d.storage.folder import prepare, write_bytes
+
+_Jobs = Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: one a core)")]
+_Dask = Annotated[str | None, arg(metavar="ADDRESS", help_behavior_hint="(optional)")]
+
+
+@dataclass(frozen=True)
+class FiguresOptions:
+    """Figures 6 to 9 on the paper's simulated camera."""
+
+    views: int = 20
+    """Views of each calibration."""
+    repeats: int = 20
+    """Calibrations by each method."""
+    seed: int = 0
+    """One number that makes a run repeat."""
+    jobs: _Jobs = None
+    """Processes."""
+    dask: _Dask = None
+    """Run on this Dask cluster instead, such as tcp://host:8786."""
+    output: Annotated[Path, arg(metavar="DIR")] = Path("venus3d-study/figures")
+    """Folder for rows.csv, verdicts.md and the pictures."""
+
+
+@dataclass(frozen=True)
+class BenchOptions:
+    """What this project claims about its search, measured."""
+
+    repeats: int = 20
+    """Calibrations by each method."""
+    seed: int = 0
+    """One number that makes the accuracies repeat; speeds are what this machine gives."""
+    jobs: _Jobs = None
+    """Processes."""
+    json: Switch = False
+    """Print a JSON list of {"name", "value", "bar", "ok"} on the last line."""
+    output: Annotated[Path, arg(metavar="DIR")] = Path("venus3d-study/bench")
+    """Folder for rows.csv."""
+
+
+@dataclass(frozen=True)
+class StudyOptions:
+    """The paper's evaluation."""
+
+    what: OmitSubcommandPrefixes[
+        Annotated[
+            FiguresOptions,
+            subcommand(
+                "figures",
+                description="Figures 6 to 9 and a tenth: methods compared on simulated corners.",
+            ),
+        ]
+        | Annotated[
+            BenchOptions,
+            subcommand("bench", description="The search's speed and accuracy against their bars."),
+        ]
+    ]
+
+
+def study(options: StudyOptions) -> None:
+    """Run one study. Raises `VenusError` for a user's mistake."""
+    what = options.what
+    if isinstance(what, FiguresOptions):
+        _figures(what)
+    else:
+        _bench(what)
+
+
+def check_range(option: str, value: int | None, low: int, high: int) -> None:
+    """Raises `VenusError` if a number was given that cannot be met."""
+    if value is not None and not low <= value <= high:
+        raise VenusError(f"{option} must be from {low} to {high}, not {value}.")
+
+
+def _check_common(repeats: int, seed: int, jobs: int | None) -> None:
+    check_range("--repeats", repeats, 1, 10_000)
+    check_range("--seed", seed, 0, 2**63)
+    check_range("--jobs", jobs, 1, 1024)
+
+
+def _figures(options: FiguresOptions) -> None:
+    from venus3d.study.figures import FIGURES, judge_figure, run_figures, verdict_table
+    from venus3d.study.plots import draw_figure
+
+    _check_common(options.repeats, options.seed, options.jobs)
+    check_range("--views", options.views, 3, 200)
+    folder = prepare(options.output)
+    rows = run_figures(
+        folder / "rows.csv",
+        views=options.views,
+        repeats=options.repeats,
+        seed=options.seed,
+        jobs=options.jobs,
+        dask=options.dask,
+    )
+    text = verdict_table([verdict for figure in FIGURES for verdict in judge_figure(rows, figure)])
+    print(text)
+    written = [folder / "rows.csv", write_bytes(folder / "verdicts.md", f"{text}\n".encode())]
+    for figure in FIGURES:
+        written += draw_figure(rows, figure, folder)
+    for path in written:
+        tell(f"Written: {path}")
+
+
+def _bench(options: BenchOptions) -> None:
+    from venus3d.study.bench import bench, bench_table
+
+    _check_common(options.repeats, options.seed, options.jobs)
+    folder = prepare(options.output)
+    bars = bench(folder / "rows.csv", seed=options.seed, repeats=options.repeats, jobs=options.jobs)
+    print(bench_table(bars))
+    tell(f"Written: {folder / 'rows.csv'}")
+    if options.json:
+        print(json.dumps([asdict(bar) for bar in bars]))
