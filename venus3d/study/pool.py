@@ -6,13 +6,14 @@ What a method asks for, and when it has enough, is `table1`'s business.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from venus3d.engine.board import Board
+from venus3d.engine.calibration import calibrate
 from venus3d.engine.camera import Camera
 from venus3d.engine.detection import Detector
 from venus3d.engine.errors import CalibrationError
@@ -28,6 +29,7 @@ FEWEST_TRAINING, FEWEST_TEST = 6, 4
 """The repaired rule of convergence gives no verdict before six views; a test on fewer than four
 views hangs on each of them."""
 _COMPLETE = 0.5  # share of the board's corners that a view has to show
+_MORE_DEG, _FARTHER = 5.0, 1.15  # beyond what a recording holds
 _SHARP = 0.7  # of the median sharpness; below it a frame counts as blurred
 SAME = 0.0025
 """Of the image's width: a frame whose corners lie nearer to a kept view's repeats it. The same as
@@ -46,6 +48,8 @@ class Pool:
     frames: int
     """How many frames the recording has."""
     notes: tuple[str, ...] = ()
+    asking: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Fields of `Limits`: what may be asked for (see `asking_limits`); empty for the usual ones."""
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -89,7 +93,31 @@ def pool_of(
             "test with; record more."
         )
     notes = (*recording.notes, *detector.notes)
-    return Pool(spec, detector.board, tuple(kept), len(recording.observations), notes)
+    asking = asking_limits(detector.board, kept)
+    return Pool(spec, detector.board, tuple(kept), len(recording.observations), notes, asking)
+
+
+def asking_limits(board: Board, observations: Sequence[Observation]) -> dict[str, float]:
+    """What a method may ask for: what the recording holds, and a little more.
+
+    A person can follow a target, a recording cannot. Asked for a tilt of 50 degrees a pool of views
+    tilted by 20 degrees at most gives an arbitrary one; within its own range it can answer. The
+    poses come from a calibration with all views; the same limits hold for all methods.
+
+    Raises `CalibrationError` if the views determine no camera even all together.
+    """
+    poses = [view.pose for view in calibrate(board, observations).views]
+    angles = np.abs([pose.vector()[:3] for pose in poses])
+    cosines = [pose.R[:, 2] @ pose.t / np.linalg.norm(pose.t) for pose in poses]
+    distances = np.linalg.norm([pose.apply(board.outline) for pose in poses], axis=2)
+    usual = Limits()
+    tilt = float(np.degrees(np.arccos(np.clip(min(cosines), 0.0, 1.0))))
+    return {
+        "max_angle_deg": min(usual.max_angle_deg, float(angles.max()) + _MORE_DEG),
+        "max_tilt_deg": min(usual.max_tilt_deg, tilt + _MORE_DEG),
+        "nearest": float(distances.min()) / _FARTHER,
+        "farthest": float(distances.max()) * _FARTHER,
+    }
 
 
 def simulated_pool(board: Board, rng: np.random.Generator, count: int = 150) -> Pool:

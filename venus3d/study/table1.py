@@ -8,7 +8,7 @@ through the session that guides people, so what is measured is the program itsel
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -67,6 +67,9 @@ class Taken:
     off_deg: float
     """Turn between the pose asked for and the view's, degrees; NaN where none was asked for."""
     calibration: Calibration
+    error_px: float
+    """Mean projection error over the image that the covariance expects, pixels; NaN while
+    parameters are held fixed."""
 
 
 def run_table1(trial: Table1Trial) -> list[Row]:
@@ -90,6 +93,7 @@ def run_table1(trial: Table1Trial) -> list[Row]:
                 "ended": ending if step is taken[-1] else "",
                 "rms_train_px": step.calibration.rms_px,
                 "rms_test_px": rms_of_views_px(camera, pool, held_out),
+                "error_px": step.error_px,
                 "fx": camera.fx,
                 "fy": camera.fy,
                 "cx": camera.cx,
@@ -111,7 +115,9 @@ def guide_through(
     Raises `CalibrationError` if no view of the pool can be calibrated from.
     """
     method: Method = "random" if arm == "opencv" else arm
-    settings = Settings(method=method, seed=seed, auto_capture=False, max_views=max_views)
+    settings = Settings(
+        method=method, seed=seed, auto_capture=False, max_views=max_views, limits=pool.asking
+    )
     session = Session(pool.board, pool.image_size, settings)
     rng = np.random.default_rng([seed, 1])
     unused, taken = list(training), list[Taken]()
@@ -122,7 +128,7 @@ def guide_through(
         elif wanted is None:
             break
         else:
-            limits = Limits.for_board(pool.board, session.camera)
+            limits = replace(Limits.for_board(pool.board, session.camera), **pool.asking)
             found = nearest(wanted, pool, unused, session.camera, limits)
             if found is None:
                 break
@@ -135,7 +141,8 @@ def guide_through(
         snapshot = session.snapshot()
         wanted = None if snapshot.target is None else snapshot.target.pose
         if snapshot.calibration is not None:
-            taken.append(Taken(index, off_deg, snapshot.calibration))
+            error_px = snapshot.history[-1].error_px
+            taken.append(Taken(index, off_deg, snapshot.calibration, error_px))
     if not taken:
         raise CalibrationError(f"No view of {pool.name} can be calibrated from.")
     return taken, _ending(session, wanted, arm)
@@ -209,6 +216,7 @@ _HEADINGS = (
     "rms test (px)",
     "views used",
     "rms train (px)",
+    "expected error (px)",
     "fx (px)",
     "converged",
     f"rms test at {MIN_VIEWS} views",
@@ -226,6 +234,7 @@ def _line(arm: Arm, rows: Sequence[Row]) -> tuple[str, ...]:
         mean_sd(_column(last, "rms_test_px"), 4),
         mean_sd(_column(last, "views"), 1),
         mean_sd(_column(last, "rms_train_px"), 4),
+        mean_sd(_column(last, "error_px"), 2),
         mean_sd(_column(last, "fx"), 1),
         f"{converged} of {len(last)}",
         mean_sd(_column(equal, "rms_test_px"), 4),
