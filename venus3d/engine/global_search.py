@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from venus3d.engine.costs import CostFunction
+from venus3d.engine.costs import CostFunction, rough_of
 from venus3d.engine.moves import Found, Move, Stop, Watch
 from venus3d.engine.pool import Pool
 from venus3d.engine.pose import Array
@@ -38,7 +38,6 @@ def search_globally(
     rng: np.random.Generator,
     *,
     budget: int = 3500,
-    rough: CostFunction | None = None,
     stop: Stop | None = None,
     on_move: Watch | None = None,
 ) -> Found:
@@ -51,13 +50,14 @@ def search_globally(
     that is cheaper takes its parent's place, and the dearest parents drop out until 16 are left.
 
     Args:
+        cost: of pose vectors (N, 6). If it has a rough one beside it (`rough_of`), that ranks, and
+            only the poses returned are given their exact cost.
         budget: costs to compute, about.
-        rough: a quicker cost to rank by; the poses returned have their true cost.
         stop, on_move: see `search`.
 
     Raises `VenusError` if no pose fits the limits.
     """
-    run = _Run(space, cost, rough or cost, stop, on_move)
+    run = _Run(space, cost, stop, on_move)
     parents, costs = run.samples(budget, rng)
     while run.pool.evaluated < budget and not run.stopped():
         spent = run.pool.evaluated / budget
@@ -77,12 +77,11 @@ class _Run:
         self,
         space: Space,
         cost: CostFunction,
-        rough: CostFunction,
         stop: Stop | None,
         on_move: Watch | None,
     ) -> None:
         self.pool = Pool(space)
-        self._space, self._cost, self._rough = space, cost, rough
+        self._space, self._cost, self._rough = space, cost, rough_of(cost)
         self._stop, self._on_move, self._stopped = stop, on_move, False
 
     def stopped(self) -> bool:

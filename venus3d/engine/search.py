@@ -52,7 +52,6 @@ def search(
     *,
     start: ArrayLike | None = None,
     budget: int | None = None,
-    rough: CostFunction | None = None,
     stop: Stop | None = None,
     on_move: Watch | None = None,
     keep_best: bool = False,
@@ -63,7 +62,6 @@ def search(
         cost: of pose vectors (N, 6), never negative; see `make_cost`.
         start: (6,) where the annealing begins, a pose of the space; the others need none.
         budget: about how many poses to look at; None for the strategy's own (`BUDGET`).
-        rough: a quicker cost for ranking, which only "global" uses; see `make_cost`.
         stop: asked again and again; once it says True the best pose so far is returned.
         on_move: told of every pose looked at, or of the best of every batch.
         keep_best: let the annealing return the best pose it met, not the one it ends on as printed.
@@ -90,9 +88,7 @@ def search(
             on_move=on_move,
         )
     if strategy == "global":
-        return search_globally(
-            space, cost, rng, budget=count, rough=rough, stop=stop, on_move=on_move
-        )
+        return search_globally(space, cost, rng, budget=count, stop=stop, on_move=on_move)
     run = {
         "dual-annealing": dual_annealing_search,
         "differential-evolution": differential_evolution_search,

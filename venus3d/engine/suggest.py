@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from venus3d.engine.alternatives import nearly_equal
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
-from venus3d.engine.costs import CostFunction, make_cost, projection_error_px
+from venus3d.engine.costs import CostFunction, make_cost, projection_error_px, with_surcharge
 from venus3d.engine.decomposition import decompose
 from venus3d.engine.generation import (
     Generated,
@@ -217,11 +217,10 @@ def _price(
     if way.method != "global":
         return price
 
-    def with_effort(vectors: Array) -> Array:
-        turns = np.abs(vectors[:, :3]).mean(axis=1) / space.limits.max_angle_deg
-        return price(vectors) * (1 + EFFORT * turns)
+    def effort(vectors: Array) -> Array:
+        return EFFORT * np.abs(vectors[:, :3]).mean(axis=1) / space.limits.max_angle_deg
 
-    return with_effort
+    return with_surcharge(price, effort)
 
 
 def _generated(
