@@ -13,8 +13,16 @@ from typing import Annotated
 
 from tyro.conf import OmitSubcommandPrefixes, arg, subcommand
 
+from venus3d.cli.options import check_range
 from venus3d.cli.report import tell
-from venus3d.engine.errors import VenusError
+from venus3d.cli.study_tables import (
+    Table1Options,
+    Table2Options,
+    Table3Options,
+    table1,
+    table2,
+    table3,
+)
 from venus3d.options import Switch
 from venus3d.storage.folder import prepare, write_bytes
 
@@ -72,6 +80,20 @@ class StudyOptions:
             BenchOptions,
             subcommand("bench", description="The search's speed and accuracy against their bars."),
         ]
+        | Annotated[
+            Table1Options,
+            subcommand(
+                "table1", description="Table 1: methods compared on the views of real recordings."
+            ),
+        ]
+        | Annotated[
+            Table2Options,
+            subcommand("table2", description="Table 2: what guiding costs for each frame."),
+        ]
+        | Annotated[
+            Table3Options,
+            subcommand("table3", description="Table 3 with SIMULATED people: time to ten poses."),
+        ]
     ]
 
 
@@ -80,14 +102,14 @@ def study(options: StudyOptions) -> None:
     what = options.what
     if isinstance(what, FiguresOptions):
         _figures(what)
-    else:
+    elif isinstance(what, BenchOptions):
         _bench(what)
-
-
-def check_range(option: str, value: int | None, low: int, high: int) -> None:
-    """Raises `VenusError` if a number was given that cannot be met."""
-    if value is not None and not low <= value <= high:
-        raise VenusError(f"{option} must be from {low} to {high}, not {value}.")
+    elif isinstance(what, Table1Options):
+        table1(what)
+    elif isinstance(what, Table2Options):
+        table2(what)
+    else:
+        table3(what)
 
 
 def _check_common(repeats: int, seed: int, jobs: int | None) -> None:

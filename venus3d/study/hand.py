@@ -17,6 +17,7 @@ import numpy as np
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
+from venus3d.engine.errors import VenusError
 from venus3d.engine.matching import Tolerance, match
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Array, Pose
@@ -79,6 +80,16 @@ class Assumptions:
     """However small it is."""
     outline_flip: float = 0.5
     """A silhouette hardly tells forwards from backwards: the first guess is a coin's."""
+
+    def check(self) -> None:
+        """Raises `VenusError` for a value that nobody can have."""
+        for name in (f.name for f in fields(self)):
+            value = getattr(self, name)
+            most = 1.0 if name.endswith("_flip") else np.inf
+            least = 1.0 if name == "rotation_deg_per_s" else 0.0
+            if not least <= value <= most:
+                allowed = f"from 0 to {most:g}" if most == 1 else f"at least {least:g}"
+                raise VenusError(f"--assume.{name.replace('_', '-')} must be {allowed}.")
 
     def person(self, spread: float, rng: np.random.Generator) -> Assumptions:
         """Somebody: all times longer and all errors larger by two factors of their own.
