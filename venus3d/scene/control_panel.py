@@ -1,8 +1,9 @@
-"""Buttons and hotkeys. They only say which action was asked for; the viewer knows what it means."""
+"""Buttons and hotkeys: which action was asked for, and what it changes in the view, if anything."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Literal
 
 import viser
@@ -134,3 +135,22 @@ def _label(action: Action, state: ViewState) -> str:
     if action in other:
         return names[1] if other[action] else names[0]
     return ("✓ " if on else "") + names[0]
+
+
+def after_action(state: ViewState, action: Action) -> ViewState:
+    """What is shown once that was asked for."""
+    if action == "previous":
+        return state.turned_to(state.step - 1)
+    if action == "next":
+        return state.turned_to(state.step + 1)
+    if action == "play":
+        return state.play(not state.playing)
+    if action == "follow":
+        return state.following(not state.follow)
+    if action == "strip":
+        return replace(state, strip=not state.strip)
+    if action == "theme":
+        return replace(state, dark=not state.dark)
+    if action == "pause":
+        return replace(state, paused=not state.paused)
+    return replace(state, autopilot=not state.autopilot)

@@ -1,8 +1,9 @@
 """The page's layout: what stands where, and how one moment is put on it.
 
-left    progress: views, parameters, trend, captured views
+left    progress: views, what the next pose is for and which others would do, parameters, trend,
+        captured views
 middle  the 3D scene, with the large guidance text below it
-right   live picture, the four steps as the camera sees them, controls
+right   live picture, the four steps as the camera sees them, controls, how poses are found
 """
 
 from __future__ import annotations
@@ -15,11 +16,20 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.alternatives_panel import AlternativesPanel
 from venus3d.scene.control_panel import Action, ControlPanel
 from venus3d.scene.diagnosis_panel import diagnoses_html
 from venus3d.scene.guidance_panel import guidance_html
+from venus3d.scene.intents import DropView, Intent
+from venus3d.scene.method_panel import MethodPanel
 from venus3d.scene.picture import PICTURE_WIDTH
-from venus3d.scene.progress_panel import progress_html, trend, trend_caption, trend_series
+from venus3d.scene.progress_panel import (
+    parameters_html,
+    progress_html,
+    trend,
+    trend_caption,
+    trend_series,
+)
 from venus3d.scene.projections_panel import projections_html
 from venus3d.scene.strip import STRIP_CENTRE
 from venus3d.scene.style import Theme
@@ -42,13 +52,13 @@ _LOOK_FROM, _LOOK_AT, _FOV_RAD = (-0.60, -0.42, -0.33), (-0.02, 0.16, 0.27), np.
 
 
 class Page:
-    """All panels of one server. `act` and `drop` are called on viser's threads."""
+    """All panels of one server. `act` and `ask` are called on viser's threads."""
 
     def __init__(
         self,
         server: viser.ViserServer,
         act: Callable[[Action], None],
-        drop: Callable[[int], None],
+        ask: Callable[[Intent], None],
         *,
         dark: bool,
         simulated: bool,
@@ -57,7 +67,7 @@ class Page:
         self._server, self._gui = server, server.gui
         self._dark: bool | None = None
         self._styles: list[Any] = []
-        self._drop = drop
+        self._ask = ask
         camera = server.initial_camera
         camera.fov, camera.near, camera.far = float(_FOV_RAD), 0.01, 50.0
         self._look(_LOOK_FROM, _LOOK_AT)
@@ -105,9 +115,12 @@ class Page:
         self.diagnoses.content = diagnoses_html(snapshot)
         self.diagnoses.visible = bool(self.diagnoses.content)
         self.progress.content = progress_html(snapshot)
+        self.alternatives.show(snapshot)
+        self.parameters.content = parameters_html(snapshot)
         self.projections.content = projections_html(projections, state.step, theme, drawn_by)
         self.controls.show(state)
         if snapshot is not None:
+            self.method.show(snapshot)
             self._show_trend(snapshot)
             self._show_views(snapshot)
 
@@ -128,6 +141,7 @@ class Page:
         gui.add_html(_PICTURE_LEGEND)
         self.projections = gui.add_html("")
         self.controls = ControlPanel(self._server, act, simulated=simulated)
+        self.method = MethodPanel(self._server, self._ask)
 
     def _make_left(self, theme: Theme) -> None:
         gui = self._gui
@@ -136,6 +150,8 @@ class Page:
             self._add_style()
             self.diagnoses = gui.add_html("", visible=False)
             self.progress = gui.add_html("")
+            self.alternatives = AlternativesPanel(self._server, self._ask)
+            self.parameters = gui.add_html("")
             self._caption = gui.add_html("", visible=False)
             start = np.array([0.0, 1.0])
             self.trend = gui.add_uplot(
@@ -210,7 +226,7 @@ class Page:
     def _drop_chosen(self) -> None:
         number = str(self._views.value).split(" ")[0]
         if number.isdigit():
-            self._drop(int(number))
+            self._ask(DropView(int(number)))
 
 
 def steps_back(distance: float) -> float:

@@ -1,8 +1,9 @@
-"""How well the camera is known: views, each parameter with its sigma, the trend of the sigmas."""
+"""How well the camera is known: views, errors promised and come, parameters, the sigmas' trend."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -10,7 +11,7 @@ from viser import uplot
 
 from venus3d.engine.camera import PARAMETERS
 from venus3d.engine.pose import Array
-from venus3d.engine.snapshot import Progress, Snapshot
+from venus3d.engine.snapshot import Forecast, Progress, Snapshot
 from venus3d.engine.words import PARAMETER_WORDS
 from venus3d.scene.style import Theme
 
@@ -19,14 +20,19 @@ _IN_PIXELS = 4
 
 
 def progress_html(snapshot: Snapshot | None) -> str:
-    """Views, errors, what the next pose is for, and the table of parameters."""
+    """Views, errors, what the last view brought, what the next pose is for and should bring."""
     if snapshot is None or (snapshot.calibration is None and snapshot.target is None):
         return (
             "<div class='v-progress'>The camera is not known yet. "
             "After the first view its parameters appear here.</div>"
         )
-    parts = _summary(snapshot) + _reason(snapshot) + _table(snapshot)
+    parts = _summary(snapshot) + _outcome(snapshot) + _reason(snapshot)
     return f"<div class='v-progress'>{parts}</div>"
+
+
+def parameters_html(snapshot: Snapshot | None) -> str:
+    """The table of parameters."""
+    return "" if snapshot is None else f"<div class='v-progress'>{_table(snapshot)}</div>"
 
 
 def _summary(snapshot: Snapshot) -> str:
@@ -39,6 +45,58 @@ def _summary(snapshot: Snapshot) -> str:
     return f"<div class='v-big'>{cells}</div>"
 
 
+def _outcome(snapshot: Snapshot) -> str:
+    """What the last view brought, and how many more it takes."""
+    views = snapshot.views
+    lines = [brought_text(view.number, snapshot.history) for view in views[-1:]]
+    if snapshot.forecast is not None and snapshot.phase != "finished":
+        lines.append(f"<b>{forecast_text(snapshot.forecast)}</b>")
+    return "".join(f"<div class='v-line'>{line}</div>" for line in lines if line)
+
+
+def brought_text(number: int, history: Sequence[Progress]) -> str:
+    """What the view of this number brought and what its target had promised; empty if unknown."""
+    if not history or not np.isfinite(history[-1].error_px):
+        return ""
+    before = history[-2].error_px if len(history) > 1 else np.nan
+    last, start = history[-1], f"{px_text(before)} → " if np.isfinite(before) else ""
+    promised = f" (promised {px_text(last.predicted_error_px)})"
+    extra = promised if np.isfinite(last.predicted_error_px) else ""
+    return f"View {number} brought {start}{px_text(last.error_px)} px{extra}."
+
+
+def px_text(error_px: float) -> str:
+    """An error with the figures it is worth."""
+    return f"{error_px:.2f}" if error_px >= 0.1 else f"{error_px:.3f}"
+
+
+def forecast_text(forecast: Forecast) -> str:
+    """About how many more views, with the interval."""
+    goal = f"until {forecast.wanted_px:g} px"
+    low, high, views = forecast.low, forecast.high, forecast.views
+    if views == 0:
+        return f"The error is below {forecast.wanted_px:g} px already."
+    if views is None or low is None:
+        least = forecast.looked_ahead if low is None else low
+        return f"{least} more views or more {goal}."
+    if high is None:
+        return f"About {views} more views {goal} ({low} or more)."
+    words = f"About {views} more view{'' if views == 1 else 's'} {goal}"
+    return f"{words} ({low} to {high})." if low < high else f"{words}."
+
+
+def _promise(snapshot: Snapshot) -> str:
+    target = snapshot.target
+    if target is None or not np.isfinite(target.predicted_error_px):
+        return ""
+    if not np.isfinite(target.error_px):
+        return f"It should bring the error to about {px_text(target.predicted_error_px)} px."
+    return (
+        f"It should bring the error from {px_text(target.error_px)} to "
+        f"{px_text(target.predicted_error_px)} px."
+    )
+
+
 def _reason(snapshot: Snapshot) -> str:
     target = snapshot.target
     if target is None:
@@ -47,7 +105,8 @@ def _reason(snapshot: Snapshot) -> str:
     serves = ", ".join(target.serves[:3])
     serves = f"Helps most: {serves}." if serves else ""
     small = f"<small>{escape(looked + serves)}</small>" if looked or serves else ""
-    reason = f"<div class='v-reason'>{escape(target.reason)}{small}</div>"
+    text = f"{target.reason} {_promise(snapshot)}".strip()
+    reason = f"<div class='v-reason'>{escape(text)}{small}</div>"
     return f"<h3>What pose {target.number} is for</h3>{reason}"
 
 

@@ -100,6 +100,11 @@ font-size:13px}
 .v-big b{display:block;font-size:24px;line-height:1.1;font-weight:750}
 .v-big span{font-size:12px;color:var(--soft);line-height:1.2;display:block;margin-top:2px}
 .v-reason{font-size:15px;line-height:1.35;border-left:4px solid var(--info);padding:2px 0 2px 9px}
+.v-line{margin-top:6px;font-size:14px}
+.mantine-ScrollArea-root:has(.v-progress) .mantine-Button-root{height:auto;min-height:30px;
+padding:4px 9px}
+.mantine-ScrollArea-root:has(.v-progress) .mantine-Button-label{white-space:normal;line-height:1.25;
+text-align:left}
 .v-reason small{display:block;font-size:12px;color:var(--soft);margin-top:3px}
 @media (max-width:1500px){.mantine-Paper-root:has(.v-guide){width:calc(100vw - 742px)!important}}
 .v-row{display:grid;grid-template-columns:2.1em 1fr auto;column-gap:7px;align-items:baseline;

@@ -18,7 +18,7 @@ from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
 from venus3d.engine.snapshot import Snapshot
 from venus3d.scene import intents
-from venus3d.scene.control_panel import Action
+from venus3d.scene.control_panel import Action, after_action
 from venus3d.scene.describe import SceneOptions, describe
 from venus3d.scene.gizmo import BoardGizmo
 from venus3d.scene.page import Page, steps_back
@@ -77,7 +77,7 @@ class Viewer:
         self._failure: BaseException | None = None
         self._projections, self._tiles = projections, Tiles()
         self._scene = SceneView(self._server)
-        self._page = Page(self._server, self._act, self._drop, dark=dark, simulated=draggable_board)
+        self._page = Page(self._server, self._act, self._ask, dark=dark, simulated=draggable_board)
         self._gizmo = BoardGizmo(self._server, self._dragged) if draggable_board else None
         self._threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
@@ -162,14 +162,16 @@ class Viewer:
         if action in plain:
             self._intents.put(plain[action])
             return
-        state = self._change(lambda state: _after_action(state, action))
+        state = self._change(lambda state: after_action(state, action))
         if action == "pause":
             self._intents.put(intents.Pause(state.paused))
         elif action == "autopilot":
             self._intents.put(intents.Autopilot(state.autopilot))
 
-    def _drop(self, number: int) -> None:
-        self._intents.put(intents.DropView(number))
+    def _ask(self, intent: intents.Intent) -> None:
+        if isinstance(intent, intents.ChooseAlternative):
+            self._change(lambda state: state.following(True))  # from step 1 of another pose
+        self._intents.put(intent)
 
     def _dragged(self, pose: Pose) -> None:
         if self._state.autopilot:
@@ -287,21 +289,3 @@ class Viewer:
                 annotate(rgb, snapshot, came[1], state.step, colour)
             self._page.show_picture(rgb)
             self._stop.wait(max(0.0, started + _PICTURE_PERIOD_S - time.monotonic()))
-
-
-def _after_action(state: ViewState, action: Action) -> ViewState:
-    if action == "previous":
-        return state.turned_to(state.step - 1)
-    if action == "next":
-        return state.turned_to(state.step + 1)
-    if action == "play":
-        return state.play(not state.playing)
-    if action == "follow":
-        return state.following(not state.follow)
-    if action == "strip":
-        return replace(state, strip=not state.strip)
-    if action == "theme":
-        return replace(state, dark=not state.dark)
-    if action == "pause":
-        return replace(state, paused=not state.paused)
-    return replace(state, autopilot=not state.autopilot)
