@@ -41,7 +41,7 @@ def calibrated(
 
 def by_kind(diagnoses: Sequence[Diagnosis]) -> dict[str, Diagnosis]:
     for diagnosis in diagnoses:
-        assert diagnosis.cause.endswith((".", "?")) and diagnosis.cure.endswith((".", ")."))
+        assert diagnosis.cause.endswith(".") and diagnosis.cure.endswith(".")
     return {diagnosis.kind: diagnosis for diagnosis in diagnoses}
 
 

@@ -246,17 +246,16 @@ def _impossible(board: Board, calibration: Calibration) -> Iterator[Diagnosis]:
     depths = _depths(board, calibration)
     if depths.min() >= NEAREST_M and depths.max() <= FARTHEST_M:
         return
-    near = depths.min() < NEAREST_M
-    distance = depths.min() if near else depths.max()
+    if depths.min() < NEAREST_M:
+        place, guess = f"{depths.min() * 1000:.0f} mm from the lens", "centimetres or inches were"
+    else:
+        place, guess = f"{depths.max():.0f} m away", "another unit was"
     yield Diagnosis(
         "impossible-distance",
-        f"With squares of {board.square * 1000:g} mm the board was {_length(distance)} from the "
-        f"lens, which is hardly possible; centimetres or inches given as millimetres?"
-        if near
-        else f"With squares of {board.square * 1000:g} mm the board was {_length(distance)} away, "
-        "which is hardly possible; another unit given as millimetres?",
-        "Measure a square and start again with --board.square-mm and --board.marker-mm "
-        "(the camera's parameters are the same, all distances are wrong).",
+        f"With squares of {board.square * 1000:g} mm the board was {place}, which is hardly "
+        f"possible: perhaps {guess} given as millimetres.",
+        "Measure a square and start again with --board.square-mm and --board.marker-mm; the "
+        "camera's parameters stay as they are, but every distance is wrong.",
     )
 
 
@@ -270,10 +269,6 @@ def _depths(board: Board, calibration: Calibration) -> Array:
     return np.concatenate(
         [view.pose.apply(board.points_of(view.observation.ids))[:, 2] for view in calibration.views]
     )
-
-
-def _length(metres: float) -> str:
-    return f"{metres * 1000:.1f} mm" if metres < 0.1 else f"{metres:.0f} m"
 
 
 def _listed(words: list[str]) -> str:

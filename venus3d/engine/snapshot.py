@@ -68,7 +68,8 @@ class Diagnosis:
     """Numbers of the views concerned; empty for all."""
 
     def __str__(self) -> str:
-        return f"{self.cause} {self.cure}"
+        """Both in one sentence."""
+        return f"{self.cause.removesuffix('.')}; {self.cure[:1].lower()}{self.cure[1:]}"
 
 
 @dataclass(frozen=True, eq=False)
