@@ -54,7 +54,7 @@ __all__ = [
     "with_surcharge",
 ]
 
-_CHUNK = 256  # poses at a time: their Jacobians stay in the processor's cache
+_CHUNK = 512  # poses at a time: their Jacobians should stay in the processor's cache
 CostFunction = Callable[[Array], Array]
 
 

@@ -21,15 +21,15 @@ from venus3d.engine.pose import Array
 from venus3d.engine.space import Space, nothing_fits
 
 Numbers = NDArray[np.intp]
-_SAMPLES = 0.25  # share of the budget that goes into the first look at the whole space
-_PARENTS = (64, 16)  # at the start and at the end
+_SAMPLES = 0.15  # share of the budget that goes into the first look at the whole space
+_PARENTS = (48, 16)  # at the start and at the end
 _ELITE = 0.1  # share of the parents towards which the others are drawn
 _STRIDE = 0.6  # median length of a step, in differences
 _CROSSOVER = 0.9  # share of the coordinates that a step changes
 _MIRRORED = 0.07  # share of the children that are mirrored
 # A board left of the centre, its picture mirrored: the angles about Y and Z turn round as well.
 _MIRRORS = np.array([[0, 1, 1, 1, 0, 0], [1, 0, 1, 0, 1, 0], [1, 1, 0, 1, 1, 0]], dtype=bool)
-_PART = 256  # candidates between two looks at `stop`
+_PART = 448  # candidates between two looks at `stop`
 
 
 def search_globally(
@@ -37,14 +37,14 @@ def search_globally(
     cost: CostFunction,
     rng: np.random.Generator,
     *,
-    budget: int = 3500,
+    budget: int = 3200,
     stop: Stop | None = None,
     on_move: Watch | None = None,
 ) -> Found:
     """The cheapest pose of the space; all randomness is `rng`'s.
 
-    A quarter of the budget goes into a Sobol sequence over the unit cube of `Space`, shifted at
-    random. The best 64 become parents. A child is `u + F (b - u + p - q)`: parent u, one of the
+    A seventh of the budget goes into a Sobol sequence over the unit cube of `Space`, shifted at
+    random. The best 48 become parents. A child is `u + F (b - u + p - q)`: parent u, one of the
     best tenth b, two other parents p and q, F scattered about 0.6 (differential evolution,
     current-to-pbest/1: Zhang and Sanderson 2009), a tenth of the coordinates kept. The best child
     that is cheaper takes its parent's place, and the dearest parents drop out until 16 are left.
@@ -59,7 +59,10 @@ def search_globally(
     """
     run = _Run(space, cost, stop, on_move)
     parents, costs = run.samples(budget, rng)
-    while run.pool.evaluated < budget and not run.stopped():
+    # In a space of few poses most children are lost: there is an end even then.
+    for _ in range(10 + 4 * budget // _PART):
+        if run.pool.evaluated >= budget or run.stopped():
+            break
         spent = run.pool.evaluated / budget
         count = round(_PARENTS[0] + (_PARENTS[1] - _PARENTS[0]) * spent)
         order = np.argsort(costs, kind="stable")[:count]
@@ -92,10 +95,11 @@ class _Run:
         """Points (N, 6) of the unit cube spread over the space, and their costs (N,)."""
         sequence, shift = qmc.Sobol(6, scramble=False), rng.random(6)
         wanted = max(1, round(_SAMPLES * budget))
+        size = min(512, 2 ** int(np.ceil(np.log2(2 * wanted))))  # Sobol wants powers of two
         points: list[Array] = []
         costs: list[Array] = []
-        for _ in range(64):
-            unit, values, _ = self.look_at((np.asarray(sequence.random(_PART)) + shift) % 1.0)
+        for _ in range(2**15 // size):
+            unit, values, _ = self.look_at((np.asarray(sequence.random(size)) + shift) % 1.0)
             points.append(unit)
             costs.append(values)
             if self.pool.evaluated >= wanted or (self.pool.evaluated and self.stopped()):
