@@ -73,7 +73,7 @@ def bundle_adjusted(board: Board, seen: Sequence[Observation]) -> OptimizeResult
         return np.concatenate(each)
 
     return least_squares(
-        residuals, [*start, *poses], jac="3-point", x_scale="jac", method="lm",
+        residuals, [*start, *poses], jac="2-point", x_scale="jac", method="lm",
         xtol=1e-12, ftol=1e-12, gtol=1e-12,
     )  # fmt: skip
 

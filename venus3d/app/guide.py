@@ -65,8 +65,9 @@ def run_guide(
             said = (*source.notes, *eyes.detector.notes, *snapshot.warnings, *notes)
             # No more views come, so the set is judged as it is.
             known = snapshot.calibration
-            found = () if known is None else diagnose(snapshot.board, known)
-            final = replace(snapshot, diagnoses=worst_first((*eyes.detector.diagnoses, *found)))
+            found = eyes.detector.explain() if known is None else diagnose(snapshot.board, known)
+            found = dict.fromkeys((*eyes.detector.diagnoses, *found))
+            final = replace(snapshot, diagnoses=worst_first(found))
             return GuideResult(final, tuple(dict.fromkeys(said)), truth)
 
         if options.headless:

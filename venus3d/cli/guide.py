@@ -28,7 +28,7 @@ def guide(options: GuideOptions) -> None:
     result = run_guide(options, on_result=lambda complete: _keep(complete, options))
     snapshot = result.snapshot
     if snapshot.calibration is None:
-        if options.headless and snapshot.diagnoses:
+        if snapshot.diagnoses:
             raise CalibrationError(str(snapshot.diagnoses[0]))
         if options.headless:
             raise CalibrationError(
