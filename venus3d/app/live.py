@@ -195,7 +195,7 @@ class LiveGuide:
             case intents.DropView(number):
                 session.drop(number)
             case intents.ChooseAlternative(index):
-                if not session.choose(index):
+                if not session.choose(index) and session.phase == "guiding":
                     self._viewer.say("No other pose is nearly as good; K asks for another one.")
             case intents.ChangeMethod(method, cost):
                 try:

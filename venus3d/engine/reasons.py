@@ -13,6 +13,12 @@ from venus3d.engine.pose import Array, Pose
 _FOCAL = {"fx": "horizontal", "fy": "vertical"}
 _CENTRE = {"cx": "left to right", "cy": "up and down"}
 _FULL = "over most"
+# By row (middle, lower, upper) and column (middle, right, left), so that -1 is the last.
+_PLACES = (
+    ("in the middle", "on the right", "on the left"),
+    ("at the bottom", "at the lower right", "at the lower left"),
+    ("at the top", "at the upper right", "at the upper left"),
+)
 _LENS = ("k1", "k2", "k3", "p1", "p2")
 
 
@@ -43,11 +49,11 @@ def held_in_words(pose: Pose, camera: Camera) -> str:
     roll = float(pose.vector()[2])
     turn = "clockwise" if roll > 0 else "counter-clockwise"
     u, v = camera.without_distortion().project(pose.t) / (camera.width, camera.height)
-    place = f"{_third(v, 'upper', 'lower')} {_third(u, 'left', 'right')}".strip()
+    x, y = (-1 if share < 0.38 else 1 if share > 0.62 else 0 for share in (float(u), float(v)))
     tilt = tilt_deg(pose)
     parts = (
         "upright" if abs(roll) < 8 else f"turned {abs(roll):.0f}° {turn}",
-        place or "middle",
+        _PLACES[y][x],
         "facing the camera" if tilt < 8 else f"{_edge_in_front(pose)} {tilt:.0f}° nearer",
         f"{100 * float(np.linalg.norm(pose.t)):.0f} cm away",
     )
@@ -58,10 +64,6 @@ def tilt_deg(pose: Pose) -> float:
     """Angle between the board's normal and the line of sight to its centre, degrees."""
     cosine = pose.R[:, 2] @ pose.t / max(float(np.linalg.norm(pose.t)), 1e-9)
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
-
-
-def _third(share: float, low: str, high: str) -> str:
-    return low if share < 0.38 else high if share > 0.62 else ""
 
 
 def _edge_in_front(pose: Pose) -> str:

@@ -38,7 +38,8 @@ class AlternativesPanel:
 
     def show(self, snapshot: Snapshot | None) -> None:
         """Let the buttons say what there is to choose from."""
-        target = None if snapshot is None or snapshot.phase != "guiding" else snapshot.target
+        shown = snapshot is not None and snapshot.phase in ("guiding", "captured")
+        target = snapshot.target if snapshot is not None and shown else None
         others = () if target is None else target.alternatives[:_AT_MOST]
         self._title.visible = bool(others)
         if target is not None and others:

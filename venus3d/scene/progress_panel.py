@@ -101,7 +101,7 @@ def _reason(snapshot: Snapshot) -> str:
     target = snapshot.target
     if target is None:
         return ""
-    looked = f"Best of {target.evaluated} poses looked at. " if target.evaluated > 1 else ""
+    looked = f"{target.evaluated} poses were looked at. " if target.evaluated > 1 else ""
     serves = ", ".join(target.serves[:3])
     serves = f"Helps most: {serves}." if serves else ""
     small = f"<small>{escape(looked + serves)}</small>" if looked or serves else ""

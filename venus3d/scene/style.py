@@ -101,8 +101,8 @@ font-size:13px}
 .v-big span{font-size:12px;color:var(--soft);line-height:1.2;display:block;margin-top:2px}
 .v-reason{font-size:15px;line-height:1.35;border-left:4px solid var(--info);padding:2px 0 2px 9px}
 .v-line{margin-top:6px;font-size:14px}
-.mantine-ScrollArea-root:has(.v-progress) .mantine-Button-root{height:auto;min-height:30px;
-padding:4px 9px}
+.mantine-ScrollArea-root:has(.v-progress) .mantine-Button-root{height:auto!important;
+min-height:30px;padding:4px 9px}
 .mantine-ScrollArea-root:has(.v-progress) .mantine-Button-label{white-space:normal;line-height:1.25;
 text-align:left}
 .v-reason small{display:block;font-size:12px;color:var(--soft);margin-top:3px}
