@@ -10,32 +10,24 @@ The picture never waits for detection, detection never for the mathematics.
 
 from __future__ import annotations
 
-import signal
 import threading
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 
 from venus3d.app.eyes import Eyes
 from venus3d.app.headless import work_out
+from venus3d.app.watching import Watching
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
-from venus3d.engine.observation import Observation
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Outcome, Work
 from venus3d.scene import intents
 from venus3d.scene.viewer import Viewer
-from venus3d.sources.folder import Folder
-from venus3d.sources.frame import Frame, Source
-from venus3d.sources.latest import Latest
+from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
-from venus3d.sources.video import Video
-
-# How long a still of a folder is shown.
-_STILL_S = 1.0
 
 
-class LiveGuide:
+class LiveGuide(Watching):
     """One session with its viewer. `run` returns when `stop` was called or the source broke."""
 
     def __init__(
@@ -48,39 +40,20 @@ class LiveGuide:
         again: Callable[[], Source],
     ) -> None:
         """`again` opens a recording anew when it has ended; `source` is closed by `run`."""
-        self._session, self._source, self._eyes, self._viewer = session, source, eyes, viewer
-        self._on_result, self._again = on_result, again
-        self._frames: Latest[Frame] = Latest()
-        self._observations: Latest[Observation] = Latest()
-        self._stop = threading.Event()
-        self._running = threading.Event()  # cleared while paused
-        self._running.set()
-        self._failure: BaseException | None = None
+        super().__init__(source, eyes, viewer, again)
+        self._session, self._on_result = session, on_result
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
         self._settled_at: tuple[str, int] = ("", 0)
-
-    def stop(self) -> None:
-        """Ask `run` to return; from any thread."""
-        self._stop.set()
 
     def run(self) -> Snapshot:
         """Guide until stopped, by `stop`, Ctrl-C or a termination signal.
 
         Raises what broke the source, after what had been captured was handed on.
         """
-        threads = [
-            threading.Thread(target=self._guarded, args=(step,), name=name, daemon=True)
-            for name, step in (("watch", self._watch), ("look", self._look))
-        ]
-        for thread in threads:
-            thread.start()
-        try:
-            with _stopped_by_signals(self.stop):
-                while not self._stop.is_set():
-                    self._guide()
-        finally:
-            self._end(threads)
+        self._watch_until_stopped()
+        # A view that was captured a moment ago counts; there is no next pose to search.
+        work_out(self._session, stop=lambda: True)
         snapshot = self._session.snapshot()
         if self._failure is not None:
             if snapshot.calibration is not None:
@@ -88,53 +61,10 @@ class LiveGuide:
             raise self._failure
         return snapshot
 
-    def _end(self, threads: list[threading.Thread]) -> None:
-        self._stop.set()
-        self._running.set()
-        self._frames.close()
-        self._observations.close()
+    def _end(self) -> None:
         if self._job is not None:
             self._job[2].set()
         self._thinker.shutdown(wait=True, cancel_futures=True)
-        for thread in threads:
-            thread.join(timeout=2)
-        self._source.close()
-        # A view that was captured a moment ago counts; there is no next pose to search.
-        work_out(self._session, stop=lambda: True)
-
-    # -- threads ---------------------------------------------------------------------------------
-
-    def _guarded(self, step: Callable[[], None]) -> None:
-        try:
-            while not self._stop.is_set():
-                step()
-        except BaseException as error:  # handed to the thread that called run()
-            self._failure = error
-            self._stop.set()
-
-    def _watch(self) -> None:
-        if not self._running.is_set():
-            self._running.wait()
-            if isinstance(self._source, Video):
-                self._source.resume()
-        frame = self._source.read()
-        if frame is None:
-            if not self._stop.is_set():
-                # Seconds of video are no calibration: it plays on until a person ends it.
-                self._source.close()
-                self._source = self._again()
-                if self._stop.is_set():  # `_end` has closed the old one
-                    self._source.close()
-            return
-        self._viewer.show_picture(frame.image)
-        self._frames.put(frame)
-        if isinstance(self._source, Folder):
-            self._stop.wait(_STILL_S)
-
-    def _look(self) -> None:
-        frame = self._frames.take(timeout=0.2)
-        if frame is not None:
-            self._observations.put(self._eyes.look(frame))
 
     # -- the guiding thread ----------------------------------------------------------------------
 
@@ -212,23 +142,3 @@ class LiveGuide:
                 source.autopilot_on = on
             case _:
                 pass
-
-
-@contextmanager
-def _stopped_by_signals(stop: Callable[[], None]) -> Generator[None, None, None]:
-    """Ctrl-C and a termination signal ask to stop instead of breaking off wherever we are."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # Python lets only the main thread take signals
-        return
-
-    def stop_now(*_: object) -> None:
-        stop()
-
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    for number in before:
-        signal.signal(number, stop_now)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -77,7 +77,7 @@ class Page:
         self._make_left(theme)
         self._make_guidance()
         self._set_theme(theme, force=True)
-        server.on_client_connect(_fit_small_screen)
+        server.on_client_connect(self._fit)
 
     def look_at_scene(self, back: float) -> None:
         """Every tab looks at camera, board and target, from `back` times as far away as usual."""
@@ -123,6 +123,24 @@ class Page:
             self.method.show(snapshot)
             self._show_trend(snapshot)
             self._show_views(snapshot)
+
+    def _right_width(self, height: int) -> int:
+        """Width of the right panel in a window of this height, pixels."""
+        return _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
+
+    def _fit(self, client: viser.ClientHandle) -> None:
+        # Only this client's own window: another one may be on a large screen.
+        shown = _RIGHT_WIDTH
+
+        def fit() -> None:
+            nonlocal shown
+            wanted = self._right_width(client.camera.image_height)
+            if wanted != shown:
+                shown = wanted
+                client.gui.main_panel.set_width(wanted)
+
+        fit()
+        client.camera.on_update(lambda _: fit())  # also told when the window changes its size
 
     def _look(self, position: _Point, look_at: _Point) -> None:
         initial = self._server.initial_camera
@@ -233,19 +251,3 @@ def steps_back(distance: float) -> float:
     """How much farther away to look from, 1 ... 2.5, so that a target `distance` metres away from
     the camera is seen; in halves, so that the view a person has turned to is mostly kept."""
     return float(min(2.5, max(1.0, np.ceil(2 * distance / _NEAR_TARGET) / 2)))
-
-
-def _fit_small_screen(client: viser.ClientHandle) -> None:
-    # Only this client's own window: another one may be on a large screen.
-    shown = _RIGHT_WIDTH
-
-    def fit() -> None:
-        nonlocal shown
-        small = client.camera.image_height < _SMALL_SCREEN_HEIGHT
-        wanted = _SMALL_RIGHT_WIDTH if small else _RIGHT_WIDTH
-        if wanted != shown:
-            shown = wanted
-            client.gui.main_panel.set_width(wanted)
-
-    fit()
-    client.camera.on_update(lambda _: fit())  # also told when the window changes its size

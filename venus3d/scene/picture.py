@@ -18,7 +18,7 @@ LivePicture = NDArray[np.uint8] | NDArray[np.uint16]
 PICTURE_WIDTH = 640
 _TARGET_COLOUR = (255, 255, 255)
 _CORNER_COLOUR = (255, 255, 255)
-_CASING = (20, 20, 20)
+CASING = (20, 20, 20)
 # Straight edges of the board are curves behind a lens.
 _POINTS_PER_EDGE = 16
 _SHIFT = 4  # cv2 draws at 1/16 px
@@ -51,24 +51,24 @@ def annotate(
     """
     camera = snapshot.camera.scaled((rgb.shape[1], rgb.shape[0]))
     if snapshot.target is not None and snapshot.phase in ("startup", "guiding"):
-        target = _outline(camera, snapshot.board, snapshot.target.pose)
+        target = outline_of(camera, snapshot.board, snapshot.target.pose)
         steps = snapshot.target.steps if snapshot.match is None else snapshot.match.steps
         _dashes(rgb, target)
         if snapshot.match is not None:
-            after = _outline(camera, snapshot.board, steps[step - 1].after)
-            _line(rgb, after, colour, 4, closed=True)
-            _mark_top(rgb, camera, snapshot.board, steps[step - 1].after, colour)
+            after = outline_of(camera, snapshot.board, steps[step - 1].after)
+            draw_line(rgb, after, colour, 4, closed=True)
+            mark_top(rgb, camera, snapshot.board, steps[step - 1].after, colour)
     seen = snapshot.observation if observation is None else observation
     if seen.count:
         scale = np.array([rgb.shape[1], rgb.shape[0]]) / np.asarray(seen.image_size)
         for x, y in ((seen.corners + 0.5) * scale - 0.5).astype(np.float64):
             centre = (round(x * 16), round(y * 16))
-            cv2.circle(rgb, centre, 56, _CASING, -1, cv2.LINE_AA, _SHIFT)
+            cv2.circle(rgb, centre, 56, CASING, -1, cv2.LINE_AA, _SHIFT)
             cv2.circle(rgb, centre, 36, _CORNER_COLOUR, -1, cv2.LINE_AA, _SHIFT)
     return rgb
 
 
-def _outline(camera: Camera, board: Board, pose: Pose) -> Array:
+def outline_of(camera: Camera, board: Board, pose: Pose) -> Array:
     """(4 * n, 2) pixels around the board; NaN where the lens does not see it."""
     corners = board.outline
     along = np.linspace(0.0, 1.0, _POINTS_PER_EDGE, endpoint=False)[:, None]
@@ -76,13 +76,14 @@ def _outline(camera: Camera, board: Board, pose: Pose) -> Array:
     return camera.project(pose.apply(np.concatenate(edges)))
 
 
-def _line(
+def draw_line(
     rgb: NDArray[np.uint8], points: Array, colour: Colour, width: int, *, closed: bool
 ) -> None:
+    """A line through points (N, 2) in pixels, with a dark casing, in place; NaN leaves a gap."""
     whole = np.vstack([points, points[:1]]) if closed else points
     # Far outside the picture cv2's fixed-point coordinates would overflow.
     good = [bool(np.isfinite(p).all() and (np.abs(p) < 1e4).all()) for p in whole]
-    for ink, thickness in ((_CASING, width + 3), (colour, width)):
+    for ink, thickness in ((CASING, width + 3), (colour, width)):
         for first, second in zip(range(len(whole) - 1), range(1, len(whole)), strict=True):
             if good[first] and good[second]:
                 a, b = (np.round(whole[i] * 16).astype(int).tolist() for i in (first, second))
@@ -92,13 +93,13 @@ def _line(
 def _dashes(rgb: NDArray[np.uint8], outline: Array) -> None:
     ring = np.vstack([outline, outline[:1]])
     for start in range(0, len(outline), 2):
-        _line(rgb, ring[start : start + 2], _TARGET_COLOUR, 2, closed=False)
+        draw_line(rgb, ring[start : start + 2], _TARGET_COLOUR, 2, closed=False)
 
 
-def _mark_top(
+def mark_top(
     rgb: NDArray[np.uint8], camera: Camera, board: Board, pose: Pose, colour: Colour
 ) -> None:
     """A short spike on the top edge, so that an outline shows which way up it stands."""
     h = board.height
     spike = np.array([[-0.08 * h, -0.5 * h, 0], [0, -0.62 * h, 0], [0.08 * h, -0.5 * h, 0]])
-    _line(rgb, camera.project(pose.apply(spike)), colour, 3, closed=False)
+    draw_line(rgb, camera.project(pose.apply(spike)), colour, 3, closed=False)

@@ -22,9 +22,9 @@ from venus3d.scene.control_panel import Action, after_action
 from venus3d.scene.describe import SceneOptions, describe
 from venus3d.scene.gizmo import BoardGizmo
 from venus3d.scene.page import Page, steps_back
-from venus3d.scene.picture import LivePicture, annotate, small_picture
+from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
-from venus3d.scene.projections_panel import Tiles
+from venus3d.scene.projections_panel import Picture, Tiles
 from venus3d.scene.server import start_server
 from venus3d.scene.shapes import LineShape, Shape
 from venus3d.scene.strip import bounds_of
@@ -38,6 +38,8 @@ _NOTE_SECONDS = 6.0
 
 class Viewer:
     """One page, shared by all tabs that are open on it."""
+
+    _picture_width = PICTURE_WIDTH
 
     def __init__(
         self,
@@ -77,7 +79,7 @@ class Viewer:
         self._failure: BaseException | None = None
         self._projections, self._tiles = projections, Tiles()
         self._scene = SceneView(self._server)
-        self._page = Page(self._server, self._act, self._ask, dark=dark, simulated=draggable_board)
+        self._page = self._make_page(dark=dark, simulated=draggable_board)
         self._gizmo = BoardGizmo(self._server, self._dragged) if draggable_board else None
         self._threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
@@ -149,6 +151,15 @@ class Viewer:
         for thread in self._threads:
             thread.join(timeout=5)
         self._server.stop()
+
+    # -- what a subclass may show otherwise ------------------------------------------------------
+
+    def _make_page(self, *, dark: bool, simulated: bool) -> Page:
+        return Page(self._server, self._act, self._ask, dark=dark, simulated=simulated)
+
+    def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
+        seen = None if self._picture is None else self._picture[1]
+        annotate(rgb, snapshot, seen, state.step, Theme(True).step_colours[state.step - 1])
 
     # -- what people do; on viser's threads ------------------------------------------------------
 
@@ -281,11 +292,9 @@ class Viewer:
             started, came = time.monotonic(), self._picture
             if came is None or self._stop.is_set():
                 continue
-            rgb, state, snapshot = small_picture(came[0]), self._state, self._snapshot
+            rgb, snapshot = small_picture(came[0], self._picture_width), self._snapshot
             self._scene.set_picture(rgb)
             if snapshot is not None:
-                state = state.seeing(snapshot)
-                colour = Theme(True).step_colours[state.step - 1]
-                annotate(rgb, snapshot, came[1], state.step, colour)
+                self._draw_on(rgb, snapshot, self._state.seeing(snapshot))
             self._page.show_picture(rgb)
             self._stop.wait(max(0.0, started + _PICTURE_PERIOD_S - time.monotonic()))
