@@ -109,6 +109,8 @@ def _as_720p(image: Image) -> Image:
 
 def _camera_of(board: Board, observations: Sequence[Observation], size: tuple[int, int]) -> Camera:
     """Good enough to draw with: what is measured is time."""
+    if len(observations) < 3:
+        return Camera.guess(size)
     places = np.linspace(0, len(observations) - 1, min(20, len(observations))).astype(int)
     try:
         return calibrate(board, [observations[i] for i in np.unique(places)]).camera

@@ -116,7 +116,12 @@ def guide_through(
     """
     method: Method = "random" if arm == "opencv" else arm
     settings = Settings(
-        method=method, seed=seed, auto_capture=False, max_views=max_views, limits=pool.asking
+        method=method,
+        seed=seed,
+        auto_capture=False,
+        max_views=max_views,
+        limits=pool.asking,
+        wanted_error_px=None,  # nobody asks how many views are left
     )
     session = Session(pool.board, pool.image_size, settings)
     rng = np.random.default_rng([seed, 1])
@@ -199,7 +204,8 @@ def table1_text(rows: Sequence[Row], pools: Sequence[Pool]) -> str:
     parts: list[str] = []
     for pool in pools:
         mine = [row for row in rows if row["source"] == pool.name]
-        lines = [_line(arm, [row for row in mine if row["method"] == arm]) for arm in ARMS]
+        by_arm = {arm: [row for row in mine if row["method"] == arm] for arm in ARMS}
+        lines = [_line(arm, of_arm) for arm, of_arm in by_arm.items() if of_arm]
         head = mine[0]
         seeds = len({row["seed"] for row in mine})
         parts.append(
