@@ -204,8 +204,7 @@ def table1_text(rows: Sequence[Row], pools: Sequence[Pool]) -> str:
     parts: list[str] = []
     for pool in pools:
         mine = [row for row in rows if row["source"] == pool.name]
-        by_arm = {arm: [row for row in mine if row["method"] == arm] for arm in ARMS}
-        lines = [_line(arm, of_arm) for arm, of_arm in by_arm.items() if of_arm]
+        lines = [_line(arm, of_arm) for arm in ARMS if (of_arm := _rows_of(arm, mine))]
         head = mine[0]
         seeds = len({row["seed"] for row in mine})
         parts.append(
@@ -215,6 +214,10 @@ def table1_text(rows: Sequence[Row], pools: Sequence[Pool]) -> str:
         )
         parts.append(table(_HEADINGS, lines))
     return "\n\n".join(parts)
+
+
+def _rows_of(arm: Arm, rows: Sequence[Row]) -> list[Row]:
+    return [row for row in rows if row["method"] == arm]
 
 
 _HEADINGS = (
