@@ -113,8 +113,6 @@ class _Poses:
         self._outlook, self._space, self._rng = outlook, space, rng
         self._vectors, self._information = np.empty((0, 6)), np.empty((0, 9, 9))
         self._add(rng.random((_SPREAD, 6)))
-        if not len(self._vectors):
-            raise nothing_fits(space)
 
     def best(self, outlook: Outlook) -> Array:
         """(6,) the pose that leaves the least projection error after its view."""
@@ -132,8 +130,11 @@ class _Poses:
     def _add(self, unit: Array) -> Array:
         """Take in points (N, 6) of the unit cube; information (K, 9, 9) of those of the space."""
         vectors, good = self._space.bring_inside(self._space.from_unit(unit))
-        vectors = vectors[good]
-        o = self._outlook
+        vectors, o = vectors[good], self._outlook
+        if not len(vectors):
+            if len(self._vectors):
+                return np.empty((0, 9, 9))
+            raise nothing_fits(self._space)
         told = view_information(o.camera, o.board.corners, rotations_of(vectors), vectors[:, 3:])
         if o.noise is not None:
             told *= o.noise.weight(o.camera, o.board, vectors)[:, None, None]

@@ -6,7 +6,7 @@ docs/costs.md shows them). What a pose is worth all the same is left to `costs`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -58,6 +58,15 @@ class NoiseModel:
         """
         tilt, width = tilt_and_width(camera, board, vectors)
         return self.found(tilt, width) / self.sigma(tilt, width) ** 2
+
+    def relative_to(self, camera: Camera, board: Board, vectors: ArrayLike) -> NoiseModel:
+        """The same with another reference: the mean variance under these poses (N, 6) is 1.
+
+        For noise that was measured on views of those poses: it is theirs, not the reference's.
+        """
+        variance = float(np.mean(self.sigma(*tilt_and_width(camera, board, vectors)) ** 2))
+        reference = self.reference_px * variance ** (-0.5 / self.noise_power)
+        return replace(self, reference_px=reference)
 
 
 RENDERED = NoiseModel(

@@ -12,8 +12,8 @@ from venus3d.engine.localisation import locate
 from venus3d.engine.matching import match, motion_px
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
+from venus3d.engine.settings import Settings
 from venus3d.engine.snapshot import Match, Target
-from venus3d.engine.work import Settings
 
 
 class Tracker:

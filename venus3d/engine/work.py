@@ -5,15 +5,15 @@ The session hands out a frozen `Work`, somebody runs it, the session takes the `
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from venus3d.engine.board import Board
 from venus3d.engine.calibration import calibrate
 from venus3d.engine.camera import PARAMETERS, Camera, planning_camera
-from venus3d.engine.convergence import Rule, judge
+from venus3d.engine.convergence import judge
 from venus3d.engine.costs import projection_error_px
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.forecast import forecast
@@ -21,63 +21,25 @@ from venus3d.engine.generation import GenerationState
 from venus3d.engine.information import view_information
 from venus3d.engine.limits import Limits
 from venus3d.engine.localisation import locate
-from venus3d.engine.matching import Tolerance
-from venus3d.engine.noise import RENDERED, NoiseModel
+from venus3d.engine.noise import NoiseModel
 from venus3d.engine.observation import Observation, View
 from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.search import Move
+from venus3d.engine.settings import Settings
 from venus3d.engine.snapshot import (
     Calibration,
     Convergence,
-    Cost,
     Forecast,
-    Method,
     Progress,
-    Strategy,
     Target,
 )
 from venus3d.engine.space import Space
 from venus3d.engine.suggest import Suggestion, suggest
-from venus3d.engine.way import Start, way_of
+from venus3d.engine.way import way_of
 
 # Corners are never known better than this; keeps predictions finite where residuals vanish.
 LEAST_NOISE_PX = 0.01
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How a session is run."""
-
-    method: Method = "global"
-    cost: Cost | None = None
-    """None: the method's own."""
-    strategy: Strategy | None = None
-    """How the method searches; None: its own way."""
-    start: Start = "generated"
-    """Method venus: where its search begins, at the rule's pose or at a random one."""
-    noise: NoiseModel | None = RENDERED
-    """How noise and found corners depend on a pose, when planning; None: they do not."""
-    wanted_error_px: float | None = 0.3
-    """The forecast counts the views until the mean projection error is as small; None: none."""
-    limits: Mapping[str, float] = field(default_factory=dict[str, float])
-    """`Limits`' fields that are set by hand; the rest suit the board and the camera."""
-    keep_best: bool = False
-    """Method venus: return the best pose that the annealing met, not the one it ends on."""
-    seed: int = 0
-    max_views: int = 20
-    auto_capture: bool = True
-    """Capture when the target is reached and held; otherwise only on command."""
-    hold_frames: int = 3
-    """For how many observations in a row the target must be reached."""
-    useful_drop: float | None = None
-    """Recordings cannot follow a target: a view that lowers the expected projection error by this
-    share is captured wherever it is. None: only the target counts."""
-    overlap_needed: float = 0.85
-    still_px: float = 2.0
-    tolerance: Tolerance = field(default_factory=Tolerance)
-    epsilon: float = 0.1
-    rule: Rule = "repaired"
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +165,7 @@ class Work:
             cost=settings.cost,
             strategy=settings.strategy,
             start=settings.start,
-            noise=settings.noise,
+            noise=self._noise(calibration),
             limits=self._limits(planning_camera(calibration.camera)),
             rng=np.random.default_rng([settings.seed, self.target_number]),
             number=self.target_number,
@@ -214,6 +176,12 @@ class Work:
             stop=stop,
             on_move=on_move,
         )
+
+    def _noise(self, calibration: Calibration) -> NoiseModel | None:
+        """The noise model, relative to the views that `noise_of` was measured on."""
+        vectors = np.array([view.pose.vector() for view in calibration.views])
+        model = self.settings.noise
+        return model and model.relative_to(calibration.camera, self.board, vectors)
 
     def _limits(self, camera: Camera) -> Limits:
         return replace(Limits.for_board(self.board, camera), **self.settings.limits)
@@ -231,7 +199,11 @@ class Work:
         if settings.wanted_error_px is None or settings.cost == "rms":
             return None
         outlook = Outlook.of(
-            self.board, calibration.camera, information, noise_of(calibration), settings.noise
+            self.board,
+            calibration.camera,
+            information,
+            noise_of(calibration),
+            self._noise(calibration),
         )
         if not all(calibration.free) or not outlook.settled:
             return None
