@@ -62,7 +62,7 @@ def _item(diagnosis: Diagnosis) -> str:
     severity, title = TITLES[diagnosis.kind]
     sign, word = _SIGNS[severity]
     return (
-        f"<div class='v-diagnosis v-{severity}' data-kind='{diagnosis.kind}'>"
+        f"<div class='v-diagnosis v-is-{severity}' data-kind='{diagnosis.kind}'>"
         f"<div class='v-named'><b class='v-sign'>{sign}</b>{word}: {escape(title)}</div>"
         f"<div>{escape(diagnosis.cause)}</div>"
         f"<div class='v-cure'>→ {escape(diagnosis.cure)}</div></div>"

@@ -117,13 +117,13 @@ padding:2px 0;border-bottom:1px solid var(--line)}
 .v-row .v-value i{font-style:normal;color:var(--soft)}
 .v-diagnosis{font-size:13px;line-height:1.32;border:1px solid var(--line);border-left-width:4px;
 border-radius:6px;padding:6px 8px;margin-bottom:6px;background:var(--tile)}
-.v-diagnosis.v-weak{border-left-color:var(--info)}
-.v-diagnosis.v-wrong{border:2px solid var(--info);border-left-width:7px}
+.v-diagnosis.v-is-weak{border-left-color:var(--info)}
+.v-diagnosis.v-is-wrong{border:2px solid var(--info);border-left-width:7px}
 .v-named{font-size:14px;font-weight:750;margin-bottom:2px}
 .v-sign{display:inline-grid;place-items:center;width:1.5em;height:1.5em;margin-right:.5em;
 font-size:13px;border:2px solid var(--soft);border-radius:50%;vertical-align:-.2em}
-.v-weak .v-sign{border-color:var(--info);color:var(--info);border-radius:3px}
-.v-wrong .v-sign{border-color:var(--info);background:var(--info);color:var(--ink);border-radius:0}
+.v-is-weak .v-sign{border-color:var(--info);color:var(--info);border-radius:3px}
+.v-is-wrong .v-sign{border-color:var(--info);background:var(--info);color:var(--ink);border-radius:0}
 .v-cure{font-weight:650;margin-top:3px}
 .v-more{font-size:13px;color:var(--soft)}
 .v-key{display:inline-block;border:1px solid var(--line);border-radius:4px;padding:0 5px;
