@@ -6,13 +6,15 @@ The observations are projections of the board by the paper's camera (checked aga
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.costs import mean_projection_error_px
-from venus3d.engine.errors import CalibrationError
+from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
 from venus3d.engine.session import Session
@@ -265,3 +267,145 @@ def test_no_pose_within_the_limits_is_said_and_views_can_still_be_taken(
     rig.pose = Pose.from_vector([0, 40, 10, 0, 0, 0.5])
     rig.session.observe(rig.look())
     assert rig.session.capture()
+
+
+def test_what_came_stands_beside_what_was_promised(rig: Rig) -> None:
+    """The promise is the target's, made before the view; what came is the calibration's after."""
+    promised: dict[int, tuple[float, float]] = {}
+    end = rig.session.snapshot()
+    for _ in range(60):
+        end = rig.step()
+        if end.target is not None and end.phase == "guiding":
+            promised[len(end.views) + 1] = (end.target.error_px, end.target.predicted_error_px)
+        if len(end.views) == 7:
+            break
+    assert len(end.history) == 7
+    assert np.isnan(end.history[0].predicted_error_px), "the start-up promises nothing"
+    for before, last in pairwise(end.history):
+        error, predicted = promised[last.views]
+        assert last.predicted_error_px == predicted and np.isfinite(last.predicted_sigma).all()
+        if last.views > 2:
+            assert error == pytest.approx(before.error_px)
+        if last.views > 3:  # two views know neither the lens nor the noise well
+            came, hoped = before.error_px - last.error_px, error - predicted
+            assert 0.6 < came / hoped < 1.5
+
+
+def test_a_view_taken_elsewhere_was_promised_nothing(rig: Rig) -> None:
+    before = rig.until_views(4)
+    assert before.target is not None
+    # Clearly off the target, by its own angles.
+    rig.pose = Pose.from_vector([0, 0, 0, 0, 0, 0.7])
+    rig.session.observe(rig.look())
+    assert rig.session.capture() and rig.session.pending is not None
+    after = rig.session.apply(rig.session.pending.run())
+    assert np.isnan(after.history[-1].predicted_error_px)
+    assert np.isnan(after.history[-1].predicted_sigma).all()
+    assert np.isfinite(after.history[-2].predicted_error_px)
+
+
+def test_what_was_promised_with_a_view_that_was_dropped_is_forgotten(rig: Rig) -> None:
+    before = rig.until_views(4)
+    assert np.isfinite(before.history[-1].predicted_error_px)
+    assert rig.session.drop(3) and rig.session.pending is not None
+    after = rig.session.apply(rig.session.pending.run())
+    assert [progress.views for progress in after.history] == [1, 2, 3]
+    assert np.isnan(after.history[-1].predicted_error_px)
+
+
+def test_another_of_the_nearly_equal_targets_is_chosen(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    rig = Rig(paper_camera, default_board, Settings(max_views=20))
+    snapshot = rig.session.snapshot()
+    assert not rig.session.choose(0)
+    while snapshot.target is None or not snapshot.target.alternatives:
+        snapshot = rig.step()
+    best, others = snapshot.target, snapshot.target.alternatives
+    assert not rig.session.choose(len(others)) and not rig.session.choose(-1)
+    assert rig.session.choose(0)
+    chosen = rig.session.snapshot()
+    assert chosen.target is not None and chosen.target.pose is others[0].pose
+    assert chosen.target.number == best.number and chosen.phase == "guiding"
+    assert [other.pose for other in chosen.target.alternatives] == [
+        *(other.pose for other in others[1:]),
+        best.pose,
+    ]
+    for _ in others:
+        assert rig.session.choose(0)
+    again = rig.session.snapshot().target
+    assert again is not None and again.pose is best.pose, "once round"
+    assert rig.session.choose(0)
+    rig.follow(rig.session.snapshot())
+    views = len(chosen.views)
+    after = rig.until_views(views + 1)
+    assert after.history[-1].predicted_error_px == others[0].predicted_error_px
+
+
+def test_the_method_changes_while_running(rig: Rig) -> None:
+    before = rig.until_views(3)
+    assert before.target is not None and (before.method, before.cost) == (
+        "global",
+        "projection-variance",
+    )
+    with pytest.raises(VenusError, match="rms calibrates anew for every pose"):
+        rig.session.change("global", "rms")
+    with pytest.raises(VenusError, match="random does not search"):
+        rig.session.change("random", "sum-iod")
+    same = rig.session.snapshot()
+    assert same.target is before.target and same.method == "global" and same.phase == "guiding"
+    rig.session.change("global")
+    assert rig.session.pending is None, "nothing to change"
+
+    rig.session.change("venus", "max-iod")
+    assert rig.session.pending is not None
+    changed = rig.session.apply(rig.session.pending.run())
+    assert changed.target is not None and changed.target.method == "venus"
+    assert (changed.method, changed.cost, changed.target.cost) == ("venus", "max-iod", "max-iod")
+    assert changed.target.number == before.target.number + 1
+    assert len(changed.views) == 3 and len(changed.history) == 3
+    later = rig.until_views(4)
+    assert later.target is not None and later.target.method == "venus"
+
+    # While it is at work, the work under way is given up for a new one.
+    rig.session.observe(rig.look())
+    assert rig.session.capture()
+    old = rig.session.pending
+    rig.session.change("random")
+    assert old is not None and rig.session.pending is not old and rig.session.pending is not None
+    assert rig.session.apply(old.run()).phase == "captured"
+    end = rig.session.apply(rig.session.pending.run())
+    assert end.target is not None and end.target.method == "random" and len(end.views) == 5
+
+
+def test_the_method_changes_before_the_first_view(rig: Rig) -> None:
+    rig.session.change("venus")
+    assert rig.session.snapshot().method == "venus" and rig.session.snapshot().cost == "sum-iod"
+    after = rig.until_views(1)
+    assert after.target is not None and after.target.method == "venus"
+
+
+@pytest.mark.slow
+def test_the_forecast_counts_down_to_the_wanted_error(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """Held together with what really happens, the interval of 90 % must nearly always hold."""
+    inside, told = 0, 0
+    for seed in range(3):
+        settings = Settings(max_views=14, wanted_error_px=0.4, seed=seed, noise=None, epsilon=-1)
+        rig = Rig(paper_camera, default_board, settings, seed)
+        said: dict[int, Snapshot] = {}
+        while not said or not said[max(said)].history[-1].error_px <= 0.4:
+            snapshot = rig.until_views(len(said) + 1)
+            said[len(snapshot.views)] = snapshot
+        needed = max(said)
+        assert said[1].forecast is None, "one view knows no camera"
+        for views, snapshot in said.items():
+            now = snapshot.forecast
+            if now is not None and views < needed:
+                told += 1
+                low, high = now.low or 0, now.high if now.high is not None else 99
+                inside += low <= needed - views <= high
+        last = said[needed].forecast
+        assert last is not None and last.views == 0
+    assert told >= 12 and inside >= 0.75 * told
