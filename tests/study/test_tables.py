@@ -38,6 +38,7 @@ from venus3d.study.pool import (
     distinct,
     nearest,
     pool_of,
+    simulated_pool,
     split,
 )
 from venus3d.study.table1 import (
@@ -202,6 +203,18 @@ def test_table1_on_real_stills(shared_data: Path) -> None:
         assert float(mine[-1]["fx"]) == pytest.approx(1127, abs=40)
     text = table1_text(rows, [pool])
     assert "0.6225, 9.0, 0.4377" in text and "2 seeds" in text
+
+
+@pytest.mark.slow
+def test_simulated_pool_shows_the_camera_that_took_it(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    pool = simulated_pool(default_board, np.random.default_rng(0), count=14)
+    assert pool.name == "sim" and pool.truth == paper_camera
+    assert len(pool.observations) >= FEWEST_TRAINING + FEWEST_TEST
+    assert rms_of_views_px(paper_camera, pool, range(len(pool.observations))) < 0.2
+    last = run_table1(Table1Trial(pool, "global", 0, max_views=6))[-1]
+    assert 0 < float(last["true_error_px"]) < 3
 
 
 def test_trials_have_their_own_keys(pool: Pool) -> None:

@@ -50,6 +50,8 @@ class Pool:
     notes: tuple[str, ...] = ()
     asking: Mapping[str, float] = field(default_factory=dict[str, float])
     """Fields of `Limits`: what may be asked for (see `asking_limits`); empty for the usual ones."""
+    truth: Camera | None = None
+    """The camera, where it is known: of simulated pictures."""
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -138,7 +140,8 @@ def simulated_pool(board: Board, rng: np.random.Generator, count: int = 150) -> 
             assert frame is not None
             seen.append(detector.detect(frame.image, name=f"pose {number + 1}"))
         notes = source.notes
-    return Pool("sim", board, tuple(distinct(seen, board)), count, notes)
+    kept = tuple(distinct(seen, board))
+    return Pool("sim", board, kept, count, notes, truth=PAPER_CAMERA)
 
 
 def distinct(

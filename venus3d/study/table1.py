@@ -19,6 +19,7 @@ from venus3d.engine.errors import CalibrationError
 from venus3d.engine.limits import Limits
 from venus3d.engine.localisation import locate
 from venus3d.engine.pose import Array, Pose
+from venus3d.engine.projection_error import mean_projection_error_px
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Calibration, Method
 from venus3d.engine.startup import Startup
@@ -93,7 +94,8 @@ def run_table1(trial: Table1Trial) -> list[Row]:
                 "ended": ending if step is taken[-1] else "",
                 "rms_train_px": step.calibration.rms_px,
                 "rms_test_px": rms_of_views_px(camera, pool, held_out),
-                "error_px": step.error_px,
+                "expected_error_px": step.error_px,
+                "true_error_px": _true_error_px(pool, camera),
                 "fx": camera.fx,
                 "fy": camera.fy,
                 "cx": camera.cx,
@@ -151,6 +153,10 @@ def guide_through(
     if not taken:
         raise CalibrationError(f"No view of {pool.name} can be calibrated from.")
     return taken, _ending(session, wanted, arm)
+
+
+def _true_error_px(pool: Pool, camera: Camera) -> float:
+    return float("nan") if pool.truth is None else mean_projection_error_px(pool.truth, camera)
 
 
 def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
@@ -226,6 +232,7 @@ _HEADINGS = (
     "views used",
     "rms train (px)",
     "expected error (px)",
+    "true error (px)",
     "fx (px)",
     "converged",
     f"rms test at {MIN_VIEWS} views",
@@ -243,7 +250,8 @@ def _line(arm: Arm, rows: Sequence[Row]) -> tuple[str, ...]:
         mean_sd(_column(last, "rms_test_px"), 4),
         mean_sd(_column(last, "views"), 1),
         mean_sd(_column(last, "rms_train_px"), 4),
-        mean_sd(_column(last, "error_px"), 2),
+        mean_sd(_column(last, "expected_error_px"), 2),
+        mean_sd(_column(last, "true_error_px"), 2),
         mean_sd(_column(last, "fx"), 1),
         f"{converged} of {len(last)}",
         mean_sd(_column(equal, "rms_test_px"), 4),

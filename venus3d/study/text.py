@@ -22,8 +22,11 @@ def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def mean_sd(values: Sequence[float], digits: int) -> str:
-    """Mean ± standard deviation (of the sample); the mean alone of a single value."""
-    if not len(values):
+    """Mean ± standard deviation (of the sample); the mean alone of a single value.
+
+    A dash where nothing is known: no value, or one that is NaN.
+    """
+    if not len(values) or np.isnan(values).any():
         return "-"
     mean = f"{np.mean(values):.{digits}f}"
     if len(values) == 1:
