@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
-from scipy.optimize import minimize
+from scipy.optimize import least_squares, minimize
 from scipy.spatial.transform import Rotation
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.costs import (
     GRID,
+    PoseCost,
+    expected_distance,
     grid_pixels,
     make_cost,
     mean_projection_error_px,
     projection_error_px,
+    with_surcharge,
 )
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.information import covariance_of, view_information
+from venus3d.engine.noise import RENDERED
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Array, Pose, rotations_of
+from venus3d.engine.snapshot import COSTS, Cost
 
 VIEWS = np.array(
     [
@@ -120,6 +126,122 @@ def test_dispersion_costs_by_plain_inversion(paper_camera: Camera, default_board
                 sigma_px=SIGMA,
             )
             assert cost(candidate)[row] == pytest.approx(expected, rel=1e-6)
+
+
+def covariance_by_opencv(camera: Camera, board: Board, views: Array) -> Array:
+    """(9, 9) for noise of one pixel: the block of the whole inverse, poses included."""
+    count = 2 * board.corner_count
+    J = np.zeros((len(views) * count, 9 + 6 * len(views)))
+    for i, vector in enumerate(views):
+        pose = Pose.from_vector(vector)
+        _, full = cv2.projectPoints(board.corners, pose.rvec, pose.t, camera.K, camera.distortion)
+        rows = slice(count * i, count * (i + 1))
+        J[rows, :9] = np.asarray(full)[:, 6:15]
+        J[rows, 9 + 6 * i : 15 + 6 * i] = np.asarray(full)[:, :6]
+    scale = np.linalg.norm(J, axis=0)
+    pseudo = np.linalg.pinv(J / scale) / scale[:, None]
+    return (pseudo @ pseudo.T)[:9, :9]
+
+
+def test_trace_and_log_det_by_opencvs_jacobians(paper_camera: Camera, default_board: Board) -> None:
+    """In units of the pixels that each parameter moves, after a turn found by least squares."""
+    step = np.array([1, 1, 1, 1, 0.01, 0.01, 1e-3, 1e-3, 0.01])
+    moved = [
+        mean_projection_error_px(
+            paper_camera,
+            Camera.from_parameters(
+                paper_camera.parameters + step[i] * np.eye(9)[i], paper_camera.image_size
+            ),
+        )
+        for i in range(9)
+    ]
+    px = np.array(moved) / step
+    candidate = np.array([[20.0, -25, 5, 0.02, 0.01, 0.4]])
+    covariance = SIGMA**2 * covariance_by_opencv(
+        paper_camera, default_board, np.vstack([VIEWS, candidate])
+    )
+    in_px = covariance * np.outer(px, px)
+    expected = {
+        "trace": np.trace(in_px),
+        "log-det": np.exp(np.linalg.slogdet(in_px)[1] / 9),
+    }
+    for name, value in expected.items():
+        cost = make_cost(
+            name,  # type: ignore[arg-type]
+            board=default_board,
+            camera=paper_camera,
+            information=information_of_views(paper_camera, default_board),
+            sigma_px=SIGMA,
+        )
+        assert cost(candidate)[0] == pytest.approx(value, rel=0.02)
+
+
+def test_max_ere_by_monte_carlo(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """Cameras drawn from the covariance; the best turn of each by least squares over 5 x 5 rays."""
+    candidate = np.array([[20.0, -25, 5, 0.02, 0.01, 0.4]])
+    covariance = SIGMA**2 * covariance_by_opencv(
+        paper_camera, default_board, np.vstack([VIEWS, candidate])
+    )
+    u, v = np.meshgrid(np.linspace(0, 1279, 5), np.linspace(0, 719, 5))
+    pixels = np.stack([u.ravel(), v.ravel()], axis=1)
+    xy = paper_camera.unproject(pixels)
+    rays = np.column_stack([xy, np.ones(25)])
+    distances: list[Array] = []
+    for parameters in rng.multivariate_normal(paper_camera.parameters, covariance, size=400):
+        drawn = Camera.from_parameters(parameters, paper_camera.image_size)
+
+        def miss(rotvec: Array, drawn: Camera = drawn) -> Array:
+            turned = np.asarray(Rotation.from_rotvec(rotvec).apply(rays))
+            seen = drawn.distort(turned[:, :2] / turned[:, 2:]) * [drawn.fx, drawn.fy]
+            return (seen + np.array([drawn.cx, drawn.cy]) - pixels).ravel()
+
+        best = least_squares(miss, np.zeros(3)).x
+        distances.append(np.linalg.norm(miss(best).reshape(-1, 2), axis=1))
+    expected = np.mean(distances, axis=0).max()
+    cost = make_cost(
+        "max-ere",
+        board=default_board,
+        camera=paper_camera,
+        information=information_of_views(paper_camera, default_board),
+        sigma_px=SIGMA,
+    )
+    # The mean of 400 lengths is good to 3 %, the largest of 25 such means is a little too large.
+    assert cost(candidate)[0] == pytest.approx(expected, rel=0.1)
+
+
+def test_the_mean_length_of_a_gaussian(rng: np.random.Generator) -> None:
+    covariances = np.array([np.eye(2), [[4, 0], [0, 0]], [[2, 1.2], [1.2, 1]], np.zeros((2, 2))])
+    for covariance, found in zip(covariances, expected_distance(covariances), strict=True):
+        drawn = rng.multivariate_normal([0, 0], covariance, size=200_000)
+        mean = np.linalg.norm(drawn, axis=1).mean()
+        assert found == pytest.approx(mean, rel=0.01, abs=1e-12)
+    assert expected_distance(np.eye(2)) == pytest.approx(np.sqrt(np.pi / 2)), "Rayleigh"
+
+
+@pytest.mark.parametrize("name", [name for name in COSTS if name != "rms"])
+def test_every_cost_is_positive_falls_with_a_view_and_is_quick(
+    name: Cost, paper_camera: Camera, default_board: Board
+) -> None:
+    information = information_of_views(paper_camera, default_board)
+    known = {"board": default_board, "camera": paper_camera, "sigma_px": SIGMA}
+    cost = make_cost(name, information=information, **known)
+    more = make_cost(
+        name,
+        information=information + information_of_views(paper_camera, default_board, VIEWS[:1]),
+        **known,
+    )
+    values = cost(VIEWS)
+    assert values.shape == (5,) and (values > 0).all() and (more(VIEWS) < values).all()
+    assert isinstance(cost, PoseCost)
+    np.testing.assert_allclose(cost.rough(VIEWS), values, rtol=5e-3)
+    dearer = with_surcharge(cost, lambda vectors: np.full(len(vectors), 0.5))
+    np.testing.assert_allclose(dearer(VIEWS), 1.5 * values)
+    assert isinstance(dearer, PoseCost)
+    np.testing.assert_allclose(dearer.rough(VIEWS), 1.5 * cost.rough(VIEWS))
+    noisy = make_cost(name, information=information, noise=RENDERED, **known)
+    assert (noisy(VIEWS) != values).all()
 
 
 def test_a_value_of_exactly_zero_divides_by_one(default_board: Board) -> None:

@@ -10,8 +10,12 @@ from tests.engine.test_calibration import GOOD, NOISE_PX, observe
 from venus3d.engine.board import Board
 from venus3d.engine.calibration import calibrate
 from venus3d.engine.camera import Camera
+from venus3d.engine.costs import predicted_covariance
 from venus3d.engine.information import covariance_of, prior_information, view_information
-from venus3d.engine.pose import Pose
+from venus3d.engine.limits import Limits
+from venus3d.engine.pose import Pose, rotations_of
+from venus3d.engine.quadrature import board_nodes
+from venus3d.engine.space import Space, random_pose
 
 NEXT = [-15, 35, 45, 0.1, 0.05, 0.5]
 
@@ -47,6 +51,79 @@ def test_marginal_information_is_the_block_of_the_full_inverse(
         inverse[:9, :9] / np.outer(deviation, deviation),
         atol=1e-6,
     )
+
+
+def schur_by_opencv(camera: Camera, points: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """(9, 9) plain Schur complement of the Jacobians that `cv2.projectPoints` gives."""
+    pose = Pose.from_vector(vector)
+    _, full = cv2.projectPoints(points, pose.rvec, pose.t, camera.K, camera.distortion)
+    J = np.asarray(full, dtype=np.float64)
+    Je, Ji = J[:, :6], J[:, 6:15]
+    # By the QR factor of the pose's columns: no normal matrix, so no digits lost.
+    Q, _ = np.linalg.qr(Je)
+    left = Ji - Q @ (Q.T @ Ji)
+    return left.T @ left
+
+
+def test_the_fast_information_is_the_plain_schur_complement(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    space = Space(default_board, paper_camera, Limits())
+    vectors = np.array([random_pose(space, rng) for _ in range(40)])
+    fast = view_information(
+        paper_camera, default_board.corners, rotations_of(vectors), vectors[:, 3:]
+    )
+    for one, vector in zip(fast, vectors, strict=True):
+        plain = schur_by_opencv(paper_camera, default_board.corners, vector)
+        scale = np.sqrt(np.diag(plain))
+        np.testing.assert_allclose(
+            one / np.outer(scale, scale), plain / np.outer(scale, scale), atol=1e-7
+        )
+
+
+def test_the_predicted_covariance_is_that_of_the_plain_sum(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """One Cholesky factor against adding, scaling and inverting; more poses than a chunk."""
+    space = Space(default_board, paper_camera, Limits())
+    vectors = np.array([random_pose(space, rng) for _ in range(10)] * 60)
+    known = information_at(paper_camera, default_board, GOOD)
+    predicted = predicted_covariance(default_board, paper_camera, known, vectors)
+    for index in (*range(10), 511, 512, 599):
+        plain = schur_by_opencv(paper_camera, default_board.corners, vectors[index])
+        expected = covariance_of(known + plain)
+        deviation = np.sqrt(np.diag(expected))
+        np.testing.assert_allclose(
+            predicted[index] / np.outer(deviation, deviation),
+            expected / np.outer(deviation, deviation),
+            atol=1e-7,
+        )
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(9, 6), (6, 9), (4, 4), (14, 11)])
+def test_few_nodes_stand_for_all_corners(
+    columns: int, rows: int, paper_camera: Camera, rng: np.random.Generator
+) -> None:
+    """Sums of polynomials over the corners exactly; a view's information nearly."""
+    board = Board(columns=columns, rows=rows)
+    nodes, weights = board_nodes(board)
+    assert len(nodes) <= 24
+    x, y = (nodes[:, :2] / board.width).T
+    X, Y = (board.corners[:, :2] / board.width).T
+    along_x, along_y = (11, 7) if columns >= rows else (7, 11)
+    for i in range(along_x + 1):
+        for j in range(along_y + 1):
+            exact = np.sum(X**i * Y**j)
+            assert np.sum(weights * x**i * y**j) == pytest.approx(exact, abs=1e-12)
+    limits = Limits.for_board(board, paper_camera)
+    vectors = np.array([random_pose(Space(board, paper_camera, limits), rng) for _ in range(100)])
+    known = information_at(paper_camera, Board(), GOOD)
+    exact, rough = (
+        np.einsum("nii->ni", predicted_covariance(board, paper_camera, known, vectors, rough=quick))
+        for quick in (False, True)
+    )
+    # A board of 130 corners can fill the picture's edge with detail that 24 points do not see.
+    assert np.median(np.abs(rough / exact - 1)) < 2e-3
 
 
 def test_a_batch_is_the_views_one_by_one(

@@ -64,7 +64,7 @@ class PoseCost:
 
     exact: CostFunction
     rough: CostFunction
-    """Of some twenty points of the board instead of all corners: a third less time for the default
+    """Of two dozen points of the board instead of all corners: a third less time for the default
     board, more for larger ones, and good to a fraction of a per cent (`quadrature`)."""
 
     def __call__(self, vectors: Array) -> Array:

@@ -77,7 +77,8 @@ class Limits:
         """Which of the pose vectors (N, 6) may be asked for: (N,) bool."""
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         # Most candidates of a search fail on what costs little to see; the rest is projected.
-        cosine = np.einsum("ni,ni->n", _normals(p), p[:, 3:]) / np.linalg.norm(p[:, 3:], axis=1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            cosine = np.einsum("ni,ni->n", _normals(p), p[:, 3:]) / np.linalg.norm(p[:, 3:], axis=1)
         good = cosine >= np.cos(np.radians(self.max_tilt_deg)) - _SLACK
         good &= (p[:, 5] > 0) & (p[:, 5] <= self.farthest)
         left = np.flatnonzero(good)

@@ -53,8 +53,8 @@ def _step(limits: Limits, camera: Camera, p: Array, sight: Sight) -> Array:
         factor = _distance_factor(limits, camera, sight)
         t = p[:, 3:].T * factor
         t[:2] += _sideways(limits, camera, sight, t, factor)
-    p[:, 3:] = t.T
-    _cut_tilt(limits, p, sight.R.transpose(2, 0, 1))
+        p[:, 3:] = t.T
+        _cut_tilt(limits, p, sight.R.transpose(2, 0, 1))
     p[:, :3] = np.clip(p[:, :3], -limits.max_angle_deg, limits.max_angle_deg)
     return p
 

@@ -15,7 +15,7 @@ import numpy as np
 from venus3d.engine.board import Board
 from venus3d.engine.pose import Array
 
-NODES = (5, 4)
+NODES = (6, 4)
 """Along the longer and the shorter side of the board."""
 
 
@@ -23,8 +23,8 @@ NODES = (5, 4)
 def board_nodes(board: Board) -> tuple[Array, Array]:
     """(K, 3) nodes on the board, metres, and (K,) weights that add up to the number of corners.
 
-    On the default board 20 nodes stand for 40 corners: over 1000 poses the projection variance is
-    0.4 % off (rms) when one view is known, 0.03 % with three views and less with more.
+    On the default board 24 nodes stand for 40 corners: over 1000 poses the projection variance is
+    0.05 % off (rms; 0.6 % at worst) when one view is known, 0.01 % with three, less with more.
     """
     across, down = board.columns - 1, board.rows - 1
     long, short = NODES

@@ -37,7 +37,7 @@ __all__ = [
 
 BUDGET: dict[Strategy, int] = {
     "annealing": 70,
-    "global": 3200,
+    "global": 3050,
     "dual-annealing": 5000,
     "differential-evolution": 5000,
 }
