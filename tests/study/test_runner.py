@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.study.trials import Draw, drawn
-from venus3d.engine.errors import VenusError
+from venus3d.engine.errors import StorageError, VenusError
+from venus3d.study.arms import ArmTrial, run_arm
 from venus3d.study.runner import run_trials
 
 TRIALS = tuple(Draw(seed) for seed in (3, 1, 4, 5, 9, 2))
@@ -41,9 +43,10 @@ def test_two_processes_make_the_same_bytes(alone: Path, tmp_path: Path) -> None:
 
 @pytest.fixture
 def scheduler() -> Iterator[str]:
-    from distributed import LocalCluster
+    import distributed
 
-    with LocalCluster(
+    local: Any = distributed.LocalCluster  # its own annotations are those of its async form
+    with local(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
     ) as cluster:
         yield cluster.scheduler_address
@@ -55,6 +58,11 @@ def test_a_cluster_of_two_processes_makes_the_same_bytes(
 ) -> None:
     run_trials(drawn, TRIALS, tmp_path / "rows.csv", dask=scheduler)
     assert (tmp_path / "rows.csv").read_bytes() == alone.read_bytes()
+
+    arms = [ArmTrial(arm, 0, 5, 3) for arm in ("global", "venus", "random")]
+    for place, name in ((scheduler, "there"), (None, "here")):
+        run_trials(run_arm, arms, tmp_path / name, jobs=1, dask=place)
+    assert (tmp_path / "there").read_bytes() == (tmp_path / "here").read_bytes()
 
 
 def test_no_scheduler_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -93,3 +101,12 @@ def test_what_is_there_is_not_done_again_and_more_can_follow(tmp_path: Path) -> 
 
     with pytest.raises(VenusError, match="belongs to another run \\(a\\); name another output"):
         run_trials(drawn, TRIALS, rows, jobs=1, setup="b")
+
+
+@pytest.mark.parametrize("text", ["no journal\n", "{}\n", '{"setup": ""}\n{"trial": 1\n'])
+def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> None:
+    journal = tmp_path / "rows.journal.jsonl"
+    journal.write_text(text)
+    with pytest.raises(StorageError, match="is damaged or no journal of a study"):
+        run_trials(drawn, TRIALS, tmp_path / "rows.csv", jobs=1)
+    assert journal.read_text() == text

@@ -119,12 +119,13 @@ def _check_common(repeats: int, seed: int, jobs: int | None) -> None:
 
 
 def _figures(options: FiguresOptions) -> None:
-    from venus3d.study.figures import FIGURES, judge_figure, run_figures, verdict_table
-    from venus3d.study.plots import draw_figure
+    from venus3d.study.figures import FIGURES, run_figures, verdicts_text
+    from venus3d.study.plots import draw_figure, pyplot
 
     _check_common(options.repeats, options.seed, options.jobs)
     check_range("--views", options.views, 3, 200)
     folder = prepare(options.output)
+    pyplot()  # missing after an hour of calibrating would be late
     rows = run_figures(
         folder / "rows.csv",
         views=options.views,
@@ -133,7 +134,7 @@ def _figures(options: FiguresOptions) -> None:
         jobs=options.jobs,
         dask=options.dask,
     )
-    text = verdict_table([verdict for figure in FIGURES for verdict in judge_figure(rows, figure)])
+    text = verdicts_text(rows)
     print(text)
     written = [folder / "rows.csv", write_bytes(folder / "verdicts.md", f"{text}\n".encode())]
     for figure in FIGURES:

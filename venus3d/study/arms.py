@@ -82,6 +82,7 @@ def indicators(calibration: Calibration, truth: Camera) -> dict[str, Value]:
         "abs_rms_err_px": abs_rms_err_px(truth, calibration.camera),
         "abs_rms_err_rotated_px": mean_projection_error_px(truth, calibration.camera),
         "rms_err_px": calibration.rms_px,
+        "fx_error_px": abs(calibration.camera.fx - truth.fx),
     }
 
 

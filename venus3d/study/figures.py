@@ -1,4 +1,7 @@
-"""Figures 6 to 9 of the paper and a tenth: who wins, and from which number of views on."""
+"""Figures 6 to 9 of the paper and a tenth: who wins, and from which number of views on.
+
+Which arms there are stands in `arms`; pictures are drawn by `plots`.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
+from venus3d import __version__
 from venus3d.engine.limits import Mask
 from venus3d.engine.pose import Array
 from venus3d.study.arms import ARMS, ArmTrial, run_arm
@@ -20,11 +24,17 @@ INDICATORS: Mapping[str, str] = {
     "abs_rms_err_px": "AbsRmsErr",
     "abs_rms_err_rotated_px": "AbsRmsErr, rotation removed",
     "rms_err_px": "RmsErr",
+    "true_projection_error_px": "expected error",
 }
 _PAPER_ALWAYS = ("sum_iod", "abs_rms_err_px")
 FIRST_VIEWS = 2
 """All parameters are estimated from so many views on; before there is nothing to compare."""
 CONFIDENCE = 0.95
+_LEGEND = """\
+"Smaller, from n views on": paired over the repeats, the 95 % interval of the mean difference of the
+logarithms excludes equality at n views and at every later number. The ratio is the second arm's
+value to the first's at the last view (geometric mean, 95 % interval), the scatter that of their
+standard deviations of the logarithm (from 6 views on)."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +53,13 @@ class Figure:
     """Whether the claim is less scatter rather than a smaller value."""
     told_by: tuple[str, ...] = _PAPER_ALWAYS
     """The indicators that the paper shows."""
+    also: tuple[str, ...] = ("abs_rms_err_rotated_px", "true_projection_error_px")
+    """What is shown besides, to four in all."""
+
+    @property
+    def indicators(self) -> tuple[str, ...]:
+        """Four keys of `INDICATORS`."""
+        return (*self.told_by, *self.also)
 
 
 FIGURES = (
@@ -76,6 +93,7 @@ FIGURES = (
         "venus",
         from_views=6,
         told_by=(*_PAPER_ALWAYS, "rms_err_px"),
+        also=("abs_rms_err_rotated_px",),
     ),
     Figure(
         10,
@@ -134,7 +152,7 @@ def run_figures(
         run_arm,
         trials,
         rows_file,
-        setup=f"figures seed={seed} views={views}",
+        setup=f"venus3d {__version__}: figures with seed {seed} and {views} views",
         jobs=jobs,
         dask=dask,
         label="figures",
@@ -151,7 +169,7 @@ def logarithms(rows: Iterable[Mapping[str, Value]], arm: str, indicator: str) ->
 
 def judge_figure(rows: Sequence[Mapping[str, Value]], figure: Figure) -> list[Verdict]:
     """A verdict for each indicator."""
-    return [_verdict(rows, figure, indicator) for indicator in INDICATORS]
+    return [_verdict(rows, figure, indicator) for indicator in figure.indicators]
 
 
 def _verdict(rows: Sequence[Mapping[str, Value]], figure: Figure, indicator: str) -> Verdict:
@@ -197,23 +215,30 @@ def _since(leads: Mask) -> int:
     return since if since <= len(leads) else 0
 
 
-def verdict_table(verdicts: Sequence[Verdict]) -> str:
-    """All verdicts as a table for people."""
-    rows: list[list[str]] = []
-    for verdict in verdicts:
-        figure = verdict.figure
-        won = ARMS[verdict.winner].label if verdict.winner else "neither"
-        since = f", from {verdict.since} views on" if verdict.winner else ""
-        low, high = verdict.interval
-        rows.append(
-            [
-                f"{figure.number}: {ARMS[figure.arms[0]].label} / {ARMS[figure.arms[1]].label}",
-                INDICATORS[verdict.indicator],
-                won + since,
-                f"{verdict.ratio:.2f} ({low:.2f}–{high:.2f})",
-                f"{verdict.scatter:.2f}",
-                verdict.agrees,
-            ]
-        )
-    headings = ["figure", "indicator", "smaller", "ratio at the end", "scatter", "as the paper"]
-    return table(headings, rows)
+def verdicts_text(rows: Sequence[Mapping[str, Value]]) -> str:
+    """All figures in Markdown: what is compared, what the paper says, and who wins."""
+    figures = [_figure_text(figure, judge_figure(rows, figure)) for figure in FIGURES]
+    return "\n\n".join([_LEGEND, *figures])
+
+
+def _figure_text(figure: Figure, verdicts: Sequence[Verdict]) -> str:
+    first, second = (ARMS[arm].label for arm in figure.arms)
+    claim = f"The paper: {figure.claim}." if figure.claim else "The paper has no such pair."
+    headings = ["indicator", "smaller", f"{second} : {first}", "scatter", "as the paper"]
+    cells = [_cells(verdict) for verdict in verdicts]
+    return f"**Figure {figure.number}. {figure.title}.** {claim}\n\n{table(headings, cells)}"
+
+
+def _cells(verdict: Verdict) -> list[str]:
+    won = "neither"
+    if verdict.winner:
+        won = f"{ARMS[verdict.winner].label}, from {verdict.since} views on"
+    low, high = verdict.interval
+    sure = f" ({low:.2g} to {high:.2g})" if np.isfinite([low, high]).all() else ""
+    return [
+        INDICATORS[verdict.indicator],
+        won,
+        f"{verdict.ratio:.2f}{sure}",
+        f"{verdict.scatter:.2f}",
+        verdict.agrees,
+    ]

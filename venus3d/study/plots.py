@@ -10,15 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from venus3d.engine.errors import VenusError
 from venus3d.storage.folder import write_bytes
 from venus3d.study.arms import ARMS
 from venus3d.study.figures import FIRST_VIEWS, INDICATORS, Figure, logarithms
-from venus3d.study.runner import Value
+from venus3d.study.runner import Value, needed
 
 # Okabe and Ito's vermilion and blue: told apart by everybody, and in grey.
 _COLOURS = ("#D55E00", "#0072B2")
 _INK, _QUIET = "#222222", "#777777"
+
+
+def pyplot() -> Any:
+    """Matplotlib without a screen. Raises `VenusError` where it is not installed."""
+    needed("matplotlib", "study").use("Agg")
+    return import_module("matplotlib.pyplot")
 
 
 def draw_figure(
@@ -26,7 +31,7 @@ def draw_figure(
 ) -> tuple[Path, Path]:
     """Write `figureN.png` and `figureN.svg`. Raises `StorageError`, and `VenusError` without
     matplotlib."""
-    plt = _pyplot()
+    plt = pyplot()
     with plt.rc_context(
         {
             "font.size": 12,
@@ -39,7 +44,7 @@ def draw_figure(
     ):
         canvas, panels = plt.subplots(2, 2, figsize=(13.33, 7.5), layout="constrained")
         canvas.get_layout_engine().set(rect=(0, 0, 1, 0.865), w_pad=0.12, h_pad=0.1)
-        for panel, indicator in zip(panels.flat, INDICATORS, strict=True):
+        for panel, indicator in zip(panels.flat, figure.indicators, strict=True):
             _panel(panel, rows, figure, indicator)
         canvas.text(0.012, 0.975, figure.title, fontsize=18, fontweight="bold", va="top")
         canvas.text(0.012, 0.918, _subtitle(rows, figure), fontsize=12, color=_QUIET, va="top")
@@ -110,13 +115,3 @@ def _drawn(canvas: Any, kind: str) -> bytes:
     metadata = {"Date": None} if kind == "svg" else {}  # the same rows make the same file
     canvas.savefig(buffer, format=kind, dpi=150, facecolor="white", metadata=metadata)
     return buffer.getvalue()
-
-
-def _pyplot() -> Any:
-    try:
-        import_module("matplotlib").use("Agg")
-        return import_module("matplotlib.pyplot")
-    except ImportError as error:
-        raise VenusError(
-            "Plots need the package matplotlib; install it with: pip install 'venus3d[study]'"
-        ) from error

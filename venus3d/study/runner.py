@@ -10,6 +10,7 @@ import csv
 import io
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, closing
 from importlib import import_module
@@ -72,7 +73,7 @@ def run_trials(
     journal = rows_file.with_suffix(".journal.jsonl")
     done = _opened(journal, setup)
     missing = [trial for trial in trials if trial.key not in done]
-    tqdm: Any = _needed("tqdm", "study").tqdm
+    tqdm: Any = needed("tqdm", "study").tqdm
     with ExitStack() as things:
         finished = (
             _on_cores(function, missing, jobs)
@@ -91,10 +92,20 @@ def run_trials(
     return table
 
 
+def needed(module: str, extra: str) -> Any:
+    """An optional package. Raises `VenusError` that names the extra where it is not installed."""
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise VenusError(
+            f"This needs the package {module}; install it with: pip install 'venus3d[{extra}]'."
+        ) from error
+
+
 def _on_cores(
     function: Callable[[T], Sequence[Row]], trials: Sequence[T], jobs: int | None
 ) -> Iterator[tuple[str, Sequence[Row]]]:
-    joblib: Any = _needed("joblib", "study")
+    joblib: Any = needed("joblib", "study")
     count = max(1, min(joblib.cpu_count() if jobs is None else jobs, len(trials)))
     # The trials fill the cores; threads within them would only get into each other's way.
     with joblib.parallel_config("loky", n_jobs=count, inner_max_num_threads=1):
@@ -111,7 +122,7 @@ def _on_cores(
 def _on_cluster(
     function: Callable[[T], Sequence[Row]], trials: Sequence[T], address: str, things: ExitStack
 ) -> Iterator[tuple[str, Sequence[Row]]]:
-    distributed: Any = _needed("distributed", "cluster")
+    distributed: Any = needed("distributed", "cluster")
     try:
         client = things.enter_context(distributed.Client(address, timeout=REACH_S))
     except (OSError, TimeoutError, ValueError) as error:
@@ -124,22 +135,31 @@ def _on_cluster(
             f"The Dask scheduler at {address} has no workers; start one with "
             f"`dask worker {address}` where venus3d is installed."
         )
+    return _gathered(distributed, client, function, trials)
+
+
+def _gathered(
+    distributed: Any, client: Any, function: Callable[[T], Sequence[Row]], trials: Sequence[T]
+) -> Iterator[tuple[str, Sequence[Row]]]:
     futures = [client.submit(_one, function, trial, pure=False) for trial in trials]
-    return (future.result() for future in distributed.as_completed(futures))
+    try:
+        for future in distributed.as_completed(futures):
+            yield future.result()
+    except (distributed.KilledWorker, CancelledError, OSError) as error:
+        raise VenusError(
+            "The Dask cluster was lost on the way; what is done is kept: run the same command "
+            "again once it is up."
+        ) from error
 
 
 def _one(function: Callable[[T], Sequence[Row]], trial: T) -> tuple[str, Sequence[Row]]:
+    # OpenCV's threads add up in no fixed order, and the trials fill the cores anyway.
+    before = cv2.getNumThreads()
     cv2.setNumThreads(1)
-    return trial.key, function(trial)
-
-
-def _needed(module: str, extra: str) -> Any:
     try:
-        return import_module(module)
-    except ImportError as error:
-        raise VenusError(
-            f"This needs the package {module}; install it with: pip install 'venus3d[{extra}]'"
-        ) from error
+        return trial.key, function(trial)
+    finally:
+        cv2.setNumThreads(before)
 
 
 def _opened(journal: Path, setup: str) -> dict[str, list[dict[str, Value]]]:
@@ -148,16 +168,25 @@ def _opened(journal: Path, setup: str) -> dict[str, list[dict[str, Value]]]:
         text = journal.read_text("utf-8") if journal.exists() else ""
     except (OSError, UnicodeError) as error:
         raise StorageError(f"{journal} cannot be read ({error}); name another output.") from error
-    # What comes after the last line's end was cut off in the middle.
-    lines: list[Any] = [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
-    if lines and lines[0] != {"setup": setup}:
+    try:
+        # What comes after the last line's end was cut off in the middle.
+        first, *rest = [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()] or [
+            {"setup": setup}
+        ]
+        before = first["setup"]
+        done = {line["trial"]: line["rows"] for line in rest}
+    except (ValueError, TypeError, LookupError) as error:
+        raise StorageError(
+            f"{journal} is damaged or no journal of a study; name another output, or delete it to "
+            "begin anew."
+        ) from error
+    if before != setup:
         raise VenusError(
-            f"{journal} belongs to another run ({lines[0].get('setup')}); name another output, or "
-            "delete it to begin anew."
+            f"{journal} belongs to another run ({before}); name another output, or delete it to "
+            "begin anew."
         )
-    whole: list[Any] = [{"setup": setup}, *lines[1:]]
-    write_bytes(journal, "".join(json.dumps(line) + "\n" for line in whole).encode())
-    return {line["trial"]: line["rows"] for line in whole[1:]}
+    write_bytes(journal, "".join(json.dumps(line) + "\n" for line in [first, *rest]).encode())
+    return done
 
 
 def _append(journal: Path, line: Mapping[str, Any]) -> None:
