@@ -150,13 +150,27 @@ class GuideOptions:
     port: int = 8080
     """Port of the viewer; the next free one is used if it is taken."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
-    """Folder for camera.yaml and result.json; with the viewer, venus3d-result if none is named."""
+    """Folder for camera.yaml and result.json (--trial: trial.csv); with the viewer, venus3d-result
+    (--trial: venus3d-trial) if none is named."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
+    trial: Switch = False
+    """No calibration: time one volunteer with three kinds of help to the same poses."""
+    participant: Annotated[
+        str | None, arg(metavar="NAME", help_behavior_hint="(usual: P1, P2, ...)")
+    ] = None
+    """Who takes part in the trial; one who was interrupted goes on."""
+    camera: Annotated[
+        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(sim: its own)")
+    ] = None
+    """The calibrated camera that the trial looks through."""
+    trial_poses: int = 10
+    """How many poses there are with each help of the trial."""
 
     def check(self) -> None:
         """Raises `VenusError` for the first option that cannot be met."""
         self.board.board()
+        self._check_trial()
         way_of(self.method, self.cost, self.search)
         self.limits.check()
         _within("--wanted-error", self.wanted_error, 0.001, 100)
@@ -166,6 +180,26 @@ class GuideOptions:
         _within("--seed", self.seed, 0, 2**63)
         if self.camera_size is not None:
             image_size_of(self.camera_size)
+
+    def _check_trial(self) -> None:
+        if not self.trial and (self.participant is not None or self.camera is not None):
+            option = "--camera" if self.participant is None else "--participant"
+            raise VenusError(f"{option} goes with --trial; leave it out to calibrate.")
+        if not self.trial:
+            return
+        _within("--trial-poses", self.trial_poses, 2, 100)
+        if self.headless and self.source != "sim":
+            raise VenusError(
+                "A trial without a viewer is a rehearsal of the simulated hand, so --trial "
+                "--headless goes with sim only."
+            )
+        if self.source != "sim" and self.camera is None:
+            raise VenusError(
+                "A trial needs a calibrated camera: calibrate it first with venus3d guide, then "
+                "give its file with --camera camera.yaml."
+            )
+        if self.participant is not None and not self.participant.strip():
+            raise VenusError("The participant's name is empty; leave --participant out for P1, P2.")
 
     @property
     def image_size(self) -> tuple[int, int] | None:

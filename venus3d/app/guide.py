@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from venus3d.app.eyes import Eyes
 from venus3d.app.headless import run_headless
 from venus3d.app.live import LiveGuide
+from venus3d.app.trial import TrialResult, run_trial
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.detection import Detector
@@ -101,6 +103,12 @@ def run_guide(
 
         live = LiveGuide(session, source, eyes, viewer, hand_on, again)
         return result(live.run(), viewer.notes)
+
+
+def run_guided_trial(options: GuideOptions, folder: Path) -> TrialResult:
+    """The trial that the options say, its times in `folder`. Raises `VenusError`."""
+    options = _possible(options)
+    return run_trial(options, lambda: _opened(options, options.board.board()), folder)
 
 
 def _possible(options: GuideOptions) -> GuideOptions:

@@ -8,6 +8,7 @@ from typing import Any
 
 from venus3d.app import GuideResult, run_guide
 from venus3d.cli.report import deliver, print_result, tell
+from venus3d.cli.trial import trial
 from venus3d.engine.errors import CalibrationError
 from venus3d.options import GuideOptions
 from venus3d.storage.folder import prepare
@@ -20,6 +21,9 @@ RESULT_FOLDER = Path("venus3d-result")
 def guide(options: GuideOptions) -> None:
     """Guide, print, write. Raises `VenusError` for a user's mistake."""
     options.check()  # a mistake here is told before anything starts
+    if options.trial:
+        trial(options)
+        return
     if options.output is None and not options.headless:
         # Ten minutes of holding a board must not be lost for want of an option.
         options = replace(options, output=RESULT_FOLDER)

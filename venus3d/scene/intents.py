@@ -75,6 +75,11 @@ class Autopilot:
     on: bool
 
 
+@dataclass(frozen=True)
+class Begin:
+    """The participant of a trial is ready: show the first pose of the next help."""
+
+
 Intent = (
     Capture
     | SkipTarget
@@ -86,4 +91,5 @@ Intent = (
     | Pause
     | DragBoard
     | Autopilot
+    | Begin
 )

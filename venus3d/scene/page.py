@@ -35,12 +35,12 @@ from venus3d.scene.strip import STRIP_CENTRE
 from venus3d.scene.style import Theme
 from venus3d.scene.view_state import ViewState
 
-_LEFT_WIDTH, _RIGHT_WIDTH, _GUIDE_WIDTH = 340, 600, 940
+LEFT_WIDTH, _RIGHT_WIDTH, _GUIDE_WIDTH = 340, 600, 940
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 370
 # Neutral: the steps have the colours.
 _BRAND = {True: (150, 163, 184), False: (70, 82, 102)}
-_JPEG_QUALITY = 75
-_PICTURE_LEGEND = (
+JPEG_QUALITY = 75
+PICTURE_LEGEND = (
     "<div class='v-steps'><div class='v-legend'><b>Thick outline</b>: where this step ends &nbsp; "
     "<b>dashes</b>: the target &nbsp; <b>dots</b>: corners found</div></div>"
 )
@@ -155,8 +155,8 @@ class Page:
         gui.main_panel.set_width(_RIGHT_WIDTH)
         self._add_style()
         blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
-        self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
-        gui.add_html(_PICTURE_LEGEND)
+        self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
+        gui.add_html(PICTURE_LEGEND)
         self.projections = gui.add_html("")
         self.controls = ControlPanel(self._server, act, simulated=simulated)
         self.method = MethodPanel(self._server, self._ask)
@@ -194,10 +194,10 @@ class Page:
             )
             self._drop_button.on_click(lambda _: self._drop_chosen())
         panel.dock_left()
-        panel.set_width(_LEFT_WIDTH)
+        panel.set_width(LEFT_WIDTH)
 
     def _make_guidance(self) -> None:
-        panel = self._gui.add_panel()
+        panel = self.guidance_panel = self._gui.add_panel()
         with panel.add_tab("What to do now", viser.Icon.HAND_MOVE):
             self._add_style()
             self.guidance = self._gui.add_html("")
@@ -210,7 +210,6 @@ class Page:
     def _set_theme(self, theme: Theme, *, force: bool = False) -> None:
         if theme.dark == self._dark and not force:
             return
-        changed = self._dark is not None and self._dark != theme.dark
         self._dark = theme.dark
         self._gui.configure_theme(
             dark_mode=theme.dark,
@@ -220,10 +219,12 @@ class Page:
         )
         for style in self._styles:
             style.content = theme.sheet
-        if changed:
-            self.trend.series = trend_series(theme)
         if self._styles:
-            self._caption.content = trend_caption(theme)
+            self._recolour(theme)
+
+    def _recolour(self, theme: Theme) -> None:
+        self.trend.series = trend_series(theme)
+        self._caption.content = trend_caption(theme)
 
     def _show_trend(self, snapshot: Snapshot) -> None:
         lines = trend(snapshot.history)

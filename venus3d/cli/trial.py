@@ -1,0 +1,78 @@
+"""`venus3d guide --trial`: time one volunteer, then print the times of all who took part."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from venus3d.app import run_guided_trial
+from venus3d.options import GuideOptions
+from venus3d.scene.trial_moment import HELPS, Help
+from venus3d.scene.trial_panel import HELP_NAMES, clock
+from venus3d.storage.trials import TrialRow
+
+TRIAL_FOLDER = Path("venus3d-trial")
+"""Where the times are written if no folder is named: all participants into the same file."""
+
+
+def trial(options: GuideOptions) -> None:
+    """Run the trial and print what came of it. Raises `VenusError` for a user's mistake."""
+    folder = TRIAL_FOLDER if options.output is None else options.output
+    result = run_guided_trial(options, folder)
+    name = result.plan.participant
+    if not result.complete:
+        print(f"Not finished: go on with --participant {json.dumps(name, ensure_ascii=False)}.")
+    if result.rows:
+        print(times_table(result.rows))
+    print(f"Written: {result.path}")
+    if options.json:
+        times = {
+            entry.help: {
+                "median_s": median(entry.reached_s) if entry.reached_s else None,
+                "total_s": entry.ends_s[-1] if entry.ends_s else None,
+                "given_up": entry.given_up,
+            }
+            for entry in result.times
+        }
+        summary: dict[str, Any] = {
+            "participant": name,
+            "order": result.plan.order,
+            "complete": result.complete,
+            "file": str(result.path),
+            "helps": times,
+        }
+        print(json.dumps(summary, ensure_ascii=False))
+
+
+def times_table(rows: Sequence[TrialRow]) -> str:
+    """Table 3 of the paper with these people: the time for all poses after the first, m:ss.
+
+    A star marks a time in which poses were given up or the simulated hand had the board; a dash a
+    help that was not finished.
+    """
+    people = list(dict.fromkeys(row.participant for row in rows))
+    cells = [[HELP_NAMES[h], *(_total(rows, person, h) for person in people)] for h in HELPS]
+    lines = [["time after the first pose", *people], *cells]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(people) + 1)]
+    text = "\n".join(
+        "  ".join(
+            cell.ljust(width) if i == 0 else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(line, widths, strict=True))
+        )
+        for line in lines
+    )
+    starred = any("*" in cell for line in cells for cell in line[1:])
+    return text + ("\n* poses given up, or the simulated hand was at work" if starred else "")
+
+
+def _total(rows: Sequence[TrialRow], person: str, help_: Help) -> str:
+    mine = [row for row in rows if row.participant == person and row.help == help_]
+    last = max((row.attempt for row in mine), default=0)
+    mine = [row for row in mine if row.attempt == last]
+    if not mine or mine[-1].pose != mine[-1].poses:
+        return "–"
+    doubtful = any(row.outcome != "reached" or row.hand != "person" for row in mine)
+    return clock(mine[-1].since_first_s) + ("*" if doubtful else "")
