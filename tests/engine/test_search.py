@@ -76,7 +76,7 @@ def test_the_whole_space_is_searched_to_the_minimum(space: Space) -> None:
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_every_strategy_finds_a_known_minimum(strategy: Strategy, space: Space) -> None:
     """Inside the space, and on its edge: the largest tilt allowed is 55 degrees."""
-    enough = {"annealing": 1500, "global": 3000, "dual-annealing": 1500}.get(strategy, 4000)
+    enough = {"annealing": 1000, "global": 3000, "dual-annealing": 1000}.get(strategy, 4000)
     for cost, bar in ((bowl, 1.0), (lambda v: 60 - tilt_deg(v), 5.6)):
         found = search(
             strategy,
@@ -251,7 +251,7 @@ def test_skipped_poses_stay_away(space: Space, rng: np.random.Generator) -> None
     around = Space(space.board, space.camera, space.limits, (skipped,))
     for strategy in STRATEGIES:
         start = [0, 0, 0, 0, 0, 0.5]
-        found = search(strategy, around, bowl, rng, start=start, budget=1500, keep_best=True)
+        found = search(strategy, around, bowl, rng, start=start, budget=700, keep_best=True)
         there = Pose.from_vector(found.vector)
         near = 0.1 * np.linalg.norm(skipped.t)
         assert there.angle_to_deg(skipped) >= 15 or there.distance_to(skipped) >= near

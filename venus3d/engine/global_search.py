@@ -24,7 +24,7 @@ Numbers = NDArray[np.intp]
 _SAMPLES = 0.15  # share of the budget that goes into the first look at the whole space
 _PARENTS = (48, 16)  # at the start and at the end
 _ELITE = 0.1  # share of the parents towards which the others are drawn
-_STRIDE = 0.9  # median length of a step, in differences
+_STRIDE = 1.0  # median length of a step, in differences
 _CROSSOVER = 0.9  # share of the coordinates that a step changes
 _MIRRORED = 0.07  # share of the children that are mirrored
 # A board left of the centre, its picture mirrored: the angles about Y and Z turn round as well.
@@ -45,7 +45,7 @@ def search_globally(
 
     A seventh of the budget goes into a Sobol sequence over the unit cube of `Space`, shifted at
     random. The best 48 become parents. A child is `u + F (b - u + p - q)`: parent u, one of the
-    best tenth b, two other parents p and q, F scattered about 0.9 (differential evolution,
+    best tenth b, two other parents p and q, F scattered about 1 (differential evolution,
     current-to-pbest/1: Zhang and Sanderson 2009), a tenth of the coordinates kept. The best child
     that is cheaper takes its parent's place, and the dearest parents drop out until 16 are left.
 
