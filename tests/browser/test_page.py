@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.snapshot import Snapshot
+from venus3d.engine.snapshot import Forecast, Snapshot
 from venus3d.scene import intents
+from venus3d.scene.method_panel import COST_WORDS, METHOD_WORDS
 from venus3d.scene.viewer import Viewer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -140,3 +142,112 @@ def test_reload_and_second_tab_see_the_same(
         page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
         page.wait_for_selector("[data-mantine-color-scheme='light']", state="attached")
     assert first.inner_text(".v-sentence") == second.inner_text(".v-sentence")
+
+
+def with_alternatives(snapshot: Snapshot, errors: tuple[float, ...]) -> Snapshot:
+    """The snapshot with as many other targets, each held in its own way."""
+    target = snapshot.target
+    assert target is not None
+    others = tuple(
+        replace(target, held=f"upright, on the left, {i} cm away", predicted_error_px=error)
+        for i, error in enumerate(errors)
+    )
+    return replace(snapshot, target=replace(target, alternatives=others))
+
+
+def test_another_pose_is_chosen_by_button_or_key(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """Each nearly equal pose is one button with words and figures; none, no button."""
+    viewer.show(replace(guiding, target=replace(guiding.target, alternatives=())))
+    page = open_page()
+    page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
+    assert not page.get_by_text("nearly as good").is_visible()
+    viewer.show(with_alternatives(guiding, (0.411, 0.43)))
+    page.get_by_text("nearly as good").wait_for()
+    button = page.get_by_role("button", name="upright, on the left, 1 cm away: 0.43 px")
+    assert page.get_by_role("button", name="upright, on the left").count() == 2
+    # All of its text is within it.
+    inside = "e => e.scrollHeight <= e.clientHeight + 1 && e.scrollWidth <= e.clientWidth + 1"
+    assert button.evaluate(inside)
+    press(page, "n")
+    until(lambda: not viewer.state.follow, "a step picked by hand")
+    button.click()
+    asked: list[intents.Intent] = []
+
+    def has(count: int) -> bool:
+        asked.extend(viewer.drain_intents())
+        return len(asked) >= count
+
+    until(lambda: has(1), "the button")
+    assert viewer.state.follow, "another pose is followed from its first step"
+    press(page, "j")
+    until(lambda: has(2), "the key")
+    assert asked == [intents.ChooseAlternative(1), intents.ChooseAlternative(0)]
+
+
+def test_the_method_is_chosen_from_a_list_that_tells_the_truth(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """A choice that the session refuses must not stay on the page as if it had been taken."""
+    viewer.show(guiding)
+    page = open_page()
+    page.get_by_text("How the next pose is found").click()
+    method = page.get_by_role("combobox", name="Method")
+    method.wait_for()
+    assert method.input_value() == METHOD_WORDS["global"]
+
+    def pick(box: Any, words: str) -> None:
+        box.scroll_into_view_if_needed()
+        box.click()
+        page.get_by_role("option", name=words, exact=True).click()
+
+    pick(method, METHOD_WORDS["venus"])
+    asked: list[intents.Intent] = []
+
+    def has(count: int) -> bool:
+        asked.extend(viewer.drain_intents())
+        return len(asked) >= count
+
+    until(lambda: has(1), "the method")
+    assert asked == [intents.ChangeMethod("venus")]
+    viewer.show(replace(guiding, method="venus", cost="sum-iod"))
+    cost = page.get_by_role("combobox", name="Makes small")
+
+    def shows(words: str) -> Callable[[], bool]:
+        def shown() -> bool:
+            viewer.show(replace(guiding, method="venus", cost="sum-iod"))
+            return bool(cost.input_value() == words)
+
+        return shown
+
+    until(shows(COST_WORDS["sum-iod"]), "the method's own cost")
+    assert method.input_value() == METHOD_WORDS["venus"]
+    pick(cost, COST_WORDS["max-ere"])
+    until(lambda: has(2), "the cost")
+    assert asked[1] == intents.ChangeMethod("venus", "max-ere")
+    until(shows(COST_WORDS["sum-iod"]), "a cost that was not taken goes back")
+    assert not has(3), "what the page puts back is nobody's wish"
+
+
+def test_promise_outcome_and_forecast_are_on_the_page(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """What a view should bring, what the last one brought, how many more it takes."""
+    assert guiding.target is not None
+    last = replace(guiding.history[-1], error_px=0.43, predicted_error_px=0.41)
+    shown = replace(
+        guiding,
+        history=(replace(last, error_px=0.62), last),
+        target=replace(guiding.target, error_px=0.43, predicted_error_px=0.365),
+        forecast=Forecast(0.3, 3, 2, 4, 6),
+    )
+    viewer.show(shown)
+    page = open_page()
+    page.wait_for_selector(".v-line")
+    lines = page.locator(".v-line").all_inner_texts()
+    assert lines == [
+        "View 1 brought 0.62 → 0.43 px (promised 0.41).",
+        "About 3 more views until 0.3 px (2 to 4).",
+    ]
+    assert "It should bring the error from 0.43 to 0.36 px." in page.inner_text(".v-reason")

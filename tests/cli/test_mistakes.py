@@ -216,3 +216,26 @@ def test_numbers_that_cannot_be_met(run: Run, option: str, value: str) -> None:
 def test_a_board_is_a_png(run: Run, tmp_path: Path) -> None:
     ran = run("board", "--output", tmp_path / "board.txt")
     assert ran.code == 2 and ".png" in ran.sentence and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (
+            ["--method", "random", "--search", "annealing"],
+            "The method random does not search, so the search annealing has no use there; leave it "
+            "out or use the method venus or global.",
+        ),
+        (
+            ["--method", "venus", "--cost", "rms", "--search", "dual-annealing"],
+            "The cost rms calibrates anew for every pose and is too slow for the search "
+            "dual-annealing; use it with the method venus and its own search, or use "
+            "projection-variance.",
+        ),
+        (["--wanted-error", "0"], "--wanted-error must be from 0.001 to 100, not 0."),
+    ],
+)
+def test_ways_to_the_next_pose_that_make_no_sense(
+    run: Run, options: list[str], sentence: str
+) -> None:
+    assert run("guide", "sim", "--headless", *options).sentence == sentence

@@ -16,7 +16,7 @@ from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.errors import StorageError
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Calibration, Progress
+from venus3d.engine.snapshot import Calibration, Forecast, Progress
 from venus3d.storage.board_image import board_picture, write_board
 from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
 from venus3d.storage.folder import prepare, write_bytes
@@ -99,6 +99,9 @@ def test_result_json(
     assert result["views"] == 4 and result["converged"] is True and result["warnings"] == ["w"]
     assert result["board"]["square_mm"] == 28 and result["board"]["legacy"] is False
     assert result["history"][0]["projection_error_px"] is None
+    assert result["history"][0]["promised_projection_error_px"] is None
+    assert set(result["history"][0]["promised_std"].values()) == {None}
+    assert "forecast" not in result
     assert result["mean_projection_error_px"] > 0
     # The file alone is enough to compute the errors anew, with OpenCV.
     camera = result["intrinsics"]
@@ -164,3 +167,25 @@ def test_file_is_written_whole_or_not_at_all(
     with pytest.raises(StorageError, match="no space left on device"):
         write_bytes(path, b"second")
     assert path.read_bytes() == b"first" and list(tmp_path.iterdir()) == [path]
+
+
+def test_promises_and_forecast_in_the_result(
+    tmp_path: Path, calibration: Calibration, default_board: Board
+) -> None:
+    history = (
+        Progress(3, 0.3, np.ones(9), np.ones(9), 0.62),
+        Progress(4, 0.3, np.ones(9), np.ones(9), 0.43, np.full(9, 0.5), 0.41),
+    )
+    summary = summary_of(calibration, default_board, forecast=Forecast(0.3, 3, 2, None, 10))
+    _, path = write_result(tmp_path, calibration, default_board, summary, history)
+    result = json.loads(path.read_text())
+    assert result["forecast"] == {
+        "wanted_px": 0.3,
+        "views": 3,
+        "low": 2,
+        "high": None,
+        "looked_ahead": 10,
+    }
+    before, last = result["history"]
+    assert before["projection_error_px"] == 0.62 and last["projection_error_px"] == 0.43
+    assert last["promised_projection_error_px"] == 0.41 and last["promised_std"]["fx"] == 0.5
