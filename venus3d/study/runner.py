@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
@@ -123,6 +124,8 @@ def _on_cluster(
     function: Callable[[T], Sequence[Row]], trials: Sequence[T], address: str, things: ExitStack
 ) -> Iterator[tuple[str, Sequence[Row]]]:
     distributed: Any = needed("distributed", "cluster")
+    # What it logs when a cluster goes is said in one sentence below.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
         client = things.enter_context(distributed.Client(address, timeout=REACH_S))
     except (OSError, TimeoutError, ValueError) as error:
