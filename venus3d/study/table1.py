@@ -18,19 +18,23 @@ from venus3d.engine.convergence import MIN_VIEWS
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.limits import Limits
 from venus3d.engine.localisation import locate
+from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.projection_error import mean_projection_error_px
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Calibration, Method
 from venus3d.engine.startup import Startup
-from venus3d.engine.work import Settings
+from venus3d.engine.work import Settings, information_of, noise_of
 from venus3d.study.pool import Pool, nearest, split
 from venus3d.study.text import mean_sd, table
 
 Row = dict[str, str | int | float]
-Arm = Literal["pose-selection", "opencv", "venus", "global"]
-ARMS: tuple[Arm, ...] = ("pose-selection", "opencv", "venus", "global")
-"""In the paper's order. "opencv": random views of the pool, no guidance."""
+Arm = Literal["pose-selection", "opencv", "venus", "global", "best-view"]
+ARMS: tuple[Arm, ...] = ("pose-selection", "opencv", "venus", "global", "best-view")
+"""In the paper's order. "opencv": random views of the pool, no guidance. "best-view": nobody asks
+for a pose; of the unused views the one that makes the expected projection error smallest is taken.
+A pool has no view just where one is asked for, and this says what it could give at best."""
+_ASKING = ("pose-selection", "venus", "global")
 Ending = Literal["converged", "pool empty", "enough views", "no pose fits"]
 
 PAPER = {
@@ -116,7 +120,7 @@ def guide_through(
 
     Raises `CalibrationError` if no view of the pool can be calibrated from.
     """
-    method: Method = "random" if arm == "opencv" else arm
+    method: Method = arm if arm in _ASKING else "random"
     settings = Settings(
         method=method,
         seed=seed,
@@ -130,16 +134,10 @@ def guide_through(
     unused, taken = list(training), list[Taken]()
     wanted: Pose | None = Startup(pool.board, pool.image_size).target
     while unused and session.phase not in ("converged", "finished"):
-        if arm == "opencv":
-            index, off_deg = int(rng.choice(unused)), float("nan")
-        elif wanted is None:
+        chosen = _chosen(pool, unused, arm, wanted, session, rng)
+        if chosen is None:
             break
-        else:
-            limits = replace(Limits.for_board(pool.board, session.camera), **pool.asking)
-            found = nearest(wanted, pool, unused, session.camera, limits)
-            if found is None:
-                break
-            index, off_deg = found[0], wanted.angle_to_deg(found[1])
+        index, off_deg = chosen
         unused.remove(index)
         session.observe(pool.observations[index])
         if not session.capture():
@@ -155,6 +153,40 @@ def guide_through(
     return taken, _ending(session, wanted, arm)
 
 
+def _chosen(
+    pool: Pool,
+    unused: Sequence[int],
+    arm: Arm,
+    wanted: Pose | None,
+    session: Session,
+    rng: np.random.Generator,
+) -> tuple[int, float] | None:
+    """The next view, and by how many degrees it is off what was asked for; NaN if nothing was."""
+    calibration = session.snapshot().calibration
+    if arm == "opencv":
+        return int(rng.choice(list(unused))), float("nan")
+    if arm == "best-view" and calibration is not None:
+        return _most_telling(pool, unused, calibration), float("nan")
+    if wanted is None:
+        return None
+    limits = replace(Limits.for_board(pool.board, session.camera), **pool.asking)
+    found = nearest(wanted, pool, unused, session.camera, limits)
+    return None if found is None else (found[0], wanted.angle_to_deg(found[1]))
+
+
+def _most_telling(pool: Pool, unused: Sequence[int], calibration: Calibration) -> int:
+    """The view that would make the expected projection error smallest."""
+    information = information_of(calibration, pool.board)
+    outlook = Outlook.of(pool.board, calibration.camera, information, noise_of(calibration))
+
+    def error_px(index: int) -> float:
+        view = pool.observations[index]
+        pose = locate(outlook.camera, pool.board, view)
+        return np.inf if pose is None else outlook.with_seen(view, pose).error_px
+
+    return min(unused, key=error_px)
+
+
 def _true_error_px(pool: Pool, camera: Camera) -> float:
     return float("nan") if pool.truth is None else mean_projection_error_px(pool.truth, camera)
 
@@ -164,7 +196,7 @@ def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
         return "converged"
     if session.phase == "finished":
         return "enough views"
-    return "no pose fits" if wanted is None and arm != "opencv" else "pool empty"
+    return "no pose fits" if wanted is None and arm in _ASKING else "pool empty"
 
 
 def _settle(session: Session) -> None:
@@ -255,7 +287,7 @@ def _line(arm: Arm, rows: Sequence[Row]) -> tuple[str, ...]:
         mean_sd(_column(last, "fx"), 1),
         f"{converged} of {len(last)}",
         mean_sd(_column(equal, "rms_test_px"), 4),
-        "-" if arm == "opencv" else f"{np.mean(_column(rows, 'off_deg')):.0f}",
+        f"{np.mean(_column(rows, 'off_deg')):.0f}" if arm in _ASKING else "-",
         "{:.4f}, {:.1f}, {:.4f}".format(*PAPER[arm]) if arm in PAPER else "-",
     )
 
