@@ -19,6 +19,8 @@ from typing import Any
 import cv2
 import pytest
 
+from venus3d.scene.method_panel import COST_WORDS, METHOD_WORDS
+
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 _PATIENCE_MS = 120_000
@@ -124,6 +126,44 @@ def test_a_real_video_is_guided_and_captured_on_the_key(
         assert views_on(page) == 0
         page.keyboard.press("c")
         wait_for_views(page, 1)
+        page.close()
+        _, err = program.end()
+        assert "Traceback" not in err, err
+    finally:
+        program.process.kill()
+
+
+def test_another_pose_and_another_method_are_chosen_while_running(
+    chromium: Any, tmp_path: Path
+) -> None:
+    """From the page to the session and back: another target; a refusal is said in a sentence."""
+    # A slow hand, so that the target stands while we choose.
+    program = Program(
+        tmp_path, "sim", "--autopilot", "--speed", "0.3", "--seed", "1", "--port", "8272"
+    )
+    try:
+        page = chromium.new_page(viewport={"width": 1280, "height": 720})
+        page.set_default_timeout(_PATIENCE_MS)
+        page.goto(program.url)
+        page.get_by_text("nearly as good").wait_for()
+        before = page.inner_text(".v-reason")
+        page.keyboard.press("j")
+        page.wait_for_function(
+            "old => document.querySelector('.v-reason').innerText !== old", arg=before
+        )
+        assert "poses were looked at" in page.inner_text(".v-reason")
+
+        def pick(box: str, words: str) -> None:
+            page.get_by_role("combobox", name=box).click()
+            page.get_by_role("option", name=words, exact=True).click()
+
+        page.get_by_text("How the next pose is found").click()
+        pick("Method", METHOD_WORDS["random"])
+        page.wait_for_function(
+            "!document.querySelector('.v-reason').innerText.includes('looked at')"
+        )
+        pick("Makes small", COST_WORDS["sum-iod"])
+        page.wait_for_selector(".v-note:has-text('The method random does not search')")
         page.close()
         _, err = program.end()
         assert "Traceback" not in err, err

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 import viser
 
 from venus3d.engine.snapshot import Snapshot, Target
@@ -52,11 +53,11 @@ class AlternativesPanel:
 
 def alternative_text(other: Target) -> str:
     """How the board is held there, and what comes of it."""
-    return f"{other.held}: {px_text(other.predicted_error_px)} px"
+    known = np.isfinite(other.gain_px)
+    return f"{other.held}: {px_text(other.predicted_error_px)} px" if known else other.held
 
 
 def _title(target: Target) -> str:
-    return (
-        "<div class='v-progress'><h3>Or nearly as good, "
-        f"instead of {px_text(target.predicted_error_px)} px (J)</h3></div>"
-    )
+    known = np.isfinite(target.gain_px)
+    instead = f", instead of {px_text(target.predicted_error_px)} px" if known else ""
+    return f"<div class='v-progress'><h3>Or nearly as good{instead} (J)</h3></div>"

@@ -59,10 +59,11 @@ def brought_text(number: int, history: Sequence[Progress]) -> str:
     if not history or not np.isfinite(history[-1].error_px):
         return ""
     before = history[-2].error_px if len(history) > 1 else np.nan
-    last, start = history[-1], f"{px_text(before)} → " if np.isfinite(before) else ""
-    promised = f" (promised {px_text(last.predicted_error_px)})"
-    extra = promised if np.isfinite(last.predicted_error_px) else ""
-    return f"View {number} brought {start}{px_text(last.error_px)} px{extra}."
+    now, promised = px_text(history[-1].error_px), history[-1].predicted_error_px
+    if not np.isfinite(before):
+        return f"View {number} brought the error to {now} px."
+    extra = f" (promised {px_text(promised)})" if np.isfinite(promised) else ""
+    return f"View {number} brought {px_text(before)} → {now} px{extra}."
 
 
 def px_text(error_px: float) -> str:
@@ -87,10 +88,9 @@ def forecast_text(forecast: Forecast) -> str:
 
 def _promise(snapshot: Snapshot) -> str:
     target = snapshot.target
-    if target is None or not np.isfinite(target.predicted_error_px):
+    # After a single view the noise is hardly known, so neither is what the next one brings.
+    if target is None or not np.isfinite(target.gain_px):
         return ""
-    if not np.isfinite(target.error_px):
-        return f"It should bring the error to about {px_text(target.predicted_error_px)} px."
     return (
         f"It should bring the error from {px_text(target.error_px)} to "
         f"{px_text(target.predicted_error_px)} px."
