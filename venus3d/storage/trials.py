@@ -10,6 +10,7 @@ import csv
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
+from io import StringIO
 from pathlib import Path
 from typing import TextIO, get_type_hints
 
@@ -85,9 +86,12 @@ class TrialFile:
             ) from error
         try:
             self._file.seek(0)
-            self.rows = _rows_of(self._file.read(), path)
-            if not self.rows and self._file.tell() == 0:
+            text = _text_of(self._file, path)
+            self.rows = _rows_of(text, path)
+            if not text:
                 self._write(",".join(COLUMNS) + "\n")
+            elif not text.endswith(("\n", "\r")):  # a text editor left the last line's end out
+                self._write("\n")
         except BaseException:
             self._file.close()
             raise
@@ -99,9 +103,9 @@ class TrialFile:
         for name, value in values.items():
             if isinstance(value, float):
                 values[name] = f"{value:.3f}"
-        text = _Line()
-        csv.DictWriter(text, COLUMNS, lineterminator="\n").writerow(values)
-        self._write(text.content)
+        line = StringIO(newline="")
+        csv.DictWriter(line, COLUMNS, lineterminator="\n").writerow(values)
+        self._write(line.getvalue())
 
     def close(self) -> None:
         """Close the file. May be called twice."""
@@ -119,26 +123,32 @@ class TrialFile:
             ) from error
 
 
-class _Line:
-    """What csv writes into."""
+def _text_of(file: TextIO, path: Path) -> str:
+    try:
+        return file.read()
+    except (UnicodeDecodeError, OSError) as error:
+        raise _another(path) from error
 
-    content = ""
 
-    def write(self, text: str) -> None:
-        self.content += text
+def _another(path: Path) -> StorageError:
+    return StorageError(
+        f"{path} is no file of trial times, or of another version; move it away or choose another "
+        "folder with --output."
+    )
 
 
 def _rows_of(text: str, path: Path) -> list[TrialRow]:
     """The lines of a trial.csv. Raises `StorageError` for any other text."""
     if not text:
         return []
-    lines = list(csv.reader(text.splitlines()))
-    if tuple(lines[0]) != COLUMNS:
-        raise StorageError(
-            f"{path} is no file of trial times, or of another version; move it away or choose "
-            "another folder with --output."
-        )
-    return [_row_of(line, path, number) for number, line in enumerate(lines[1:], start=2)]
+    # A spreadsheet may have put a byte order mark before the first name.
+    reader = csv.reader(StringIO(text.removeprefix("\ufeff"), newline=""))
+    try:
+        if tuple(next(reader, ())) != COLUMNS:
+            raise _another(path)
+        return [_row_of(line, path, reader.line_num) for line in reader if line]
+    except csv.Error as error:
+        raise _another(path) from error
 
 
 def _row_of(line: Sequence[str], path: Path, number: int) -> TrialRow:
