@@ -108,9 +108,9 @@ def test_the_winner_is_the_one_that_leads_to_the_end() -> None:
     ]
     low, high = ttest_rel(last[1], last[0]).confidence_interval(0.95)
     np.testing.assert_allclose(np.log(verdict.interval), (low, high), rtol=1e-6)
-    assert judge_figure(_rows(-0.5), FIGURES[3])[0].agrees == "no"
+    assert judge_figure(_rows(-0.5), FIGURES[3])[0].agrees == "the reverse"
     equal = judge_figure(_rows(0.0), FIGURES[3])[0]
-    assert equal.winner == "" and equal.agrees == "no"
+    assert equal.winner == "" and equal.agrees == "not shown"
     text = verdicts_text(rows)
     for words in ("beyond 5 views", "Pose search, from 4 views on", "neither", "no such pair"):
         assert words in text

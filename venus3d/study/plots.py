@@ -62,7 +62,8 @@ def draw_figure(
 def _subtitle(rows: Sequence[Mapping[str, Value]], figure: Figure) -> str:
     repeats = len({row["repeat"] for row in rows})
     told = f"The paper: {figure.claim}.   " if figure.claim else ""
-    return f"{told}Mean of {repeats} repeats, ± one standard deviation; smaller is better."
+    over = f"Mean of {repeats} repeats, ± one standard deviation" if repeats > 1 else "One repeat"
+    return f"{told}{over}; smaller is better."
 
 
 def _panel(panel: Any, rows: Sequence[Mapping[str, Value]], figure: Figure, indicator: str) -> None:
