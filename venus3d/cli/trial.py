@@ -75,4 +75,4 @@ def _total(rows: Sequence[TrialRow], person: str, help_: Help) -> str:
     if not mine or mine[-1].pose != mine[-1].poses:
         return "–"
     doubtful = any(row.outcome != "reached" or row.hand != "person" for row in mine)
-    return clock(mine[-1].since_first_s) + ("*" if doubtful else "")
+    return clock(round(mine[-1].since_first_s)) + ("*" if doubtful else "")

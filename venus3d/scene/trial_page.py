@@ -27,6 +27,7 @@ from venus3d.scene.overlay import draw_axes, draw_outline
 from venus3d.scene.page import JPEG_QUALITY, LEFT_WIDTH, PICTURE_LEGEND, Page
 from venus3d.scene.picture import PICTURE_WIDTH
 from venus3d.scene.projections_panel import Picture, projections_html
+from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
 from venus3d.scene.trial_moment import TrialMoment, TrialSnapshot
 from venus3d.scene.trial_panel import (
@@ -44,7 +45,10 @@ Layout = Literal["steps", "picture", "result"]
 _LARGE_PICTURE_WIDTH = 1280
 # What a card, a legend and the frame around them take of the window's height, pixels.
 _AROUND_THE_PICTURE = 230
-_SHARE_BESIDE_THE_SCENE = 0.62
+_SHARE_BESIDE_THE_SCENE = 0.68
+# The scene beside the picture is narrow: seen from behind the camera, left and right are as in it.
+_BEHIND, _BEHIND_AT = (0.0, -1.1, -1.1), (0.0, 0.08, 0.55)
+_BESIDE = (False, 0.0)  # what `Viewer` remembers of it; it looks from no such distance itself
 
 
 class TrialViewer(Viewer):
@@ -60,6 +64,13 @@ class TrialViewer(Viewer):
         else:
             self._picture_width = PICTURE_WIDTH
         super()._draw(snapshot, state, note)
+
+    def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
+        if any(shape.name.startswith("/target/") for shape in shapes):
+            super()._look(shapes, state)
+        elif isinstance(self._page, TrialPage) and self._looking_at != _BESIDE:
+            self._looking_at = _BESIDE
+            self._page.look_from_behind()
 
     def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
         moment, target = trial_of(snapshot), snapshot.target
@@ -105,6 +116,10 @@ class TrialPage(Page):
             self.projections.content = projections_html(projections, state.step, theme, drawn_by)
         if moment is not None and result:
             self._show_result(moment, theme)
+
+    def look_from_behind(self) -> None:
+        """Every tab looks over the camera's shoulder at the board."""
+        self._look(_BEHIND, _BEHIND_AT)
 
     def _show_result(self, moment: TrialMoment, theme: Theme) -> None:
         self._result.content = result_html(moment, theme)

@@ -37,6 +37,8 @@ min-height:0!important;flex-direction:row!important}
 .v-card .v-badge{width:5cqw;height:5cqw;font-size:3.2cqw}
 .v-card b{display:block;font-size:3.4cqw;line-height:1.1;font-weight:750}
 .v-card span.v-say{display:block;font-size:2.1cqw;line-height:1.25;margin-top:.3cqw}
+.v-key-line{font-size:2cqw;line-height:1.3;color:var(--soft);padding:.3cqw 1.2cqw!important}
+.v-key-line b{color:var(--text)}
 .v-who{font-size:26px;font-weight:750;line-height:1.15;overflow-wrap:anywhere}
 .v-what{font-size:19px;color:var(--soft);line-height:1.25;margin-bottom:8px}
 .v-count{display:grid;grid-template-columns:1fr 1fr;gap:8px;margin:8px 0}
@@ -93,7 +95,7 @@ def _order_row(moment: TrialMoment, number: int) -> str:
 
 
 def clock(seconds: float) -> str:
-    """Minutes and whole seconds, m:ss."""
+    """Minutes and whole seconds that have passed, m:ss."""
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
 
 
@@ -129,12 +131,12 @@ def legend_html(moment: TrialMoment | None) -> str:
     if moment.help == "axes":
         text = (
             "<b>Solid X Y Z</b>: the board &nbsp; <b>dashed X' Y' Z'</b>: the target &nbsp; "
-            "X runs along the board's columns, Y down its rows, Z out of its back"
+            "X: to the board's right, Y: to its lower edge, Z: out of its back"
         )
     else:
         names = ((TARGET_FILL, "the target"), (OVERLAP_FILL, "covered"), (BOARD_FILL, "the board"))
         text = " &nbsp; ".join(f"{_swatch(colour)}{name}" for colour, name in names)
-    return f"<div class='v-steps'><div class='v-legend'>{text}</div></div>"
+    return f"<div class='v-wide'><div class='v-steps v-key-line'>{text}</div></div>"
 
 
 def _swatch(colour: Any) -> str:
@@ -156,7 +158,7 @@ def result_html(moment: TrialMoment, theme: Theme) -> str:
 
 def _time_row(times: HelpTimes, theme: Theme) -> str:
     middle = f"{median(times.reached_s):.1f} s" if times.reached_s else "–"
-    whole = clock(times.ends_s[-1]) if times.ends_s else "–"
+    whole = clock(round(times.ends_s[-1])) if times.ends_s else "–"
     name = f"{_swatch(_colour(times.help, theme))}{HELP_NAMES[times.help]}"
     return f"<tr><td>{name}</td><td>{middle}</td><td>{whole}</td><td>{times.given_up}</td></tr>"
 

@@ -1,0 +1,138 @@
+"""A trial in a real browser: each help shows itself and nothing of the others."""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+_PATIENCE_MS = 90_000
+_PORT = int(os.environ.get("VENUS3D_TEST_PORT", "8250")) + 32
+
+
+class Trial:
+    """`venus3d guide sim --trial` with the simulated hand, two poses a help."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        self.path = folder / "trial.csv"
+        self.process = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "venus3d", "guide", "sim", "--trial"),
+                *("--participant", "Anna <A>", "--trial-poses", "2", "--camera-size", "640x360"),
+                *("--output", str(folder), "--port", str(_PORT), *arguments),
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        )
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            if found := re.search(r"http://\S+", line):
+                self.url = found.group()
+                return
+        raise AssertionError(self.process.communicate()[1])
+
+    def end(self) -> tuple[str, str]:
+        self.process.send_signal(signal.SIGINT)
+        return self.process.communicate(timeout=60)
+
+    @property
+    def rows(self) -> list[dict[str, str]]:
+        with self.path.open(newline="") as file:
+            return list(csv.DictReader(file))
+
+
+@pytest.fixture
+def trial(tmp_path: Path) -> Iterator[Trial]:
+    program = Trial(tmp_path)
+    yield program
+    program.process.kill()
+
+
+@pytest.fixture
+def page(chromium: Any, trial: Trial) -> Iterator[Any]:
+    tab = chromium.new_page(viewport={"width": 1280, "height": 720})
+    tab.set_default_timeout(_PATIENCE_MS)
+    tab.goto(trial.url)
+    wait_for_next(tab, "the four steps")
+    yield tab
+    tab.close()
+
+
+def wait_for_next(tab: Any, name: str) -> None:
+    tab.wait_for_selector(f".v-card b:has-text('Next: {name}. Press Start when ready.')")
+
+
+def shown(tab: Any, selector: str) -> bool:
+    return bool(tab.locator(selector).first.is_visible())
+
+
+def test_each_help_shows_itself_and_nothing_of_the_others(page: Any, trial: Trial) -> None:
+    """Nobody moves the board here, so every pose is given up; the page stops between helps."""
+    assert "Anna <A>" in page.inner_text(".v-who")
+    for help_, name in (("steps", "the axes"), ("axes", "the filled outline"), ("outline", "")):
+        assert not shown(page, ".v-chips") and not shown(page, ".v-count")
+        page.keyboard.press("Space")
+        page.wait_for_selector(".v-count:has-text('1 of 2')")
+        if help_ == "steps":
+            page.wait_for_selector(".v-title:has-text('Step 1 of 4')")
+            page.wait_for_selector(".v-tile")
+            assert not shown(page, ".v-card")
+        else:
+            word = {"axes": "dashed X' Y' Z'", "outline": "covered"}[help_]
+            page.wait_for_selector(f'.v-key-line:has-text("{word}")')
+            assert not shown(page, ".v-tile") and not shown(page, ".v-chips")
+            assert not shown(page, ".v-title"), "the text of the steps"
+            assert "Target" not in page.inner_text("body"), "the target's label in the scene"
+        page.keyboard.press("k")
+        page.wait_for_selector(".v-count:has-text('2 of 2')")
+        page.keyboard.press("k")
+        if name:
+            wait_for_next(page, name)
+    page.wait_for_selector(".v-times")
+    assert str(trial.path) in page.inner_text(".v-path")
+    assert not shown(page, "button:has-text('Start')")
+    out, err = trial.end()
+    assert trial.process.returncode == 0 and "Traceback" not in err, err
+    assert [(row["help"], row["pose"], row["outcome"]) for row in trial.rows] == [
+        (help_, pose, "given up") for help_ in ("steps", "axes", "outline") for pose in "12"
+    ]
+    assert {row["hand"] for row in trial.rows} == {"person"}
+    assert "Anna <A>" in out and str(trial.path) in out
+
+
+def test_a_trial_that_is_broken_off_goes_on_and_the_times_stay(
+    page: Any, chromium: Any, trial: Trial, tmp_path: Path
+) -> None:
+    """A pose stands in the file as soon as it is done with; reload and restart lose nothing."""
+    page.keyboard.press("o")  # the simulated hand takes the board
+    page.keyboard.press("Space")
+    page.wait_for_selector(".v-count:has-text('2 of 2')")
+    assert [(row["pose"], row["outcome"]) for row in trial.rows] == [("1", "reached")]
+    assert trial.rows[0]["hand"] == "autopilot" and float(trial.rows[0]["overlap"]) > 0.85
+    page.reload()
+    wait_for_next(page, "the axes")
+    trial.process.kill()
+    trial.process.wait()
+    again = Trial(tmp_path)
+    try:
+        tab = chromium.new_page(viewport={"width": 1280, "height": 720})
+        tab.set_default_timeout(_PATIENCE_MS)
+        tab.goto(again.url)
+        wait_for_next(tab, "the axes")
+        assert "Help 2 of 3" in tab.inner_text(".v-what")
+        tab.close()
+        assert "Not finished" in again.end()[0]
+    finally:
+        again.process.kill()
