@@ -22,7 +22,7 @@ from venus3d.cli.report import tell
 from venus3d.engine.errors import VenusError
 from venus3d.options import BoardOptions, Switch
 from venus3d.storage.folder import prepare, write_bytes
-from venus3d.study.hand import Assumptions
+from venus3d.study.assumptions import Assumptions
 
 _Jobs = Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: one a core)")]
 _Dask = Annotated[str | None, arg(metavar="ADDRESS", help_behavior_hint="(optional)")]

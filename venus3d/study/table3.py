@@ -18,7 +18,8 @@ from venus3d.engine.limits import Limits
 from venus3d.engine.pose import Pose
 from venus3d.engine.space import Space, random_pose
 from venus3d.sources.sim import PAPER_CAMERA
-from venus3d.study.hand import HELPS, Assumptions, Help, reach
+from venus3d.study.assumptions import Assumptions
+from venus3d.study.hand import HELPS, Help, reach
 from venus3d.study.text import minutes, table
 
 Row = dict[str, str | int | float]
