@@ -27,8 +27,12 @@ AHEAD = 10
 """Views planned ahead at most."""
 CONFIDENCE = 0.9
 """Of the interval."""
-# A plan's search: poses spread over the space once, then rounds of neighbours of the best per view.
-_SPREAD, _NEIGHBOURS, _PARENTS, _ROUNDS, _STRIDE = 512, 128, 16, 2, 0.06
+# A plan's search: poses spread over the space once, then rounds of neighbours of the best for each
+# view, ever closer (standard deviations in the unit cube).
+_SPREAD, _NEIGHBOURS, _PARENTS, _STRIDES = 512, 96, 16, (0.05, 0.03, 0.015)
+_BEHIND = 1.03
+"""By this factor the errors planned lie above those of the suggestions' thorough search: 1.02 for
+the second view, 1.03 to 1.04 from the fourth to the ninth."""
 
 
 def forecast(
@@ -94,16 +98,17 @@ def _plan(
 ) -> Iterator[float]:
     """The expected error after one view more, after two, and so on."""
     poses = _Poses(outlook, space, rng) if way.method == "global" else None
+    behind = 1.0
     while True:
         if first is not None:
             vector, first = first, None
         elif poses is not None:
-            vector = poses.best(outlook)
+            vector, behind = poses.best(outlook), _BEHIND
         else:
             found, _, state = find(way, outlook, space, rng, state=state)
             vector = found.vector
         outlook = outlook.with_view(vector)
-        yield outlook.error_px
+        yield outlook.error_px / behind
 
 
 class _Poses:
@@ -117,10 +122,10 @@ class _Poses:
     def best(self, outlook: Outlook) -> Array:
         """(6,) the pose that leaves the least projection error after its view."""
         variances = _variances(outlook, self._information)
-        for _ in range(_ROUNDS):
+        for stride in _STRIDES:
             parents = self._vectors[np.argsort(variances, kind="stable")[:_PARENTS]]
             around = np.repeat(self._space.to_unit(parents), _NEIGHBOURS // _PARENTS, axis=0)
-            told = self._add(around + _STRIDE * self._rng.standard_normal(around.shape))
+            told = self._add(around + stride * self._rng.standard_normal(around.shape))
             variances = np.concatenate([variances, _variances(outlook, told)])
         # The next view chooses among the best ones, so that it takes no longer than this one.
         kept = np.argsort(variances, kind="stable")[:_SPREAD]
