@@ -136,8 +136,14 @@ class TrialPage(Page):
         if layout == self._layout:
             return
         self._layout = layout
+        self._show_scene()
         for client in self._server.get_clients().values():
             client.gui.main_panel.set_width(self._right_width(client.camera.image_height))
+
+    def _show_scene(self) -> None:
+        # It is of no use where neither steps are shown nor a simulated board is dragged.
+        dragged = self._simulated and self._layout == "picture"
+        self._server.scene.set_global_visibility(self._layout == "steps" or dragged)
 
     def _right_width(self, height: int) -> int:
         if self._layout == "steps":
@@ -151,6 +157,7 @@ class TrialPage(Page):
         gui = self._gui
         self._act, self._simulated = act, simulated
         self._layout: Layout = "picture"
+        self._show_scene()
         gui.main_panel.dock_right()
         self._add_style()
         self._card = gui.add_html("")

@@ -34,6 +34,7 @@ _HELP_COLOURS: dict[Help, int] = {"steps": 3, "axes": 2, "outline": 4}
 _SHEET = """<style>
 .v-card{display:flex;align-items:center;gap:1.4cqw;padding:.2cqw 1.2cqw .8cqw;
 min-height:0!important;flex-direction:row!important}
+.mantine-ScrollArea-root:has(.v-card) img{width:100%}
 .v-card .v-badge{width:5cqw;height:5cqw;font-size:3.2cqw}
 .v-card b{display:block;font-size:3.4cqw;line-height:1.1;font-weight:750}
 .v-card span.v-say{display:block;font-size:2.1cqw;line-height:1.25;margin-top:.3cqw}
@@ -131,7 +132,7 @@ def legend_html(moment: TrialMoment | None) -> str:
     if moment.help == "axes":
         text = (
             "<b>Solid X Y Z</b>: the board &nbsp; <b>dashed X' Y' Z'</b>: the target &nbsp; "
-            "X: to the board's right, Y: to its lower edge, Z: out of its back"
+            "X to the right, Y down, Z out of the back"
         )
     else:
         names = ((TARGET_FILL, "the target"), (OVERLAP_FILL, "covered"), (BOARD_FILL, "the board"))
