@@ -202,3 +202,17 @@ def test_headless_without_a_hand_takes_the_autopilot(run: Run) -> None:
 def test_headless_cannot_wait_for_a_key(run: Run) -> None:
     ran = run("guide", "--headless", "--no-auto-capture")
     assert ran.code == 2 and "nobody can press the key" in ran.err
+
+
+def test_a_reader_that_has_had_enough_of_the_help_gets_no_traceback() -> None:
+    for arguments in (["--help"], ["guide", "--help"]):
+        program = subprocess.Popen(
+            [sys.executable, "-m", "venus3d", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        assert program.stdout is not None and program.stderr is not None
+        program.stdout.close()
+        assert b"Traceback" not in program.stderr.read()
+        program.stderr.close()
+        program.wait()

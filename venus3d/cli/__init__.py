@@ -68,13 +68,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given == ["--version"]:
         print(f"venus3d {__version__}")
         return OK
-    options = tyro.cli(
-        Command,  # type: ignore[arg-type]  # tyro takes a union, which no annotation can say
-        prog="venus3d",
-        description=DESCRIPTION,
-        args=given or ["--help"],
-    )
     try:
+        options = tyro.cli(
+            Command,  # type: ignore[arg-type]  # tyro takes a union, which no annotation can say
+            prog="venus3d",
+            description=DESCRIPTION,
+            args=given or ["--help"],
+        )
         # A plain kill, a logout: what was captured is kept, as with Ctrl-C.
         if threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGTERM, signal.default_int_handler)

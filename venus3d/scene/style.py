@@ -123,7 +123,8 @@ border-radius:6px;padding:6px 8px;margin-bottom:6px;background:var(--tile)}
 .v-sign{display:inline-grid;place-items:center;width:1.5em;height:1.5em;margin-right:.5em;
 font-size:13px;border:2px solid var(--soft);border-radius:50%;vertical-align:-.2em}
 .v-is-weak .v-sign{border-color:var(--info);color:var(--info);border-radius:3px}
-.v-is-wrong .v-sign{border-color:var(--info);background:var(--info);color:var(--ink);border-radius:0}
+.v-is-wrong .v-sign{border-color:var(--info);background:var(--info);
+color:var(--ink);border-radius:0}
 .v-cure{font-weight:650;margin-top:3px}
 .v-more{font-size:13px;color:var(--soft)}
 .v-key{display:inline-block;border:1px solid var(--line);border-radius:4px;padding:0 5px;
