@@ -95,12 +95,14 @@ def _letter(rgb: Picture, points: Array, text: str, colour: Colour) -> None:
     norm = float(np.linalg.norm(direction))
     if not (np.isfinite(norm) and (np.abs(tip) < 1e4).all()):
         return
-    scale = rgb.shape[1] / 900
+    scale = rgb.shape[1] / 1000
     place = tip + (direction / norm if norm > 1 else np.array([1.0, -1.0])) * 26 * scale
     (w, h), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 2)
     corner = (round(place[0] - w / 2), round(place[1] + h / 2))
-    for ink, thickness in ((CASING, round(7 * scale)), (colour, max(2, round(3 * scale)))):
-        cv2.putText(rgb, text, corner, cv2.FONT_HERSHEY_SIMPLEX, scale, ink, thickness, cv2.LINE_AA)
+    # On a disc: a letter over the board's pattern could not be read.
+    disc, thickness = (round(place[0]), round(place[1])), max(2, round(3 * scale))
+    cv2.circle(rgb, disc, round(19 * scale), CASING, -1, cv2.LINE_AA)
+    cv2.putText(rgb, text, corner, cv2.FONT_HERSHEY_SIMPLEX, scale, colour, thickness, cv2.LINE_AA)
 
 
 def _dot(rgb: Picture, place: Array, *, hollow: bool) -> None:
