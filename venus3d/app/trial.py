@@ -155,6 +155,9 @@ def _run_on_a_page(
     for note in viewer.notes:
         print(note, flush=True)
     print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
+    if isinstance(source, Simulation) and not options.autopilot:
+        hint = "Drag the board by its handles in the scene, or press O for the simulated hand."
+        viewer.say(hint, seconds=60)
     TrialGuide(session, source, eyes, viewer).run()
 
 

@@ -100,7 +100,7 @@ class TrialPage(Page):
         moment = trial_of(snapshot)
         self._lay_out("picture" if snapshot is None else layout_of(snapshot))
         steps, result = self._layout == "steps", self._layout == "result"
-        self._side.content = side_html(moment)
+        self._side.content = side_html(moment, note)
         self._start.visible = moment is not None and moment.stage == "ready"
         self._give_up.visible = moment is not None and moment.stage == "running"
         seen = snapshot is not None and snapshot.pose is not None

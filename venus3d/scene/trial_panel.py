@@ -47,6 +47,7 @@ min-height:0!important;flex-direction:row!important}
 .v-count b{display:block;font-size:46px;line-height:1.05;font-weight:780;white-space:nowrap}
 .v-count small{font-size:20px;font-weight:600;color:var(--soft)}
 .v-count span{font-size:14px;color:var(--soft)}
+.v-remark{font-size:16px;line-height:1.3;color:var(--info);margin-top:10px}
 .v-order{font-size:15px;line-height:1.55}
 .v-order div{padding:1px 8px;border-left:4px solid transparent;color:var(--soft)}
 .v-order .v-now{border-left-color:var(--info);color:var(--text);font-weight:700}
@@ -60,8 +61,8 @@ font-weight:650;white-space:nowrap}
 </style>"""
 
 
-def side_html(moment: TrialMoment | None) -> str:
-    """The left column: participant, help, pose, time."""
+def side_html(moment: TrialMoment | None, note: str = "") -> str:
+    """The left column: participant, help, pose, time; and a remark."""
     if moment is None:
         return "<div class='v-progress'>Waiting for the first picture.</div>"
     place, helps = moment.place, len(moment.order)
@@ -72,7 +73,8 @@ def side_html(moment: TrialMoment | None) -> str:
     return (
         f"{_SHEET}<div class='v-progress'><div class='v-who'>{escape(moment.participant)}</div>"
         f"<div class='v-what'>{escape(what)}</div>{_counters(moment)}"
-        f"<h3>Order of the helps</h3><div class='v-order'>{rows}</div></div>"
+        f"<h3>Order of the helps</h3><div class='v-order'>{rows}</div>"
+        f"<div class='v-remark'>{escape(note)}</div></div>"
     )
 
 
