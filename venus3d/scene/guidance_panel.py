@@ -34,7 +34,7 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
     if snapshot is None:
         return _card(theme.info, "…", "Starting", "Waiting for the first picture.", "", "", note)
     if snapshot.phase in ("captured", "converged", "finished"):
-        return _state_card(snapshot, state, theme, note)
+        return _state_card(snapshot, theme, note)
     if state.paused:
         text = "Press Pause again, or the space bar, to go on."
         return _card(theme.quiet, "II", "Paused", text, "", _chips(snapshot, state, theme), note)
@@ -47,7 +47,7 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
     return _step_card(snapshot, snapshot.match, state, theme, note)
 
 
-def _state_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) -> str:
+def _state_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
     against = doubt(snapshot)
     if snapshot.phase == "converged" and against is not None:
         # The sigmas have settled, but on views that do not say enough.

@@ -55,8 +55,13 @@ def _outcome(snapshot: Snapshot) -> str:
 
 
 def brought_text(number: int, history: Sequence[Progress]) -> str:
-    """What the view of this number brought and what its target had promised; empty if unknown."""
+    """What the view of this number brought and what its target had promised; empty if unknown.
+
+    Unknown it is, too, once an earlier view was dropped: nobody calibrated without just this one.
+    """
     if not history or not np.isfinite(history[-1].error_px):
+        return ""
+    if history[-1].views != (history[-2].views if len(history) > 1 else 0) + 1:
         return ""
     before = history[-2].error_px if len(history) > 1 else np.nan
     now, promised = px_text(history[-1].error_px), history[-1].predicted_error_px
