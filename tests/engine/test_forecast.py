@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.snapshot import METHODS, Forecast, Method
 from venus3d.engine.space import Space
-from venus3d.engine.suggest import suggest
+from venus3d.engine.suggest import find, suggest
 from venus3d.engine.way import way_of
 
 SIGMA = 0.2
@@ -130,3 +132,22 @@ def test_limits_that_leave_no_pose_are_told(
         forecast(
             outlook, way_of("global"), space, np.random.default_rng(0), wanted_px=0.1, degrees=99
         )
+
+
+def test_a_slow_search_does_not_keep_the_target_waiting(
+    paper_camera: Camera, default_board: Board, known: Array, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked_at: list[int] = []
+
+    def counted(*args: Any, **options: Any) -> Any:
+        found = find(*args, **options)
+        looked_at.append(found[0].evaluated)
+        return found
+
+    monkeypatch.setattr("venus3d.engine.forecast.find", counted)
+    outlook = Outlook.of(default_board, paper_camera, known, SIGMA)
+    space = Space(default_board, paper_camera, Limits.for_board(default_board, paper_camera))
+    way = way_of("venus", strategy="dual-annealing")
+    rng = np.random.default_rng(0)
+    forecast(outlook, way, space, rng, wanted_px=0.001, degrees=99, ahead=2)
+    assert len(looked_at) == 2 and max(looked_at) <= 600

@@ -16,8 +16,9 @@ from venus3d.engine.observation import Observation, View
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.reasons import reason_for
 from venus3d.engine.search import Move
-from venus3d.engine.snapshot import COSTS, METHODS, Cost, Method
+from venus3d.engine.snapshot import COSTS, METHODS, Cost, Method, Strategy
 from venus3d.engine.suggest import Suggestion, suggest
+from venus3d.engine.way import Start
 
 SIGMA = float(np.sqrt(0.1))
 FIRST = Pose.from_vector([45, 0, 0, 0, 0, 0.4])
@@ -257,3 +258,37 @@ def test_the_reason_in_words(
     default_board: Board,
 ) -> None:
     assert reason_for(serves, Pose.from_vector(vector), paper_camera, default_board) == sentence
+
+
+def test_nothing_is_said_of_a_generated_pose_that_was_not_used(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    information = view_information(
+        paper_camera,
+        default_board.corners,
+        *(np.stack(part) for part in zip(*((p.R, p.t) for p in _VIEWED), strict=True)),
+    ).sum(axis=0)
+
+    def note(start: Start, strategy: Strategy) -> str:
+        return suggest(
+            default_board,
+            paper_camera,
+            information,
+            0.3,
+            method="venus",
+            start=start,
+            strategy=strategy,
+            limits=Limits(max_tilt_deg=20.0),
+            rng=np.random.default_rng(0),
+            number=4,
+        ).note
+
+    assert "the limit is 20" in note("generated", "annealing")
+    assert note("random", "annealing") == ""
+    assert note("generated", "global") == ""
+
+
+_VIEWED = [
+    Pose.from_vector(v)
+    for v in ([40, 0, 0, 0, 0, 0.4], [0, -40, 10, 0.05, 0, 0.4], [-30, 30, 0, 0, 0.03, 0.5])
+]

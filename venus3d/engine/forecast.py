@@ -30,6 +30,9 @@ CONFIDENCE = 0.9
 # A plan's search: poses spread over the space once, then rounds of neighbours of the best for each
 # view, ever closer (standard deviations in the unit cube).
 _SPREAD, _NEIGHBOURS, _PARENTS, _STRIDES = 512, 96, 16, (0.05, 0.03, 0.015)
+_BUDGET = 500
+"""Poses that another search than the annealing looks at for each view of a plan: the target waits
+for the forecast, and scipy's would take half a minute."""
 _BEHIND = 1.03
 """By this factor the errors planned lie above those of the suggestions' thorough search: 1.02 for
 the second view, 1.03 to 1.04 from the fourth to the ninth."""
@@ -60,13 +63,13 @@ def forecast(
     """
     best, worst = spread_of(degrees)
     errors = [outlook.error_px]
+    if errors[0] <= wanted_px:
+        return Forecast(wanted_px, 0, 0, 0, 0)
     plan = _plan(outlook, way, space, rng, state, first)
     while len(errors) <= ahead and errors[-1] * worst > wanted_px:
         if stop is not None and stop():
             return None
         errors.append(next(plan))
-    if errors[0] <= wanted_px:
-        return Forecast(wanted_px, 0, 0, 0, 0)
     views, low, high = (_reached(errors, factor, wanted_px) for factor in (1.0, best, worst))
     # What is known now is not enough, so at least one more view is needed.
     low = None if low is None else max(low, 1)
@@ -98,14 +101,14 @@ def _plan(
 ) -> Iterator[float]:
     """The expected error after one view more, after two, and so on."""
     poses = _Poses(outlook, space, rng) if way.method == "global" else None
-    behind = 1.0
+    behind, budget = 1.0, None if way.strategy in (None, "annealing") else _BUDGET
     while True:
         if first is not None:
             vector, first = first, None
         elif poses is not None:
             vector, behind = poses.best(outlook), _BEHIND
         else:
-            found, _, state = find(way, outlook, space, rng, state=state)
+            found, _, state = find(way, outlook, space, rng, state=state, budget=budget)
             vector = found.vector
         outlook = outlook.with_view(vector)
         yield outlook.error_px / behind

@@ -131,21 +131,23 @@ def find(
     stop: Stop | None = None,
     on_move: Watch | None = None,
 ) -> tuple[Found, Generated | None, GenerationState]:
-    """The pose itself; what the method's rule made, if it has one; the rule's state after it.
+    """The pose itself; what the method's rule made, if that was used; the rule's state after it.
 
     `budget` is about how many poses to look at, None for the search's own. Others as `suggest`.
     """
     begun = (state or GenerationState()).observed(np.sqrt(np.diag(outlook.covariance)))
-    made = _generated(way.method, space, outlook.covariance, begun)
+    # Other searches than the annealing do not start anywhere: no rule is asked.
+    ruled = way.strategy is None or (way.strategy == "annealing" and way.start == "generated")
+    made = _generated(way.method, space, outlook.covariance, begun) if ruled else None
     ended = begun if made is None else made.state
     if way.strategy is None:
         vector = random_pose(space, rng) if made is None else made.vector
         return Found(vector, float("nan"), 0, False), made, ended
     begin = None
     if way.strategy == "annealing":
-        ruled = made if way.start == "generated" else None
-        usable = ruled is not None and space.accepts(ruled.vector)[0]
-        begin = ruled.vector if ruled is not None and usable else random_pose(space, rng)
+        if made is not None and not space.accepts(made.vector)[0]:
+            made = None
+        begin = random_pose(space, rng) if made is None else made.vector
     found = search(
         way.strategy,
         space,
