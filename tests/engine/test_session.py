@@ -6,6 +6,7 @@ The observations are projections of the board by the paper's camera (checked aga
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -355,6 +356,7 @@ def test_the_method_changes_while_running(rig: Rig) -> None:
     same = rig.session.snapshot()
     assert same.target is before.target and same.method == "global" and same.phase == "guiding"
     rig.session.change("global")
+    rig.session.change("global", "projection-variance")
     assert rig.session.pending is None, "nothing to change"
 
     rig.session.change("venus", "max-iod")
@@ -376,6 +378,28 @@ def test_the_method_changes_while_running(rig: Rig) -> None:
     assert rig.session.apply(old.run()).phase == "captured"
     end = rig.session.apply(rig.session.pending.run())
     assert end.target is not None and end.target.method == "random" and len(end.views) == 5
+
+
+def test_settings_that_do_not_go_together_are_told_at_once(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    with pytest.raises(VenusError, match="random does not search"):
+        Rig(paper_camera, default_board, Settings(method="random", cost="trace"))
+
+
+def test_what_the_user_ended_stays_ended(paper_camera: Camera, default_board: Board) -> None:
+    """Neither a first view that failed nor a layout found out later begins it anew."""
+    other = replace(default_board, legacy=not default_board.legacy)
+    rig = Rig(paper_camera, default_board, Settings(auto_capture=False))
+    rig.session.observe(rig.look())
+    assert rig.session.capture() and rig.session.pending is not None
+    rig.session.finish()
+    failed = rig.session.fail(rig.session.pending, CalibrationError("No camera."))
+    assert failed.phase == "finished" and "No camera." in failed.warnings[0]
+    rig.session.use_board(other)
+    after = rig.session.observe(rig.look())
+    assert after.phase == "finished" and after.board == default_board
+    assert not rig.session.capture()
 
 
 def test_the_method_changes_before_the_first_view(rig: Rig) -> None:

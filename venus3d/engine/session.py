@@ -38,7 +38,6 @@ from venus3d.engine.snapshot import (
 )
 from venus3d.engine.startup import Startup
 from venus3d.engine.tracking import Tracker
-from venus3d.engine.way import DEFAULT_COST, way_of
 from venus3d.engine.work import Outcome, Settings, Work, noise_of
 
 
@@ -48,8 +47,13 @@ class Session:
     def __init__(
         self, board: Board, image_size: tuple[int, int], settings: Settings | None = None
     ) -> None:
-        """A session for images of `image_size` (width, height)."""
+        """A session for images of `image_size` (width, height).
+
+        Raises `VenusError` for settings whose method, cost and search do not go together.
+        """
         self.settings = settings or Settings()
+        self._way = self.settings.way
+        self._ending = False
         self._image_size = image_size
         self.board_diagnoses: tuple[Diagnosis, ...] = ()
         """What the detector says of the board it sees; set by whoever drives the session."""
@@ -60,7 +64,7 @@ class Session:
         self.pending: Work | None = None
         """The work that waits to be run; `apply` its outcome."""
         self._startup = Startup(board, self._image_size)
-        self._phase: Phase = "startup"
+        self._phase: Phase = "finished" if self._ending else "startup"
         self._captured = captured or Captured()
         self._next_target = 1
         self._target: Target | None = None
@@ -74,10 +78,7 @@ class Session:
         self._diagnoses: tuple[Diagnosis, ...] = ()
         self._forecast: Forecast | None = None
         self._seen = Tracker(board, self._image_size, self.settings)
-        self._keep_going = False
-        self._ending = False
-        self._lost = ""
-        self._number = 0
+        self._keep_going, self._lost, self._number = False, "", 0
 
     # -- what happens ----------------------------------------------------------------------------
 
@@ -143,11 +144,10 @@ class Session:
         The method's own search is used, and for `cost` None its own cost. Raises `VenusError` for a
         combination that makes no sense; the session is then as it was.
         """
-        way_of(method, cost)
-        now = self.settings
-        if (method, cost, None) == (now.method, now.cost, now.strategy):
+        wanted = replace(self.settings, method=method, cost=cost, strategy=None)
+        if wanted.way == self._way:
             return
-        self.settings = replace(now, method=method, cost=cost, strategy=None)
+        self.settings, self._way = wanted, wanted.way
         if self._captured.views and self._phase in ("guiding", "captured") and not self._ending:
             self._recalibrate()
 
@@ -177,7 +177,7 @@ class Session:
 
     def use_board(self, board: Board) -> None:
         """Go on with a board whose layout turned out differently; only before the first view."""
-        if not self._captured.views and board != self.board:
+        if not (self._captured.views or self._ending) and board != self.board:
             self._restart(board)
 
     def apply(self, outcome: Outcome) -> Snapshot:
@@ -251,7 +251,7 @@ class Session:
             diagnoses=worst_first((*self.board_diagnoses, *self._diagnoses)),
             forecast=self._forecast,
             method=self.settings.method,
-            cost=self.settings.cost or DEFAULT_COST[self.settings.method],
+            cost=self._way.cost,
         )
 
     # -- how it goes on --------------------------------------------------------------------------

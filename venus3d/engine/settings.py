@@ -9,7 +9,7 @@ from venus3d.engine.convergence import Rule
 from venus3d.engine.matching import Tolerance
 from venus3d.engine.noise import RENDERED, NoiseModel
 from venus3d.engine.snapshot import Cost, Method, Strategy
-from venus3d.engine.way import Start
+from venus3d.engine.way import Start, Way, way_of
 
 
 @dataclass(frozen=True)
@@ -45,3 +45,10 @@ class Settings:
     tolerance: Tolerance = field(default_factory=Tolerance)
     epsilon: float = 0.1
     rule: Rule = "repaired"
+
+    @property
+    def way(self) -> Way:
+        """How the next pose is found. Raises `VenusError` for what does not go together."""
+        return way_of(
+            self.method, self.cost, self.strategy, start=self.start, keep_best=self.keep_best
+        )

@@ -36,7 +36,6 @@ from venus3d.engine.snapshot import (
 )
 from venus3d.engine.space import Space
 from venus3d.engine.suggest import Suggestion, suggest
-from venus3d.engine.way import way_of
 
 # Corners are never known better than this; keeps predictions finite where residuals vanish.
 LEAST_NOISE_PX = 0.01
@@ -211,13 +210,7 @@ class Work:
         try:
             return forecast(
                 outlook,
-                way_of(
-                    settings.method,
-                    settings.cost,
-                    settings.strategy,
-                    start=settings.start,
-                    keep_best=settings.keep_best,
-                ),
+                settings.way,
                 Space(self.board, outlook.camera, self._limits(outlook.camera), self.skipped),
                 np.random.default_rng([settings.seed, self.target_number, 1]),
                 wanted_px=settings.wanted_error_px,
