@@ -117,7 +117,11 @@ class LiveGuide(Watching):
         match intent:
             case intents.Capture():
                 if not session.capture():
-                    self._viewer.say("Nothing to capture: no board is seen, or this view is taken.")
+                    self._viewer.say(
+                        "This calibration has ended; no more views are taken."
+                        if session.phase == "finished"
+                        else "Nothing to capture: no board is seen, or this view is taken."
+                    )
             case intents.SkipTarget():
                 session.skip()
             case intents.UndoView():
@@ -125,8 +129,12 @@ class LiveGuide(Watching):
             case intents.DropView(number):
                 session.drop(number)
             case intents.ChooseAlternative(index):
-                if not session.choose(index) and session.phase == "guiding":
-                    self._viewer.say("No other pose is nearly as good; K asks for another one.")
+                if not session.choose(index):
+                    self._viewer.say(
+                        "No other pose is nearly as good; K asks for another one."
+                        if session.phase == "guiding"
+                        else "There is no other pose to choose just now."
+                    )
             case intents.ChangeMethod(method, cost):
                 try:
                     session.change(method, cost)

@@ -69,9 +69,7 @@ def choose_informative(
         best = candidates[int(np.argmax(gains))]
         chosen.append(best)
         known = known + best.information
-        candidates = [
-            c for c in candidates if _shift_px(c.observation, best.observation) >= same_px
-        ]
+        candidates = [c for c in candidates if shift_px(c.observation, best.observation) >= same_px]
     return sorted(c.index for c in chosen)
 
 
@@ -107,7 +105,7 @@ def _candidates(
     return [c for c in found if c.rms_px <= worst]
 
 
-def _shift_px(one: Observation, other: Observation) -> float:
+def shift_px(one: Observation, other: Observation) -> float:
     """Mean distance of the corners that both show, pixels; inf if they share fewer than half."""
     _, mine, theirs = np.intersect1d(one.ids, other.ids, assume_unique=True, return_indices=True)
     if 2 * mine.size < max(one.count, other.count):

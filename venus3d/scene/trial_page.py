@@ -12,7 +12,7 @@ it shows the board there, and no target.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -29,7 +29,7 @@ from venus3d.scene.picture import PICTURE_WIDTH
 from venus3d.scene.projections_panel import Picture, projections_html
 from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
-from venus3d.scene.trial_moment import TrialMoment, TrialSnapshot
+from venus3d.scene.trial_moment import HELPS, Help, TrialMoment, TrialSnapshot
 from venus3d.scene.trial_panel import (
     card_html,
     legend_html,
@@ -125,12 +125,13 @@ class TrialPage(Page):
         self._result.content = result_html(moment, theme)
         lines = progress_lines(moment.times)
         if lines is not None and not self._plot.visible:
-            self._plot.series = progress_series(theme, [times.help for times in moment.times])
+            self._shown = [times.help for times in moment.times]
+            self._plot.series = progress_series(theme, self._shown)
             self._plot.data = lines
             self._plot.visible = True
 
     def _recolour(self, theme: Theme) -> None:
-        self._plot.series = progress_series(theme)
+        self._plot.series = progress_series(theme, self._shown)
 
     def _lay_out(self, layout: Layout) -> None:
         if layout == self._layout:
@@ -157,6 +158,7 @@ class TrialPage(Page):
         gui = self._gui
         self._act, self._simulated = act, simulated
         self._layout: Layout = "picture"
+        self._shown: Sequence[Help] = HELPS  # the lines of the plot
         self._show_scene()
         gui.main_panel.dock_right()
         self._add_style()

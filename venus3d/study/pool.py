@@ -21,6 +21,7 @@ from venus3d.engine.limits import Limits
 from venus3d.engine.localisation import locate
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
+from venus3d.engine.selection import shift_px
 from venus3d.engine.space import Space, random_pose
 from venus3d.sources.observing import observe_recording
 from venus3d.sources.sim import PAPER_CAMERA, Simulation
@@ -159,7 +160,7 @@ def distinct(
     kept: list[Observation] = []
     for view in whole:
         least = same * view.image_size[0]
-        if view.sharpness >= _SHARP * median and all(_shift_px(view, o) >= least for o in kept):
+        if view.sharpness >= _SHARP * median and all(shift_px(view, o) >= least for o in kept):
             kept.append(view)
     return kept
 
@@ -210,12 +211,3 @@ def distance(one: Pose, other: Pose, camera: Camera, limits: Limits) -> float:
     shift = np.linalg.norm(pinhole.project(one.t) - pinhole.project(other.t)) / camera.width
     depth = np.log(one.t[2] / other.t[2]) / np.log(limits.farthest / limits.nearest)
     return float(np.sqrt(turn**2 + shift**2 + depth**2))
-
-
-def _shift_px(one: Observation, other: Observation) -> float:
-    """Mean distance of the corners that both show, pixels; inf if they share fewer than half."""
-    _, mine, theirs = np.intersect1d(one.ids, other.ids, assume_unique=True, return_indices=True)
-    if 2 * mine.size < max(one.count, other.count):
-        return float("inf")
-    apart = np.linalg.norm(one.corners[mine] - other.corners[theirs], axis=1)
-    return float(apart.mean())
