@@ -30,7 +30,7 @@ CONFIDENCE = 0.9
 # A plan's search: poses spread over the space once, then rounds of neighbours of the best for each
 # view, ever closer (standard deviations in the unit cube).
 _SPREAD, _NEIGHBOURS, _PARENTS, _STRIDES = 512, 96, 16, (0.05, 0.03, 0.015)
-_BUDGET = 500
+_BUDGET = 1000
 """Poses that another search than the annealing looks at for each view of a plan: the target waits
 for the forecast, and scipy's would take half a minute."""
 _BEHIND = 1.03
@@ -100,7 +100,9 @@ def _plan(
     first: Array | None,
 ) -> Iterator[float]:
     """The expected error after one view more, after two, and so on."""
-    poses = _Poses(outlook, space, rng) if way.method == "global" else None
+    # The quick search makes the projection variance small; another cost asks for other poses.
+    quick = way.method == "global" and way.cost == "projection-variance"
+    poses = _Poses(outlook, space, rng) if quick else None
     behind, budget = 1.0, None if way.strategy in (None, "annealing") else _BUDGET
     while True:
         if first is not None:
