@@ -89,7 +89,7 @@ class LimitOptions:
         for name, (low, high) in ranges.items():
             value = getattr(self, name)
             if value is not None:
-                _within(f"--limits.{name.replace('_', '-')}", value, low, high)
+                check_range(f"--limits.{name.replace('_', '-')}", value, low, high)
         nearest, farthest = self.nearest_mm, self.farthest_mm
         if nearest is not None and farthest is not None and nearest >= farthest:
             raise VenusError("--limits.nearest-mm must be smaller than --limits.farthest-mm.")
@@ -173,11 +173,11 @@ class GuideOptions:
         self._check_trial()
         way_of(self.method, self.cost, self.search)
         self.limits.check()
-        _within("--wanted-error", self.wanted_error, 0.001, 100)
-        _within("--overlap", self.overlap, 0.1, 0.99)
-        _within("--speed", self.speed, 0.1, 10)
-        _within("--max-views", self.max_views, 1, 1000)
-        _within("--seed", self.seed, 0, 2**63)
+        check_range("--wanted-error", self.wanted_error, 0.001, 100)
+        check_range("--overlap", self.overlap, 0.1, 0.99)
+        check_range("--speed", self.speed, 0.1, 10)
+        check_range("--max-views", self.max_views, 1, 1000)
+        check_range("--seed", self.seed, 0, 2**63)
         if self.camera_size is not None:
             image_size_of(self.camera_size)
 
@@ -187,7 +187,7 @@ class GuideOptions:
             raise VenusError(f"{option} goes with --trial; leave it out to calibrate.")
         if not self.trial:
             return
-        _within("--trial-poses", self.trial_poses, 2, 100)
+        check_range("--trial-poses", self.trial_poses, 2, 100)
         if self.headless and self.source != "sim":
             raise VenusError(
                 "A trial without a viewer is a rehearsal of the simulated hand, so --trial "
@@ -218,6 +218,7 @@ def image_size_of(text: str) -> tuple[int, int]:
     return size
 
 
-def _within(option: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:  # also refuses what is no number
+def check_range(option: str, value: float | None, low: float, high: float) -> None:
+    """Raises `VenusError` if a number was given that cannot be met."""
+    if value is not None and not low <= value <= high:  # also refuses what is no number
         raise VenusError(f"{option} must be from {low:g} to {high:g}, not {value:g}.")

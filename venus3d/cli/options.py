@@ -8,7 +8,6 @@ from typing import Annotated
 
 from tyro.conf import Positional, arg
 
-from venus3d.engine.errors import VenusError
 from venus3d.engine.pose import Axes
 from venus3d.options import BoardOptions, LimitOptions, Switch
 
@@ -71,9 +70,3 @@ class BoardCommand:
     """Free border around the board in millimetres."""
     output: Annotated[Path, arg(metavar="PATH")] = Path("board.png")
     """The picture to write; a folder gets a board.png."""
-
-
-def check_range(option: str, value: float | None, low: float, high: float) -> None:
-    """Raises `VenusError` if a number was given that cannot be met."""
-    if value is not None and not low <= value <= high:
-        raise VenusError(f"{option} must be from {low:g} to {high:g}, not {value:g}.")

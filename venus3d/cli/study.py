@@ -13,7 +13,6 @@ from typing import Annotated
 
 from tyro.conf import OmitSubcommandPrefixes, arg, subcommand
 
-from venus3d.cli.options import check_range
 from venus3d.cli.report import tell
 from venus3d.cli.study_tables import (
     Table1Options,
@@ -23,7 +22,7 @@ from venus3d.cli.study_tables import (
     table2,
     table3,
 )
-from venus3d.options import Switch
+from venus3d.options import Switch, check_range
 from venus3d.storage.folder import prepare, write_bytes
 
 _Jobs = Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: one a core)")]

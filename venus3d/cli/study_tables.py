@@ -17,10 +17,9 @@ import numpy as np
 from tyro.conf import Positional, arg
 
 from venus3d import __version__
-from venus3d.cli.options import check_range
 from venus3d.cli.report import tell
 from venus3d.engine.errors import VenusError
-from venus3d.options import BoardOptions, Switch
+from venus3d.options import BoardOptions, Switch, check_range
 from venus3d.storage.folder import prepare, write_bytes
 from venus3d.study.assumptions import Assumptions
 
