@@ -85,8 +85,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         # Whoever read our output (head, less) has had enough; Python must not complain at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except KeyboardInterrupt:
-        print("venus3d: stopped.", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        # What a study says of where it stopped; Ctrl-C itself says nothing.
+        print("venus3d: " + ": ".join(["stopped", *map(str, stop.args)]) + ".", file=sys.stderr)
         return INTERRUPTED
     return OK
 

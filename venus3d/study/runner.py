@@ -84,10 +84,16 @@ def run_trials(
         bar = things.enter_context(
             closing(tqdm(total=len(keys), initial=len(keys) - len(missing), desc=label))
         )
-        for key, rows in finished:
-            done[key] = [dict(row) for row in rows]
-            _append(journal, {"trial": key, "rows": done[key]})
-            bar.update()
+        try:
+            for key, rows in finished:
+                kept = [dict(row) for row in rows]
+                _append(journal, {"trial": key, "rows": kept})
+                done[key] = kept
+                bar.update()
+        except KeyboardInterrupt as stop:
+            raise KeyboardInterrupt(
+                f"{len(done)} of {len(keys)} trials are kept; the same command goes on from there"
+            ) from stop
     table = [{"trial": key, **row} for key in keys for row in done[key]]
     write_bytes(rows_file, _csv(table).encode())
     return table
