@@ -118,6 +118,9 @@ class Page:
         self.alternatives.show(snapshot)
         self.parameters.content = parameters_html(snapshot)
         self.projections.content = projections_html(projections, state.step, theme, drawn_by)
+        # Once it has ended no target follows, so none is announced.
+        ended = snapshot is not None and snapshot.phase in ("converged", "finished")
+        self.projections.visible = bool(projections) or not ended
         self.controls.show(state)
         if snapshot is not None:
             self.method.show(snapshot)
