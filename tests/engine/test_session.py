@@ -20,6 +20,7 @@ from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
+from venus3d.engine.words import ENOUGH, FINISHED
 from venus3d.engine.work import Settings
 
 NOISE_PX = float(np.sqrt(0.1))  # 4.1.2 of the paper: variance 0.1
@@ -172,6 +173,9 @@ def test_the_number_of_views_is_a_limit(paper_camera: Camera, default_board: Boa
     rig = Rig(paper_camera, default_board, Settings(max_views=3))
     end = rig.until_views(4)
     assert end.phase == "finished" and len(end.views) == 3
+    assert end.instruction == ENOUGH
+    rig.session.finish()
+    assert rig.session.snapshot().instruction == FINISHED
 
 
 @pytest.mark.parametrize("method", ["random", "pose-selection", "venus"])

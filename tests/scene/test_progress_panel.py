@@ -14,14 +14,15 @@ def after(views: int, error_px: float, promised_px: float = float("nan")) -> Pro
 
 def test_what_the_last_view_brought() -> None:
     history = (after(4, 0.75), after(5, 0.60, 0.56))
-    assert brought_text(6, history) == "View 6 brought 0.75 → 0.60 px (promised 0.56)."
+    assert brought_text(history) == "The last view: 0.75 → 0.60 px (promised 0.56)."
     assert (
-        brought_text(2, (after(1, np.nan), after(2, 1.7))) == "View 2 brought the error to 1.70 px."
+        brought_text((after(1, np.nan), after(2, 1.7)))
+        == "The last view brought the error to 1.70 px."
     )
-    assert brought_text(1, (after(1, np.nan),)) == "" == brought_text(1, ())
+    assert brought_text((after(1, np.nan),)) == "" == brought_text(())
 
 
 def test_a_gap_in_the_history_is_not_credited_to_the_last_view() -> None:
     """View 3 of 6 was dropped: two views were known before, five are now."""
-    assert brought_text(6, (after(1, np.nan), after(2, 1.77), after(5, 0.54))) == ""
-    assert brought_text(6, (after(5, 0.54),)) == "", "the first one was dropped"
+    assert brought_text((after(1, np.nan), after(2, 1.77), after(5, 0.54))) == ""
+    assert brought_text((after(5, 0.54),)) == "", "the first one was dropped"

@@ -14,8 +14,13 @@ _STATES = {
 }
 
 
-def said(phase: Phase, match: Match | None, *, seen: bool) -> tuple[str, Words]:
-    """Headline and instruction; `seen` is whether the board is, `match` None without a target."""
+def said(phase: Phase, match: Match | None, seen: bool, by_user: bool) -> tuple[str, Words]:
+    """Headline and instruction.
+
+    `seen` is whether the board is, `by_user` who has ended it; `match` is None without a target.
+    """
+    if phase == "finished" and not by_user:
+        return "Finished", words.ENOUGH
     if phase in _STATES:
         return _STATES[phase]
     if not seen:

@@ -230,7 +230,7 @@ class Session:
     def snapshot(self) -> Snapshot:
         """Everything about this moment."""
         seen = self._seen
-        headline, instruction = said(self._phase, seen.match, seen=seen.pose is not None)
+        headline, instruction = said(self._phase, seen.match, seen.pose is not None, self._ending)
         if self._phase == "startup" and not self._startup.determined and self._target is None:
             headline, instruction = said_at_startup(seen.observation.count, self.board)
         return Snapshot(

@@ -107,7 +107,13 @@ CONVERGED = Words(
     "The camera is calibrated: more views change nothing that matters.",
     "The camera is calibrated: more views change nothing that matters.",
 )
-FINISHED = Words("This calibration has ended.", "This calibration has ended.")
+FINISHED = Words("You have ended this calibration.", "You have ended this calibration.")
+ENOUGH = Words(
+    "All the views asked for are taken, and not every parameter has settled. U takes the last one "
+    "back; --max-views allows more.",
+    "All the views asked for are taken, and not every parameter has settled. U takes the last one "
+    "back; --max-views allows more.",
+)
 STARTUP_REASON = (
     "A board tilted by 45° shows the focal length in a single picture: its far edge looks shorter."
 )

@@ -23,7 +23,7 @@ _HEADLINES = {
 }
 _NEXT = {
     "converged": "Capture more views if you like, or press Finish.",
-    "finished": "You may close this page.",
+    "finished": "The result is kept; you may close this page.",
 }
 
 _DOUBTED = "The reason stands at the top left. C captures a view, Finish ends it as it is."

@@ -47,15 +47,15 @@ def _summary(snapshot: Snapshot) -> str:
 
 def _outcome(snapshot: Snapshot) -> str:
     """What the last view brought, and how many more it takes."""
-    views = snapshot.views
-    lines = [brought_text(view.number, snapshot.history) for view in views[-1:]]
+    lines = [brought_text(snapshot.history)]
     if snapshot.forecast is not None and snapshot.phase != "finished":
-        lines.append(f"<b>{forecast_text(snapshot.forecast)}</b>")
+        goes_on = snapshot.phase == "guiding"
+        lines.append(f"<b>{forecast_text(snapshot.forecast, goes_on=goes_on)}</b>")
     return "".join(f"<div class='v-line'>{line}</div>" for line in lines if line)
 
 
-def brought_text(number: int, history: Sequence[Progress]) -> str:
-    """What the view of this number brought and what its target had promised; empty if unknown.
+def brought_text(history: Sequence[Progress]) -> str:
+    """What the last view brought and what its target had promised; empty if unknown.
 
     Unknown it is, too, once an earlier view was dropped: nobody calibrated without just this one.
     """
@@ -66,9 +66,9 @@ def brought_text(number: int, history: Sequence[Progress]) -> str:
     before = history[-2].error_px if len(history) > 1 else np.nan
     now, promised = px_text(history[-1].error_px), history[-1].predicted_error_px
     if not np.isfinite(before):
-        return f"View {number} brought the error to {now} px."
+        return f"The last view brought the error to {now} px."
     extra = f" (promised {px_text(promised)})" if np.isfinite(promised) else ""
-    return f"View {number} brought {px_text(before)} → {now} px{extra}."
+    return f"The last view: {px_text(before)} → {now} px{extra}."
 
 
 def px_text(error_px: float) -> str:
@@ -76,12 +76,14 @@ def px_text(error_px: float) -> str:
     return f"{error_px:.2f}" if error_px >= 0.1 else f"{error_px:.3f}"
 
 
-def forecast_text(forecast: Forecast) -> str:
-    """About how many more views, with the interval."""
+def forecast_text(forecast: Forecast, *, goes_on: bool = False) -> str:
+    """About how many more views, with the interval; `goes_on` if guidance does although none is
+    needed."""
     goal = f"until {forecast.wanted_px:g} px"
     low, high, views = forecast.low, forecast.high, forecast.views
     if views == 0:
-        return f"The error is below {forecast.wanted_px:g} px already."
+        why = "; some parameters are still to settle" if goes_on else ""
+        return f"The error is below {forecast.wanted_px:g} px already{why}."
     if views is None or low is None:
         least = forecast.looked_ahead if low is None else low
         return f"{least} more views or more {goal}."
