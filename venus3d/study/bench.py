@@ -180,9 +180,13 @@ def bench_table(bars: Sequence[Bar]) -> str:
     """The claims as a table for people."""
     lines: list[list[str]] = []
     for bar in bars:
-        spread = "–" if bar.quartiles is None else "{:.3g}–{:.3g}".format(*bar.quartiles)
-        lines.append([bar.name, f"{bar.value:.3g}", spread, bar.bar, "yes" if bar.ok else "NO"])
+        spread = "–" if bar.quartiles is None else "–".join(map(_figure, bar.quartiles))
+        lines.append([bar.name, _figure(bar.value), spread, bar.bar, "yes" if bar.ok else "NO"])
     return table(["what", "median", "quartiles", "bar", "met"], lines)
+
+
+def _figure(value: float) -> str:
+    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
 
 
 def _by_repeat(rows: Sequence[dict[str, Value]], kind: str, column: str) -> Array:
