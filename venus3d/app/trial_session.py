@@ -150,7 +150,7 @@ class TrialSession:
         """Everything about this moment."""
         seen = self._seen
         phase = "finished" if self._stage == "over" else "guiding"
-        headline, instruction = said(phase, seen.match, seen=seen.pose is not None)
+        headline, instruction = said(phase, seen.match, seen.pose is not None)
         return TrialSnapshot(
             number=self._number,
             phase=phase,

@@ -14,7 +14,7 @@ _STATES = {
 }
 
 
-def said(phase: Phase, match: Match | None, seen: bool, by_user: bool) -> tuple[str, Words]:
+def said(phase: Phase, match: Match | None, seen: bool, by_user: bool = True) -> tuple[str, Words]:
     """Headline and instruction.
 
     `seen` is whether the board is, `by_user` who has ended it; `match` is None without a target.
