@@ -238,7 +238,7 @@ def test_promise_outcome_and_forecast_are_on_the_page(
     last = replace(guiding.history[-1], error_px=0.43, predicted_error_px=0.41)
     shown = replace(
         guiding,
-        history=(replace(last, error_px=0.62), last),
+        history=(replace(last, views=1, error_px=0.62), replace(last, views=2)),
         target=replace(guiding.target, error_px=0.43, predicted_error_px=0.365),
         forecast=Forecast(0.3, 3, 2, 4, 6),
     )

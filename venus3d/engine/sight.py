@@ -54,8 +54,9 @@ def sight_of(camera: Camera, board: Board, vectors: Array) -> Sight:
     across, down = _probe(board)
     points = R[:, 0, None] * across + R[:, 1, None] * down + t[:, None]
     corners = points[:, :4]
-    squares = np.sum(corners * corners, axis=0)
+    # A search may look absurdly far away; what overflows there is beyond every limit.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        squares = np.sum(corners * corners, axis=0)
         cosine = np.sum(R[:, 2] * t, axis=0) / np.sqrt(np.sum(t * t, axis=0))
         x, y = points[:2] / points[2]
         pixels = camera.distorted_pixels(x, y)
