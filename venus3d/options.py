@@ -107,6 +107,18 @@ class LimitOptions:
         return {name: value for name, value in given.items() if value is not None}
 
 
+_CALIBRATING = {
+    "method": "--method",
+    "cost": "--cost",
+    "search": "--search",
+    "wanted_error": "--wanted-error",
+    "keep_best": "--keep-best",
+    "convergence": "--convergence",
+    "max_views": "--max-views",
+    "auto_capture": "--no-auto-capture",
+}
+
+
 @dataclass(frozen=True)
 class GuideOptions:
     """One guided calibration."""
@@ -188,6 +200,14 @@ class GuideOptions:
         if not self.trial:
             return
         check_range("--trial-poses", self.trial_poses, 2, 100)
+        # A trial's poses are its own and nothing is calibrated: what would be ignored is refused.
+        usual = GuideOptions()
+        for name, option in _CALIBRATING.items():
+            if getattr(self, name) != getattr(usual, name):
+                raise VenusError(
+                    f"{option} chooses how a camera is calibrated, and a trial calibrates none; "
+                    "leave it out."
+                )
         if self.headless and self.source != "sim":
             raise VenusError(
                 "A trial without a viewer is a rehearsal of the simulated hand, so --trial "

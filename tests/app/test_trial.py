@@ -245,6 +245,15 @@ MISTAKES: dict[str, tuple[tuple[str, ...], str]] = {
         ("sim", "--trial", "--participant", " "),
         "The participant's name is empty; leave --participant out for P1, P2.",
     ),
+    "an option that would be ignored": (
+        ("sim", "--trial", "--method", "venus"),
+        "--method chooses how a camera is calibrated, and a trial calibrates none; leave it out.",
+    ),
+    "another one": (
+        ("sim", "--trial", "--no-auto-capture"),
+        "--no-auto-capture chooses how a camera is calibrated, and a trial calibrates none; leave "
+        "it out.",
+    ),
     "one pose": (
         ("sim", "--trial", "--trial-poses", "1"),
         "--trial-poses must be from 2 to 100, not 1.",
