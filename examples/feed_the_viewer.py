@@ -17,9 +17,9 @@ from venus3d.engine.camera import Camera
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
 from venus3d.engine.session import Session
+from venus3d.scene.guide.viewer import Viewer
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.projections import Projections
-from venus3d.scene.viewer import Viewer
 
 
 def main() -> None:

@@ -16,7 +16,7 @@ from venus3d.engine.errors import SourceError
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Settings
-from venus3d.scene.viewer import Viewer
+from venus3d.scene.guide.viewer import Viewer
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import PAPER_CAMERA, Simulation
 

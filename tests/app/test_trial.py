@@ -22,7 +22,7 @@ from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
 from venus3d.engine.work import Settings
 from venus3d.options import GuideOptions
-from venus3d.scene.trial_moment import HELPS
+from venus3d.scene.trial.moment import HELPS
 from venus3d.storage.trials import TrialFile, TrialRow
 
 FAR = Pose.from_vector([0, 0, 0, 0.1, 0.05, 0.9])

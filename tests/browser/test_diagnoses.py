@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from venus3d.engine.snapshot import Diagnosis, Snapshot
-from venus3d.scene.diagnosis_panel import TITLES
-from venus3d.scene.viewer import Viewer
+from venus3d.scene.guide.diagnosis_panel import TITLES
+from venus3d.scene.guide.viewer import Viewer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from venus3d.engine.snapshot import Forecast, Snapshot
-from venus3d.scene import intents
-from venus3d.scene.method_panel import COST_WORDS, METHOD_WORDS
-from venus3d.scene.viewer import Viewer
+from venus3d.scene.guide import intents
+from venus3d.scene.guide.method_panel import COST_WORDS, METHOD_WORDS
+from venus3d.scene.guide.viewer import Viewer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

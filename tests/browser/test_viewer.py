@@ -13,10 +13,10 @@ from venus3d.engine.camera import Camera
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
 from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.guide.view_state import SECONDS_PER_STEP, ViewState
+from venus3d.scene.guide.viewer import Viewer
 from venus3d.scene.picture import annotate, small_picture
 from venus3d.scene.server import AddressError, start_server
-from venus3d.scene.view_state import SECONDS_PER_STEP, ViewState
-from venus3d.scene.viewer import Viewer
 
 
 def test_taken_port_is_told_and_the_next_one_used() -> None:

@@ -21,9 +21,9 @@ from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Settings
 from venus3d.options import GuideOptions
+from venus3d.scene.guide.viewer import Viewer
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.projections import Projections
-from venus3d.scene.viewer import Viewer
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
 from venus3d.sources.opening import open_source

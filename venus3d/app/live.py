@@ -21,8 +21,8 @@ from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Outcome, Work
-from venus3d.scene import intents
-from venus3d.scene.viewer import Viewer
+from venus3d.scene.guide import intents
+from venus3d.scene.guide.viewer import Viewer
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 

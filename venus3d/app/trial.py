@@ -18,11 +18,11 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.limits import Limits
 from venus3d.engine.work import Settings
 from venus3d.options import GuideOptions
-from venus3d.scene import intents
+from venus3d.scene.guide import intents
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.projections import Projections
-from venus3d.scene.trial_moment import HelpTimes
-from venus3d.scene.trial_page import TrialViewer
+from venus3d.scene.trial.moment import HelpTimes
+from venus3d.scene.trial.page import TrialViewer
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 from venus3d.storage.camera_yaml import read_camera_yaml

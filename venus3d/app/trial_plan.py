@@ -13,7 +13,7 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.limits import Limits
 from venus3d.engine.pose import Pose
 from venus3d.engine.space import Space, random_pose
-from venus3d.scene.trial_moment import HELPS, Help
+from venus3d.scene.trial.moment import HELPS, Help
 from venus3d.storage.trials import TrialRow
 
 # A Latin square and its mirror image: after three participants each help has come first, second

@@ -25,7 +25,7 @@ from venus3d.engine.saying import said
 from venus3d.engine.snapshot import Target
 from venus3d.engine.tracking import Tracker
 from venus3d.engine.work import Settings
-from venus3d.scene.trial_moment import Help, HelpTimes, Stage, TrialMoment, TrialSnapshot
+from venus3d.scene.trial.moment import Help, HelpTimes, Stage, TrialMoment, TrialSnapshot
 
 Outcome = Literal["reached", "given up"]
 

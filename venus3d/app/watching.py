@@ -17,7 +17,7 @@ from contextlib import contextmanager
 
 from venus3d.app.eyes import Eyes
 from venus3d.engine.observation import Observation
-from venus3d.scene.viewer import Viewer
+from venus3d.scene.guide.viewer import Viewer
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.latest import Latest

@@ -16,24 +16,24 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.alternatives_panel import AlternativesPanel
-from venus3d.scene.control_panel import Action, ControlPanel
-from venus3d.scene.diagnosis_panel import diagnoses_html
-from venus3d.scene.guidance_panel import guidance_html
-from venus3d.scene.intents import DropView, Intent
-from venus3d.scene.method_panel import MethodPanel
-from venus3d.scene.picture import PICTURE_WIDTH
-from venus3d.scene.progress_panel import (
+from venus3d.scene.guide.alternatives_panel import AlternativesPanel
+from venus3d.scene.guide.control_panel import Action, ControlPanel
+from venus3d.scene.guide.diagnosis_panel import diagnoses_html
+from venus3d.scene.guide.guidance_panel import guidance_html
+from venus3d.scene.guide.intents import DropView, Intent
+from venus3d.scene.guide.method_panel import MethodPanel
+from venus3d.scene.guide.progress_panel import (
     parameters_html,
     progress_html,
     trend,
     trend_caption,
     trend_series,
 )
+from venus3d.scene.guide.view_state import ViewState
+from venus3d.scene.picture import PICTURE_WIDTH
 from venus3d.scene.projections_panel import projections_html
 from venus3d.scene.strip import STRIP_CENTRE
 from venus3d.scene.style import Theme
-from venus3d.scene.view_state import ViewState
 
 LEFT_WIDTH, _RIGHT_WIDTH, _GUIDE_WIDTH = 340, 600, 940
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 370

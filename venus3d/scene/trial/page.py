@@ -20,17 +20,19 @@ import numpy as np
 import viser
 
 from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.control_panel import Action
-from venus3d.scene.guidance_panel import guidance_html
-from venus3d.scene.intents import Begin
+from venus3d.scene.guide.control_panel import Action
+from venus3d.scene.guide.guidance_panel import guidance_html
+from venus3d.scene.guide.intents import Begin
+from venus3d.scene.guide.page import JPEG_QUALITY, LEFT_WIDTH, PICTURE_LEGEND, Page
+from venus3d.scene.guide.view_state import ViewState
+from venus3d.scene.guide.viewer import Viewer
 from venus3d.scene.overlay import draw_axes, draw_outline
-from venus3d.scene.page import JPEG_QUALITY, LEFT_WIDTH, PICTURE_LEGEND, Page
 from venus3d.scene.picture import PICTURE_WIDTH
 from venus3d.scene.projections_panel import Picture, projections_html
 from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
-from venus3d.scene.trial_moment import HELPS, Help, TrialMoment, TrialSnapshot
-from venus3d.scene.trial_panel import (
+from venus3d.scene.trial.moment import HELPS, Help, TrialMoment, TrialSnapshot
+from venus3d.scene.trial.panel import (
     card_html,
     legend_html,
     progress_lines,
@@ -38,8 +40,6 @@ from venus3d.scene.trial_panel import (
     result_html,
     side_html,
 )
-from venus3d.scene.view_state import ViewState
-from venus3d.scene.viewer import Viewer
 
 Layout = Literal["steps", "picture", "result"]
 _LARGE_PICTURE_WIDTH = 1280

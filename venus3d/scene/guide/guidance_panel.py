@@ -10,10 +10,10 @@ from html import escape
 from venus3d.engine.decomposition import Steps
 from venus3d.engine.snapshot import Match, Snapshot
 from venus3d.engine.words import HOLD_STILL, STEP_RIGHT
-from venus3d.scene.diagnosis_panel import another_board, doubt
+from venus3d.scene.guide.diagnosis_panel import another_board, doubt
+from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.palette import STEP_STYLES, step_style
 from venus3d.scene.style import Theme
-from venus3d.scene.view_state import ViewState
 
 _HEADLINES = {
     "startup": "Show me the whole board",

@@ -17,11 +17,12 @@ from dataclasses import replace
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
 from venus3d.engine.snapshot import Snapshot
-from venus3d.scene import intents
-from venus3d.scene.control_panel import Action, after_action
 from venus3d.scene.describe import SceneOptions, describe
 from venus3d.scene.gizmo import BoardGizmo
-from venus3d.scene.page import Page, steps_back
+from venus3d.scene.guide import intents
+from venus3d.scene.guide.control_panel import Action, after_action
+from venus3d.scene.guide.page import Page, steps_back
+from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Picture, Tiles
@@ -30,7 +31,6 @@ from venus3d.scene.shapes import LineShape, Shape
 from venus3d.scene.strip import bounds_of
 from venus3d.scene.style import Theme
 from venus3d.scene.view import SceneView
-from venus3d.scene.view_state import ViewState
 
 _SCENE_PERIOD_S, _PICTURE_PERIOD_S = 1 / 25, 1 / 15
 _NOTE_SECONDS = 6.0

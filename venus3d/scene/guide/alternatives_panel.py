@@ -11,8 +11,8 @@ import numpy as np
 import viser
 
 from venus3d.engine.snapshot import Snapshot, Target
-from venus3d.scene.intents import ChooseAlternative, Intent
-from venus3d.scene.progress_panel import px_text
+from venus3d.scene.guide.intents import ChooseAlternative, Intent
+from venus3d.scene.guide.progress_panel import px_text
 
 _AT_MOST = 3
 _HINT = "Ask for this pose instead. J goes through all of them."

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import viser
 
-from venus3d.scene.view_state import ViewState
+from venus3d.scene.guide.view_state import ViewState
 
 Action = Literal[
     "capture",

@@ -12,7 +12,7 @@ from typing import Any
 import viser
 
 from venus3d.engine.snapshot import COSTS, METHODS, Cost, Method, Snapshot
-from venus3d.scene.intents import ChangeMethod, Intent
+from venus3d.scene.guide.intents import ChangeMethod, Intent
 
 METHOD_WORDS: dict[Method, str] = {
     "global": "Best of all poses (global)",

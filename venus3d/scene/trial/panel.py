@@ -14,7 +14,7 @@ from venus3d.engine.words import HOLD_STILL, NOT_SEEN
 from venus3d.scene.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
 from venus3d.scene.palette import hex_of
 from venus3d.scene.style import Theme
-from venus3d.scene.trial_moment import HELPS, Help, HelpTimes, TrialMoment
+from venus3d.scene.trial.moment import HELPS, Help, HelpTimes, TrialMoment
 
 HELP_NAMES: dict[Help, str] = {
     "steps": "the four steps",
