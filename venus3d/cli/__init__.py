@@ -20,7 +20,7 @@ from venus3d import __version__
 from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
 from venus3d.cli.study import StudyOptions, study
 from venus3d.engine.errors import VenusError
-from venus3d.options import GuideOptions
+from venus3d.options import GuideOptions, PracticeOptions, TeachOptions
 
 DESCRIPTION = """Camera calibration that a person can see.
 
@@ -33,6 +33,18 @@ Command = (
         GuideOptions,
         tyro.conf.subcommand(
             "guide", description="Calibrate a camera with guidance, pose by pose, in the browser."
+        ),
+    ]
+    | Annotated[
+        TeachOptions,
+        tyro.conf.subcommand(
+            "teach", description="Show what a pose is and how it comes apart, in the browser."
+        ),
+    ]
+    | Annotated[
+        PracticeOptions,
+        tyro.conf.subcommand(
+            "practice", description="Let trainees bring a board to target poses, and score them."
         ),
     ]
     | Annotated[
@@ -97,6 +109,14 @@ def _command_of(options: object) -> Callable[[], None]:
         from venus3d.cli.guide import guide
 
         return lambda: guide(options)
+    if isinstance(options, TeachOptions):
+        from venus3d.cli.teach import teach
+
+        return lambda: teach(options)
+    if isinstance(options, PracticeOptions):
+        from venus3d.cli.practice import practice
+
+        return lambda: practice(options)
     if isinstance(options, CalibrateOptions):
         from venus3d.cli.calibrate import calibrate_command
 

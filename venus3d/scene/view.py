@@ -20,6 +20,9 @@ from venus3d.engine.pose import Array, Pose
 from venus3d.scene.palette import ground
 from venus3d.scene.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
 
+Host = viser.ViserServer | viser.ClientHandle
+"""Where a page or a scene lives: for everybody, or for one tab alone."""
+
 _FRUSTUM_PICTURE_WIDTH = 320
 _LABEL_SCALE = 1.25
 
@@ -31,14 +34,14 @@ class _Node:
 
 
 class SceneView:
-    """The 3D scene of one server. Used by one thread."""
+    """The 3D scene of one server, or of one tab. Used by one thread."""
 
-    def __init__(self, server: viser.ViserServer) -> None:
+    def __init__(self, host: Host) -> None:
         """An empty scene with the camera's up direction and flat, even light."""
-        self._server = server
+        self._host = host
         self._nodes: dict[str, _Node] = {}
         self._picture: NDArray[np.uint8] | None = None
-        scene = server.scene
+        scene = host.scene
         scene.set_up_direction("-y")
         scene.configure_default_lights(enabled=False)
         scene.configure_environment_map(None)
@@ -56,7 +59,7 @@ class SceneView:
 
     def draw(self, shapes: tuple[Shape, ...], *, dark: bool) -> None:
         """Make the scene show these shapes and nothing else of ours."""
-        with self._server.atomic():
+        with self._host.atomic():
             for shape in shapes:
                 self._draw_one(shape, dark)
             drawn = {shape.name for shape in shapes}
@@ -99,7 +102,7 @@ class SceneView:
         node.shape = shape
 
     def _create(self, shape: Shape, dark: bool) -> Any:
-        scene = self._server.scene
+        scene = self._host.scene
         if isinstance(shape, MeshShape):
             if shape.textured:
                 return scene.add_mesh_trimesh(

@@ -1,0 +1,1 @@
+"""Lessons as values, and how they are read from the files that teachers write."""

@@ -1,0 +1,1 @@
+"""The read-only page of a second monitor: one glance from two metres."""

@@ -1,0 +1,1 @@
+"""Lessons and targets as files: a page that plays offline, a sheet, an animation."""

@@ -1,0 +1,1 @@
+"""What the engine knows, made visible: uncertainty, captured views, the search."""

@@ -1,0 +1,1 @@
+"""The practice page: each trainee brings a board of their own to a target."""

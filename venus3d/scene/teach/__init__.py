@@ -1,0 +1,1 @@
+"""The teaching page: a pose by sliders, its four steps, lessons."""
