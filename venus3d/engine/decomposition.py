@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
@@ -72,7 +73,20 @@ def decompose(target: Pose, camera: Camera, board: Board, start: Pose | None = N
     """
     begin = home_pose() if start is None else start
     rest = Pose(target.R @ begin.R.T, np.zeros(3))
-    angles = rest.vector()[:3]
+    return _steps(begin, target, rest.vector()[:3], camera, board)
+
+
+def decompose_vector(vector: ArrayLike, camera: Camera, board: Board) -> Steps:
+    """The four steps from `home_pose()` that turn by a pose vector's own angles.
+
+    The same as `decompose` of its pose, but in gimbal lock too, where other angles would do as
+    well. `vector` is (6,): degrees and metres. Raises `PoseError` unless it is six finite numbers.
+    """
+    target = Pose.from_vector(vector)
+    return _steps(home_pose(), target, np.asarray(vector, dtype=np.float64)[:3], camera, board)
+
+
+def _steps(begin: Pose, target: Pose, angles: Array, camera: Camera, board: Board) -> Steps:
     translation = target.t - begin.t
     placed = begin.moved(translation)
     steps = [
