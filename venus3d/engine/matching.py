@@ -90,6 +90,8 @@ def match(
         reached=overlap > overlap_needed
         and motion < still_px
         and pose.angle_to_deg(target) <= allowed.reached_deg,
+        limit_mm=limit_mm,
+        limit_deg=allowed.deg,
     )
 
 

@@ -115,6 +115,10 @@ class Match:
     """How far the corners moved since the last frame, pixels; inf if there was none."""
     reached: bool
     """The overlap is large enough and the corners are still."""
+    limit_mm: float
+    """The centre is in its place within this distance, millimetres."""
+    limit_deg: float
+    """A turn is done within this angle, degrees."""
 
 
 @dataclass(frozen=True, eq=False)

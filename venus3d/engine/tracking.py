@@ -28,6 +28,8 @@ class Tracker:
         """None while the board is not seen."""
         self.match: Match | None = None
         """None while there is no board or no target."""
+        # The last one for this target: a board that is lost for a frame finds its step again.
+        self._last: Match | None = None
         self.held = 0
         """For how many observations in a row the target has been reached."""
 
@@ -45,7 +47,7 @@ class Tracker:
 
     def aim(self, camera: Camera, target: Target | None) -> None:
         """Look at the same frame again, with another camera or target."""
-        self.held = 0
+        self.held, self._last = 0, None
         self._compare(camera, target, None)
 
     @property
@@ -60,7 +62,7 @@ class Tracker:
 
     def _compare(self, camera: Camera, target: Target | None, before: Observation | None) -> None:
         self.pose = locate(camera, self._board, self.observation, self.pose)
-        previous, self.match = self.match, None
+        self.match = None
         if self.pose is not None and target is not None:
             self.match = match(
                 camera,
@@ -69,8 +71,9 @@ class Tracker:
                 target.pose,
                 observation=self.observation,
                 before=before,
-                previous=previous,
+                previous=self._last,
                 overlap_needed=self._settings.overlap_needed,
                 still_px=self._settings.still_px,
                 tolerance=self._settings.tolerance,
             )
+            self._last = self.match

@@ -1,0 +1,122 @@
+"""The active step through a session: noise at the border of a tolerance must not make it flicker.
+
+A person reads the step's number at two metres; a number that jumps to and fro cannot be followed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Pose
+from venus3d.engine.session import Session
+from venus3d.engine.settings import Settings
+from venus3d.engine.snapshot import Match, Target
+
+
+@pytest.fixture(scope="module")
+def guided(paper_camera: Camera, default_board: Board) -> Session:
+    """A session with a target after its first view, that takes none by itself."""
+    session = Session(default_board, paper_camera.image_size, Settings(auto_capture=False))
+    noise = np.random.default_rng(3)
+    for distance in (0.45, 0.5, 0.55):
+        pose = Pose.from_vector([30, 5, 0, 0, 0, distance])
+        session.observe(seen(paper_camera, default_board, pose, noise))
+    assert session.capture()
+    while (work := session.pending) is not None:
+        session.apply(work.run())
+    return session
+
+
+def seen(camera: Camera, board: Board, pose: Pose, noise: np.random.Generator) -> Observation:
+    """Corners with the noise of a poor camera: 0.5 px."""
+    pixels = camera.project(pose.apply(board.corners))
+    pixels = pixels + noise.normal(0, 0.5, pixels.shape)
+    inside = ((pixels > 0) & (pixels < np.array(camera.image_size) - 1)).all(axis=1)
+    return Observation(np.flatnonzero(inside), pixels[inside], camera.image_size)
+
+
+def changes(steps: list[int]) -> int:
+    return sum(a != b for a, b in zip(steps, steps[1:], strict=False))
+
+
+def near(target: Target, step: int, share: float, found: Match) -> Pose:
+    """Everything before `step` done, `share` of its tolerance left of it, the rest to be done."""
+    if step == 1:
+        return target.pose.moved([-share * found.limit_mm / 1000, 0, 0]).turned("x", -15)
+    axis = ("x", "y", "z")[step - 2]
+    return target.pose.turned("z", -15).turned(axis, -share * found.limit_deg)
+
+
+def trembled(pose: Pose, noise: np.random.Generator) -> Pose:
+    """As a hand holds it: by 0.3 mm and 0.2 degrees."""
+    pose = pose.moved(noise.normal(0, 3e-4, 3))
+    for axis in ("x", "y", "z"):
+        pose = pose.turned(axis, float(noise.normal(0, 0.2)))
+    return pose
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+def test_a_trembling_board_at_the_border_does_not_make_the_step_flicker(
+    step: int, guided: Session, default_board: Board
+) -> None:
+    """Three seconds at the border of the tolerance, then three at half as much again."""
+    noise = np.random.default_rng(7)
+    known = guided.snapshot()
+    assert known.target is not None
+    for share, fewest in ((1.0, 15), (1.4, 0)):
+        matches: list[Match] = []
+        for _ in range(75):
+            pose = trembled(near(known.target, step, share, match_of(guided)), noise)
+            guided.observe(seen(known.camera, default_board, pose, noise))
+            matches.append(match_of(guided))
+        # Each moment by itself would flicker, or there is nothing to be held down here.
+        assert changes([alone(found) for found in matches]) >= fewest
+        assert changes([found.active_step for found in matches]) <= 1
+
+
+def test_a_lost_picture_does_not_reopen_a_step_that_was_done(
+    guided: Session, paper_camera: Camera, default_board: Board
+) -> None:
+    """A hand before the board, every fifth frame: the step goes on where it was."""
+    noise = np.random.default_rng(8)
+    known = guided.snapshot()
+    assert known.target is not None
+    steps: list[int] = []
+    for share in (0.5, *(1.3,) * 30):
+        pose = near(known.target, 2, share, match_of(guided))
+        guided.observe(Observation.nothing(paper_camera.image_size))
+        guided.observe(seen(known.camera, default_board, pose, noise))
+        steps.append(match_of(guided).active_step)
+    assert set(steps) == {4}
+
+
+def test_another_target_is_judged_afresh(guided: Session, default_board: Board) -> None:
+    """What was done for the old target says nothing about the new one."""
+    noise = np.random.default_rng(9)
+    known = guided.snapshot()
+    assert known.target is not None and known.target.alternatives
+    there = known.target.alternatives[0].pose
+    tolerance = match_of(guided)
+    board = there.moved([-1.3 * tolerance.limit_mm / 1000, 0, 0])
+    guided.observe(seen(known.camera, default_board, known.target.pose, noise))
+    assert all(match_of(guided).within)
+    guided.choose(0)
+    guided.observe(seen(known.camera, default_board, board, noise))
+    assert match_of(guided).active_step == 1
+
+
+def match_of(session: Session) -> Match:
+    found = session.snapshot().match
+    assert found is not None
+    return found
+
+
+def alone(found: Match) -> int:
+    """The active step of this moment by itself, without a memory."""
+    rest = [float(np.linalg.norm(found.remaining_mm)) / found.limit_mm]
+    rest += [abs(float(angle)) / found.limit_deg for angle in found.remaining_deg]
+    return next((i for i, r in enumerate(rest, 1) if r > 1), 4)
