@@ -25,9 +25,9 @@ import numpy as np
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import Step
+from venus3d.engine.decomposition import Step, Steps
 from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Snapshot, Target
+from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.board_shape import board_ghost, board_outline, board_shape
 from venus3d.scene.frustum import camera_shapes
 from venus3d.scene.instruction import instruction_shapes, swept
@@ -57,29 +57,31 @@ def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
     What has not changed since the last call comes as the very same object, so that a renderer can
     tell by identity what it need not draw again.
     """
-    still = _still_shapes(snapshot.camera, snapshot.board, snapshot.target, options)
+    steps = None if snapshot.target is None else snapshot.target.steps
+    still = still_shapes(snapshot.camera, snapshot.board, steps, options)
     if snapshot.pose is None or not options.show_live:
         return still
     return (*still, board_shape(snapshot.board, snapshot.pose))
 
 
 @lru_cache(maxsize=16)
-def _still_shapes(
-    camera: Camera, board: Board, target: Target | None, options: SceneOptions
+def still_shapes(
+    camera: Camera, board: Board, steps: Steps | None, options: SceneOptions
 ) -> tuple[Shape, ...]:
     """All but the board as it is now: it changes with the target, not with every frame."""
     shapes: list[Shape] = [*camera_shapes(camera, dark=options.dark)]
-    if target is None:
+    if steps is None:
         return tuple(shapes)
-    shapes += _target_shapes(board, target.pose, options.dark)
+    # The last step ends on the target.
+    shapes += _target_shapes(board, steps[3].after, options.dark)
     if options.strip:
         return (
             *shapes,
             *strip_shapes(
-                board, target.steps, dark=options.dark, active=options.step, sweep=options.sweep
+                board, steps, dark=options.dark, active=options.step, sweep=options.sweep
             ),
         )
-    for step in target.steps:
+    for step in steps:
         if step.number == options.step:
             shapes += active_shapes(board, camera, step, options)
         elif not step.is_idle and step.number != 4:  # step 4 ends where the target is drawn

@@ -17,6 +17,7 @@ DEPTH = 0.14
 AXIS_LENGTH = 0.07
 
 
+@lru_cache(maxsize=8)
 def camera_shapes(camera: Camera, *, dark: bool) -> tuple[Shape, ...]:
     """Frustum, distorted border, optical axis, x y z; all with `in_projection` False."""
     colours = ground(dark)

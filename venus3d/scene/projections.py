@@ -77,15 +77,16 @@ class Projections:
         *,
         size: tuple[int, int] = (480, 270),
         dark: bool = True,
+        supersample: int = 2,
     ) -> Future[Picture]:
-        """The picture of one step; not kept."""
+        """The picture of one step; not kept. Drawn `supersample` times as large and shrunk."""
         colours = ground(dark)
         return self._offscreen.submit(
             camera,
             describe_step(board, camera, step, dark=dark),
             background=mixed(colours.background, colours.text, 0.06),
             size=size,
-            supersample=2,
+            supersample=supersample,
             finish=lambda picture: framed(picture, step, dark),
         )
 
