@@ -5,6 +5,8 @@ A person reads the step's number at two metres; a number that jumps to and fro c
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -40,7 +42,7 @@ def seen(camera: Camera, board: Board, pose: Pose, noise: np.random.Generator) -
 
 
 def changes(steps: list[int]) -> int:
-    return sum(a != b for a, b in zip(steps, steps[1:], strict=False))
+    return sum(a != b for a, b in pairwise(steps))
 
 
 def near(target: Target, step: int, share: float, found: Match) -> Pose:

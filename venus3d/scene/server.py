@@ -1,4 +1,7 @@
-"""The web server of the page: viser's, bound with care and never tunnelled to the outside."""
+"""The web servers of the pages: viser's, bound with care and never tunnelled to the outside.
+
+`LocalServer` is for those who act; `ReadOnlyServer` is for those who only look.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,21 @@ import contextlib
 import errno
 import io
 import socket
+from typing import Any, TypeVar
 
 import viser
+
+# What a browser sends; viser has no public name for it.
+from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
 
 from venus3d.engine.errors import VenusError
 
 _PORTS_TRIED = 100
+_HEARD = (messages.ViewerCameraMessage,)
+"""All that a read-only server hears of: each browser's own point of view and window."""
+
+
+_Kind = TypeVar("_Kind", bound="LocalServer")
 
 
 class AddressError(VenusError):
@@ -26,47 +38,106 @@ class LocalServer(viser.ViserServer):
         return None
 
 
+class ReadOnlyServer(LocalServer):
+    """A server that shows and does not listen: nothing that a browser sends changes anything.
+
+    Every message that comes in passes one of two doors, the server's or that browser's own. The
+    server's is walled up, the browser's lets through only where that browser looks from. So it
+    does not matter what is on the page: there is no way from a browser to a callback.
+    """
+
+    def __init__(self, host: str, port: int, **options: Any) -> None:
+        super().__init__(host, port, **options)
+        websockets: Any = vars(self)["_websock_server"]
+        _narrow(websockets, ())
+        websockets.on_client_connect(_narrow_to_camera)
+        # Whoever was quicker than the two lines above comes back through the narrow doors.
+        websockets.disconnect_all_clients()
+
+
+def _narrow(door: Any, heard: tuple[type, ...]) -> None:
+    """Let one of viser's message handlers hear of these kinds of messages and of no others."""
+    # Looked up first: should viser rename it, no page is served rather than an open one.
+    dispatch = door._handle_incoming_message
+
+    async def dispatch_heard(client_id: int, message: object) -> None:
+        if isinstance(message, heard):
+            await dispatch(client_id, message)
+
+    door._handle_incoming_message = dispatch_heard
+
+
+def _narrow_to_camera(connection: Any) -> None:
+    _narrow(connection, _HEARD)
+
+
 def start_server(host: str, port: int) -> tuple[LocalServer, str]:
     """A running server, and a note if another port than the one asked for had to be taken.
 
     Raises `AddressError` if the address cannot be bound. It is tried first, because viser waits
     for ever on one that cannot.
     """
-    free = _free_port(host, port)
-    # viser prints a banner with the address; ours is printed by the command line.
-    with contextlib.redirect_stdout(io.StringIO()):
-        server = LocalServer(host=host, port=free, label="venus3d", verbose=False)
+    _check_port(port)
+    for candidate in range(port, min(port + _PORTS_TRIED, 65536)):
+        if _is_free(host, candidate):
+            break
+    else:
+        raise AddressError(f"No port from {port} on is free on {host}; choose another with --port.")
+    server = _quietly(LocalServer, host, candidate)
     taken = server.get_port()
     note = "" if taken == port else f"Port {port} is taken; using {taken}."
     return server, note
 
 
-def _free_port(host: str, port: int) -> int:
+def start_read_only_server(host: str, port: int) -> ReadOnlyServer:
+    """A running server for those who only look, on this very port.
+
+    Raises `AddressError` if the address cannot be bound or the port is taken: the second screen
+    was told the address beforehand.
+    """
+    _check_port(port)
+    taken = AddressError(f"Port {port} is taken on {host}; choose another with --audience.")
+    if not _is_free(host, port):
+        raise taken
+    server = _quietly(ReadOnlyServer, host, port)
+    if server.get_port() != port:  # somebody was quicker
+        server.stop()
+        raise taken
+    return server
+
+
+def _quietly(kind: type[_Kind], host: str, port: int) -> _Kind:
+    # viser prints a banner with the address; ours is printed by the command line.
+    with contextlib.redirect_stdout(io.StringIO()):
+        return kind(host=host, port=port, label="venus3d", verbose=False)
+
+
+def _check_port(port: int) -> None:
     if not 0 < port < 65536:
         raise AddressError(f"There is no port {port}; use one from 1024 to 65535.")
-    for candidate in range(port, min(port + _PORTS_TRIED, 65536)):
+
+
+def _is_free(host: str, port: int) -> bool:
+    """Whether this port can be bound. Raises `AddressError` if none can on this address."""
+    try:
+        infos = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+    except (socket.gaierror, UnicodeError):
+        raise AddressError(
+            f"The address {host!r} is not known; use 127.0.0.1 for this machine only, "
+            "or 0.0.0.0 for the network."
+        ) from None
+    family, kind, protocol, _, address = infos[0]
+    with socket.socket(family, kind, protocol) as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            infos = socket.getaddrinfo(host, candidate, type=socket.SOCK_STREAM)
-        except (socket.gaierror, UnicodeError):
+            trial.bind(address)
+        except PermissionError:
+            raise AddressError(f"Port {port} needs special rights; use one above 1023.") from None
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                return False
             raise AddressError(
-                f"The address {host!r} is not known; use 127.0.0.1 for this machine only, "
-                "or 0.0.0.0 for the network."
+                f"The address {host} cannot be bound on this machine ({error.strerror}); "
+                "use 127.0.0.1 for this machine only, or 0.0.0.0 for the network."
             ) from None
-        family, kind, protocol, _, address = infos[0]
-        with socket.socket(family, kind, protocol) as trial:
-            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            try:
-                trial.bind(address)
-            except PermissionError:
-                raise AddressError(
-                    f"Port {candidate} needs special rights; use one above 1023."
-                ) from None
-            except OSError as error:
-                if error.errno == errno.EADDRINUSE:
-                    continue
-                raise AddressError(
-                    f"The address {host} cannot be bound on this machine ({error.strerror}); "
-                    "use 127.0.0.1 for this machine only, or 0.0.0.0 for the network."
-                ) from None
-        return candidate
-    raise AddressError(f"No port from {port} on is free on {host}; choose another with --port.")
+    return True
