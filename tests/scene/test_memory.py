@@ -1,0 +1,101 @@
+"""A page that is open all day must not grow.
+
+Held down: a server keeps one message for each thing that can be seen, whatever number of updates
+there was, and Python's own memory stays where it was. `scripts/pace.py` measures the same of the
+whole program over 10 000 updates.
+"""
+
+from __future__ import annotations
+
+import gc
+import tracemalloc
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.decomposition import decompose
+from venus3d.engine.observation import Observation
+from venus3d.engine.pose import Pose
+from venus3d.engine.snapshot import Snapshot, Target
+from venus3d.engine.words import HOLD_STILL
+from venus3d.scene.describe import SceneOptions, describe
+from venus3d.scene.server import LocalServer, start_server
+from venus3d.scene.view import SceneView
+
+_ROUND = 60
+_TARGETS = 10
+
+
+@pytest.fixture
+def server() -> Iterator[LocalServer]:
+    """A server of its own."""
+    server, _ = start_server("127.0.0.1", 8445)
+    yield server
+    server.stop()
+
+
+def moments(
+    camera: Camera, board: Board, count: int, rng: np.random.Generator
+) -> Iterator[Snapshot]:
+    """A board that moves on every frame, and another target now and then."""
+    targets: list[Target] = []
+    nothing = np.full(9, np.nan)
+    for number in range(count):
+        pose = Pose.from_vector([*rng.uniform(-40, 40, 3), *rng.uniform(-0.05, 0.05, 2), 0.5])
+        if number < _TARGETS:
+            steps = decompose(pose, camera, board)
+            targets.append(
+                Target(number, pose, steps, "global", "trace", (), "", nothing, np.nan, 1, 0.0)
+            )
+        yield Snapshot(
+            number,
+            "guiding",
+            board,
+            camera,
+            Observation.nothing(camera.image_size),
+            pose,
+            targets[number % _TARGETS],
+            None,
+            None,
+            None,
+            (),
+            "",
+            HOLD_STILL,
+        )
+
+
+def messages_kept(server: LocalServer) -> int:
+    """How many messages a tab that opens now would be sent."""
+    return len(server._websock_server._broadcast_buffer.message_from_id)
+
+
+@pytest.mark.slow
+def test_memory_stays_flat(
+    server: LocalServer, paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """After 300 more updates nothing is kept that was not kept before."""
+    view = SceneView(server)
+    still = list(moments(paper_camera, default_board, _ROUND, rng))
+
+    def draw() -> None:
+        for snapshot in still:
+            options = SceneOptions(step=snapshot.number % 4 + 1, strip=snapshot.number % 10 == 9)
+            moved = replace(snapshot, pose=Pose.from_vector([*rng.uniform(-40, 40, 3), 0, 0, 0.5]))
+            view.draw(describe(moved, options), dark=True)
+
+    draw()  # everything that can be seen has been seen
+    tracemalloc.start()
+    draw()
+    gc.collect()
+    before, (held, _) = messages_kept(server), tracemalloc.get_traced_memory()
+    for _ in range(5):
+        draw()
+    gc.collect()
+    grown = tracemalloc.get_traced_memory()[0] - held
+    tracemalloc.stop()
+    assert messages_kept(server) == before
+    assert grown < 300_000  # bytes; one snapshot kept a time would be more
