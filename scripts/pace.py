@@ -1,11 +1,13 @@
 """How steadily the page is served while a calibration and searches run: `make pace`.
 
 Starts the program on the simulated camera, connects to it as a browser would, but reads the bare
-messages, and measures the gaps between them: those that move the board and those that bring the live
-picture. A stall of the server is a gap, whatever caused it. Then it counts the program's memory over
-10 000 updates of the scene. A benchmark, no test: it prints figures and fails at nothing.
+messages, and measures the gaps between them: those that move the board and those that bring the
+live picture. A stall of the server is a gap, whatever caused it. With --updates it goes on and
+tells the program's memory; a recording, which starts again at its end, suits that best. A
+benchmark, no test: it prints figures and fails at nothing.
 
-    python scripts/pace.py [--seconds 40] [--updates 10000] [--json]
+    python scripts/pace.py [--seconds 40] [--json]
+    python scripts/pace.py --updates 10000 -- recording.mp4
 """
 
 from __future__ import annotations
@@ -26,10 +28,12 @@ import numpy as np
 import psutil
 import viser
 import zstandard
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 _WARM_UP_S = 8.0
 STALL_MS = 100.0
+SIMULATED = ["sim", "--autopilot", "--speed", "2"]
 
 
 @dataclass
@@ -58,6 +62,8 @@ def frames(address: str, stop: threading.Event) -> Iterator[tuple[float, list[di
                 raw = socket.recv(timeout=0.5)
             except TimeoutError:
                 continue
+            except ConnectionClosed:
+                return
             yield time.monotonic(), messages(bytes(raw))  # type: ignore[arg-type]
 
 
@@ -106,14 +112,17 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seconds", type=float, default=40.0, help="how long gaps are measured")
-    parser.add_argument("--updates", type=int, default=10_000, help="scene updates for the memory")
+    parser.add_argument("--updates", type=int, default=0, help="scene updates for the memory")
     parser.add_argument("--port", type=int, default=8440)
+    parser.add_argument("--output", default="pace-result", help="folder of the calibration")
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("arguments", nargs="*", help="more arguments of venus3d guide, after --")
+    parser.add_argument(
+        "arguments", nargs="*", default=SIMULATED, help="of venus3d guide, after --"
+    )
     options = parser.parse_args()
     program = subprocess.Popen(
-        [sys.executable, "-m", "venus3d", "guide", "sim", "--autopilot", "--speed", "2"]
-        + ["--port", str(options.port), "--output", "pace-result", *options.arguments],
+        [sys.executable, "-m", "venus3d", "guide", *options.arguments]
+        + ["--port", str(options.port), "--output", options.output],
         stdout=subprocess.PIPE,
         text=True,
     )
