@@ -120,9 +120,9 @@ def main() -> None:
         "arguments", nargs="*", default=SIMULATED, help="of venus3d guide, after --"
     )
     options = parser.parse_args()
+    where = ["--port", str(options.port), "--output", options.output]
     program = subprocess.Popen(
-        [sys.executable, "-m", "venus3d", "guide", *options.arguments]
-        + ["--port", str(options.port), "--output", options.output],
+        [sys.executable, "-m", "venus3d", "guide", *options.arguments, *where],
         stdout=subprocess.PIPE,
         text=True,
     )
