@@ -7,6 +7,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from venus3d.app.audience import open_audience, said_of
 from venus3d.app.eyes import Eyes
 from venus3d.app.headless import run_headless
 from venus3d.app.live import LiveGuide
@@ -21,6 +22,7 @@ from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Settings
 from venus3d.options import GuideOptions
+from venus3d.scene.audience.controls import AudienceControls
 from venus3d.scene.guide.viewer import Viewer
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.projections import Projections
@@ -75,6 +77,10 @@ def run_guide(
         if options.headless:
             broken = run_headless(session, source, eyes)
             return result(session.snapshot(), (broken,) if broken else ())
+        # First: its port was promised to somebody, while the viewer may take another.
+        audience = open_audience(options)
+        if audience is not None:
+            rooms.enter_context(closing(audience))
         offscreen = rooms.enter_context(closing(Offscreen()))
         viewer = rooms.enter_context(
             closing(
@@ -91,6 +97,9 @@ def run_guide(
             print(note, flush=True)
         print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
 
+        if audience is not None:
+            AudienceControls(viewer.server, audience)
+            print(said_of(audience), flush=True)
         if truth is not None and not options.autopilot:
             hint = "Drag the board by its handles in the scene, or press O for the autopilot."
             viewer.say(hint, seconds=60)
@@ -101,7 +110,7 @@ def run_guide(
         def again() -> Source:
             return _opened(options, board)
 
-        live = LiveGuide(session, source, eyes, viewer, hand_on, again)
+        live = LiveGuide(session, source, eyes, viewer, hand_on, again, audience)
         return result(live.run(), viewer.notes)
 
 

@@ -21,6 +21,7 @@ from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Outcome, Work
+from venus3d.scene.audience.audience import Audience
 from venus3d.scene.guide import intents
 from venus3d.scene.guide.viewer import Viewer
 from venus3d.sources.frame import Source
@@ -38,9 +39,10 @@ class LiveGuide(Watching):
         viewer: Viewer,
         on_result: Callable[[Snapshot], str],
         again: Callable[[], Source],
+        audience: Audience | None = None,
     ) -> None:
         """`again` opens a recording anew when it has ended; `source` is closed by `run`."""
-        super().__init__(source, eyes, viewer, again)
+        super().__init__(source, eyes, viewer, again, audience)
         self._session, self._on_result = session, on_result
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
@@ -84,6 +86,8 @@ class LiveGuide(Watching):
         if isinstance(self._source, Simulation):
             self._source.follow(snapshot.target, snapshot.pose)
         self._viewer.show(snapshot)
+        if self._audience is not None:
+            self._audience.show(snapshot)
         state = (snapshot.phase, len(snapshot.views))
         if state != self._settled_at and snapshot.phase in ("converged", "finished"):
             try:
@@ -144,6 +148,8 @@ class LiveGuide(Watching):
                 session.finish()
             case intents.Pause(on):
                 (self._running.clear if on else self._running.set)()
+                if self._audience is not None:
+                    self._audience.pause(on)
             case intents.DragBoard(pose) if isinstance(source, Simulation):
                 source.move_to(pose)
             case intents.Autopilot(on) if isinstance(source, Simulation):

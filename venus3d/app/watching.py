@@ -17,6 +17,7 @@ from contextlib import contextmanager
 
 from venus3d.app.eyes import Eyes
 from venus3d.engine.observation import Observation
+from venus3d.scene.audience.audience import Audience
 from venus3d.scene.guide.viewer import Viewer
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
@@ -31,11 +32,16 @@ class Watching(ABC):
     """One source with its viewer, watched until `stop` was called or the source broke."""
 
     def __init__(
-        self, source: Source, eyes: Eyes, viewer: Viewer, again: Callable[[], Source]
+        self,
+        source: Source,
+        eyes: Eyes,
+        viewer: Viewer,
+        again: Callable[[], Source],
+        audience: Audience | None = None,
     ) -> None:
         """`again` opens a recording anew when it has ended; `source` is closed at the end."""
         self._source, self._eyes, self._viewer = source, eyes, viewer
-        self._again = again
+        self._again, self._audience = again, audience
         self._frames: Latest[Frame] = Latest()
         self._observations: Latest[Observation] = Latest()
         self._stop = threading.Event()
@@ -102,6 +108,8 @@ class Watching(ABC):
                     self._source.close()
             return
         self._viewer.show_picture(frame.image)
+        if self._audience is not None:
+            self._audience.show_picture(frame.image)
         self._frames.put(frame)
         if isinstance(self._source, Folder):
             self._stop.wait(_STILL_S)

@@ -11,6 +11,7 @@ from tyro.conf import Positional, arg
 from venus3d.engine.errors import VenusError
 from venus3d.engine.snapshot import Cost, Method, Strategy
 from venus3d.engine.way import way_of
+from venus3d.options.audience import audience_address
 from venus3d.options.common import (
     BoardOptions,
     LimitOptions,
@@ -73,6 +74,18 @@ class GuideOptions:
     """Address the viewer listens on; 0.0.0.0 lets other machines in, without a password."""
     port: int = 8080
     """Port of the viewer; the next free one is used if it is taken."""
+    audience: Annotated[str | None, arg(metavar="[HOST:]PORT", help_behavior_hint="(optional)")] = (
+        None
+    )
+    """A second, read-only page for a monitor or a class; with 0.0.0.0:PORT for other machines."""
+    audience_view: Literal["picture", "lens"] = "picture"
+    """The second page shows the picture with outlines, or the 3D steps through the lens."""
+    audience_mirror: Switch = False
+    """The second page's picture as in a mirror, for whoever faces the camera."""
+    audience_light: Switch = False
+    """The second page in light colours, for a bright room."""
+    audience_sound: Switch = False
+    """The second page plays a tone when a step is right, two when a view is captured."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
     """Folder for camera.yaml and result.json (--trial: trial.csv); with the viewer, venus3d-result
     (--trial: venus3d-trial) if none is named."""
@@ -95,6 +108,7 @@ class GuideOptions:
         """Raises `VenusError` for the first option that cannot be met."""
         self.board.board()
         self._check_trial()
+        self._check_audience()
         way_of(self.method, self.cost, self.search)
         self.limits.check()
         check_range("--wanted-error", self.wanted_error, 0.001, 100)
@@ -132,6 +146,19 @@ class GuideOptions:
             )
         if self.participant is not None and not self.participant.strip():
             raise VenusError("The participant's name is empty; leave --participant out for P1, P2.")
+
+    def _check_audience(self) -> None:
+        if self.audience is None:
+            if self.audience_view != "picture" or any(
+                (self.audience_mirror, self.audience_light, self.audience_sound)
+            ):
+                raise VenusError("This choice is about the second page; open it with --audience.")
+            return
+        if self.headless:
+            raise VenusError("--audience shows what a viewer shows; leave --headless out.")
+        if self.trial:
+            raise VenusError("A trial is for the participant alone; leave --audience out.")
+        audience_address(self.audience, self.port)
 
     @property
     def image_size(self) -> tuple[int, int] | None:

@@ -1,1 +1,1 @@
-"""The read-only page of a second monitor: one glance from two metres."""
+"""The second monitor: a page that shows and cannot be acted on, to be read at two metres."""

@@ -62,8 +62,8 @@ class Viewer:
 
         Raises `AddressError` if the address cannot be bound.
         """
-        self._server, note = start_server(host, port)
-        self.host, self.port = host, self._server.get_port()
+        self.server, note = start_server(host, port)
+        self.host, self.port = host, self.server.get_port()
         self.notes: tuple[str, ...] = (note,) if note else ()
         self._intents: queue.SimpleQueue[intents.Intent] = queue.SimpleQueue()
         self._wake = threading.Condition()
@@ -78,9 +78,9 @@ class Viewer:
         self._stop = threading.Event()
         self._failure: BaseException | None = None
         self._projections, self._tiles = projections, Tiles()
-        self._scene = SceneView(self._server)
+        self._scene = SceneView(self.server)
         self._page = self._make_page(dark=dark, simulated=draggable_board)
-        self._gizmo = BoardGizmo(self._server, self._dragged) if draggable_board else None
+        self._gizmo = BoardGizmo(self.server, self._dragged) if draggable_board else None
         self._threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
             for name, loop in (("scene", self._scene_loop), ("picture", self._picture_loop))
@@ -150,12 +150,12 @@ class Viewer:
             self._wake.notify_all()
         for thread in self._threads:
             thread.join(timeout=5)
-        self._server.stop()
+        self.server.stop()
 
     # -- what a subclass may show otherwise ------------------------------------------------------
 
     def _make_page(self, *, dark: bool, simulated: bool) -> Page:
-        return Page(self._server, self._act, self._ask, dark=dark, simulated=simulated)
+        return Page(self.server, self._act, self._ask, dark=dark, simulated=simulated)
 
     def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
         seen = None if self._picture is None else self._picture[1]
@@ -250,7 +250,7 @@ class Viewer:
             if not note and snapshot.warnings:
                 note = snapshot.warnings[-1]
         drawn_by = "" if self._projections is None else self._projections.note
-        with self._server.atomic():
+        with self.server.atomic():
             if shapes is not None:
                 self._scene.draw(shapes, dark=state.dark)
                 self._look(shapes, state)

@@ -55,7 +55,7 @@ class TrialViewer(Viewer):
     """A viewer that shows `TrialSnapshot`s."""
 
     def _make_page(self, *, dark: bool, simulated: bool) -> Page:
-        return TrialPage(self._server, self._act, self._ask, dark=dark, simulated=simulated)
+        return TrialPage(self.server, self._act, self._ask, dark=dark, simulated=simulated)
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is not None and layout_of(snapshot) != "steps":

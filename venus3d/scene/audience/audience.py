@@ -1,0 +1,180 @@
+"""The second monitor: takes snapshots and pictures as the viewer does, and gives nothing back.
+
+Any thread may call it. Two small threads draw, each from a one-slot box in which the newest wins.
+What its browsers send reaches nobody (`scene.server.ReadOnlyServer`). Another program can feed it:
+`Audience("127.0.0.1", 8090).show(snapshot)`.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+from venus3d.engine.observation import Observation
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.audience.lens import plain_plane, undistortion
+from venus3d.scene.audience.look import Look
+from venus3d.scene.audience.moment import Cue, Moment, achieved, moment_of
+from venus3d.scene.audience.overlay import lens_shapes
+from venus3d.scene.audience.page import AudiencePage
+from venus3d.scene.picture import LivePicture, annotate, small_picture
+from venus3d.scene.server import start_read_only_server
+from venus3d.scene.style import Theme
+from venus3d.scene.view import SceneView
+
+PICTURE_WIDTH = 960
+_SCENE_PERIOD_S, _PICTURE_PERIOD_S = 1 / 12, 1 / 15
+_SHOWN_S: dict[Cue, float] = {"reached": 0.9, "captured": 1.8}
+"""How long a person is given to see what was achieved."""
+
+
+class Audience:
+    """One read-only page, for any number of browsers."""
+
+    def __init__(self, host: str, port: int, look: Look | None = None) -> None:
+        """Serve the page, on this very port.
+
+        Raises `AddressError` if the address cannot be bound or the port is taken.
+        """
+        self._server = start_read_only_server(host, port)
+        self.host, self.port = host, port
+        self._look = look or Look()
+        self._snapshot: Snapshot | None = None
+        self._achieved: tuple[Cue, Moment] | None = None
+        self._picture: tuple[LivePicture, Observation | None] | None = None
+        self._paused, self._changed = False, True
+        self._wake = threading.Condition()
+        self._picture_came, self._stop = threading.Event(), threading.Event()
+        self._failure: BaseException | None = None
+        self._scene = SceneView(self._server)
+        self._page = AudiencePage(self._server, self._touch)
+        self._threads = [
+            threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
+            for name, loop in (("audience", self._loop), ("audience picture", self._picture_loop))
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    @property
+    def url(self) -> str:
+        """The page's address on this machine."""
+        host = "localhost" if self.host in ("0.0.0.0", "::", "") else self.host
+        return f"http://{host}:{self.port}"
+
+    @property
+    def look(self) -> Look:
+        """How it is shown now."""
+        return self._look
+
+    def choose(self, change: Callable[[Look], Look]) -> None:
+        """Change how it is shown; from any thread."""
+        with self._wake:
+            self._look = change(self._look)
+        self._touch()
+        self._picture_came.set()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show this moment; the newest wins. Raises what broke the drawing, if anything did."""
+        self._raise_failure()
+        with self._wake:
+            # What was achieved is seen here, since not every snapshot is drawn.
+            self._achieved = achieved(self._snapshot, snapshot) or self._achieved
+            self._snapshot = snapshot
+        self._touch()
+
+    def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
+        """Show this live picture (BGR or grey), with the corners of `observation`, or by default
+        of the newest snapshot; the newest wins."""
+        self._raise_failure()
+        self._picture = (image, observation)
+        self._picture_came.set()
+
+    def pause(self, on: bool) -> None:
+        """Say that no pictures are taken for now, or take it back."""
+        self._paused = on
+        self._touch()
+
+    def close(self) -> None:
+        """Stop drawing and serving. May be called twice."""
+        if self._stop.is_set():
+            return
+        self._stop.set()
+        self._picture_came.set()
+        self._touch()
+        for thread in self._threads:
+            thread.join(timeout=5)
+        self._server.stop()
+
+    # -- drawing ---------------------------------------------------------------------------------
+
+    def _touch(self) -> None:
+        with self._wake:
+            self._changed = True
+            self._wake.notify_all()
+
+    def _guarded(self, loop: Callable[[], None]) -> None:
+        try:
+            loop()
+        except BaseException as error:  # raised in the thread that feeds us
+            if not self._stop.is_set():
+                self._failure = error
+
+    def _raise_failure(self) -> None:
+        if self._failure is not None:
+            raise self._failure
+
+    def _loop(self) -> None:
+        dressed: Look | None = None
+        praise: Moment | None = None
+        until = 0.0
+        while not self._stop.is_set():
+            with self._wake:
+                if not self._changed:
+                    self._wake.wait(timeout=0.5)
+                now = time.monotonic()
+                due = self._changed or (praise is not None and now > until)
+                self._changed, snapshot, look = False, self._snapshot, self._look
+                news, self._achieved = self._achieved, None
+            if now > until:
+                praise = None
+            with self._server.atomic():
+                if look != dressed:
+                    self._page.dress(look)
+                    dressed = look
+                if news is not None:
+                    praise, until = news[1], now + _SHOWN_S[news[0]]
+                    if look.sound:
+                        self._page.play(news[0])
+                elif praise is None:
+                    self._page.play(None)
+                if due or news is not None:
+                    moment = praise or moment_of(snapshot, paused=self._paused)
+                    self._page.show(moment, snapshot, dark=not look.light)
+                    self._scene.draw(lens_shapes(snapshot, look), dark=True)
+            self._page.fit()
+            self._stop.wait(max(0.0, now + _SCENE_PERIOD_S - time.monotonic()))
+
+    def _picture_loop(self) -> None:
+        while not self._stop.is_set():
+            self._picture_came.wait()
+            self._picture_came.clear()
+            started, came = time.monotonic(), self._picture
+            if came is None or self._stop.is_set():
+                continue
+            if self._page.watched:
+                self._draw_picture(*came)
+            self._stop.wait(max(0.0, started + _PICTURE_PERIOD_S - time.monotonic()))
+
+    def _draw_picture(self, image: LivePicture, observation: Observation | None) -> None:
+        rgb, snapshot = small_picture(image, PICTURE_WIDTH), self._snapshot
+        size = (rgb.shape[1], rgb.shape[0])
+        if snapshot is None:
+            self._page.show_picture(rgb, plain_plane(size))
+        elif self._look.lens:
+            straight = undistortion(snapshot.camera.scaled(size))
+            self._page.show_picture(straight.straightened(rgb), straight.plane)
+        else:
+            step = 1 if snapshot.match is None else snapshot.match.active_step
+            annotate(rgb, snapshot, observation, step, Theme(True).step_colours[step - 1])
+            self._page.show_picture(rgb, plain_plane(size))

@@ -1,0 +1,52 @@
+"""The operator's choices about the second monitor: a folder and hotkeys on the operator's page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import viser
+
+from venus3d.scene.audience.audience import Audience
+from venus3d.scene.audience.look import Look
+from venus3d.scene.texts import audience as texts
+
+
+class AudienceControls:
+    """A folder in the current panel of the operator's server. Callbacks only change a value."""
+
+    def __init__(self, server: viser.ViserServer, audience: Audience) -> None:
+        """Make the switches and the hotkeys."""
+        self._audience = audience
+        self._boxes: dict[str, Any] = {}
+        with server.gui.add_folder(texts.PANEL, expand_by_default=False):
+            for name, label, key, hint in texts.CONTROLS:
+                said = label if key is None else f"{label} ({key})"
+                box = server.gui.add_checkbox(said, getattr(audience.look, name), hint=hint)
+                box.on_update(self._ticked(name))
+                self._boxes[name] = box
+        for name, label, key, hint in texts.CONTROLS:
+            wanted: Any = key  # viser's annotation lists every key there is
+            command = server.gui.add_command(
+                f"{texts.PANEL}: {label}", description=hint, hotkey=wanted
+            )
+            command.on_trigger(self._toggled(name))
+
+    def _ticked(self, name: str) -> Callable[[Any], None]:
+        def ticked(event: Any) -> None:
+            if event.client is not None:  # not set by us
+                self._audience.choose(_with(name, bool(event.target.value)))
+
+        return ticked
+
+    def _toggled(self, name: str) -> Callable[[Any], None]:
+        def toggled(_: Any) -> None:
+            self._audience.choose(lambda look: _with(name, not getattr(look, name))(look))
+            self._boxes[name].value = getattr(self._audience.look, name)
+
+        return toggled
+
+
+def _with(name: str, on: bool) -> Callable[[Look], Look]:
+    return lambda look: replace(look, **{name: on})

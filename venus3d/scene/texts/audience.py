@@ -1,0 +1,54 @@
+"""All that the second monitor says, and what the operator's page says about it.
+
+One sentence at a time, in the words of the person who holds the board. The sentences that tell how
+to move it are the engine's (`engine/words.py`).
+"""
+
+STARTING = ("…", "Starting", "Waiting for the first picture.")
+PAUSED = ("II", "Paused", "Paused. You may rest your arms.")
+SHOW_BOARD = ("?", "Show the board")
+NOT_SEEN = ("?", "Board not seen")
+OTHER_BOARD = ("!", "Another board")
+NO_TARGET = ("?", "Your turn")
+HOLD_STILL = ("✓", "Hold still", "Hold the board still.")
+CAPTURED = ("✓", "Captured", "Captured. You may relax your arms.")
+THINKING = ("…", "One moment", "One moment: the next pose is being worked out.")
+CONVERGED = ("✓", "Done", "Done. The camera is calibrated; thank you.")
+FINISHED = ("✓", "Finished", "Finished. You may put the board down.")
+DOUBTED = ("!", "Not done yet", "The operator reads a warning; please wait.")
+"""Badge, title and sentence of each state; three have the engine's sentence."""
+
+STEP_TITLES = ("Move", "Tilt", "Swing", "Rotate")
+STEP_DONE = "{title}: right. Leave it like that."
+STEP_OF = "Step {number} of 4"
+VIEWS = ("no picture yet", "{count} picture so far", "{count} pictures so far")
+TO_GO = "to go"
+RIGHT = "right"
+
+LEFT_RIGHT = ("left", "right")
+UP_DOWN = ("up", "down")
+NEAR_FAR = ("nearer", "farther")
+"""The ends of the three scales of a move; left and right are the holder's own."""
+MOVE_PARTS = (
+    ("← {mm} mm", "{mm} mm →"),
+    ("↑ {mm} mm", "{mm} mm ↓"),
+    ("{mm} mm nearer", "{mm} mm farther"),
+)
+"""How far, towards the first and towards the second end of each scale."""
+
+DIAL_LABEL = "{amount} to go; right within {limit}"
+SOUND_HINT = "Click here once: browsers stay silent until somebody has clicked."
+
+PANEL = "Second monitor"
+PANEL_HINT = "What the people at {url} see. They cannot change anything."
+CONTROLS = (
+    ("mirror", "Mirrored picture", "M", "For somebody who faces the camera: as in a mirror"),
+    ("lens", "Through the lens", "V", "The steps in 3D, standing in the live picture"),
+    ("light", "Bright room", None, "Dark letters on a light ground"),
+    ("sound", "Sounds", None, "A short tone when a step is right, two when a view is captured"),
+)
+"""Field, label, key and hint of each choice."""
+
+ANNOUNCED = "Second monitor: {url}   (it only shows; {open_to})"
+THIS_MACHINE = "for this machine"
+NETWORK = "anybody on the network can look, without a password"
