@@ -1,10 +1,89 @@
-"""The teach page."""
+"""The teaching page: opens camera, board and lessons, works poses out, serves until stopped."""
 
 from __future__ import annotations
 
+from contextlib import closing
+
+import numpy as np
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.decomposition import decompose_vector, home_pose
+from venus3d.engine.limits import Limits
+from venus3d.engine.refusals import refusals
+from venus3d.engine.teaching import focal_sigma, focal_words
+from venus3d.engine.turns import is_almost_locked, turns
+from venus3d.lessons.lesson import Lesson
+from venus3d.lessons.reading import lesson_of, shipped_lessons
 from venus3d.options import TeachOptions
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.teach.moment import TeachMoment
+from venus3d.scene.teach.state import Vector
+from venus3d.scene.teach.viewer import TeachViewer
+from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.storage.camera_yaml import read_camera_yaml
+
+
+class PoseStudy:
+    """Takes poses of one board apart, as one camera sees it."""
+
+    def __init__(self, camera: Camera, board: Board) -> None:
+        """The limits are the board's and the camera's own."""
+        self._camera, self._board = camera, board
+        self._limits = Limits.for_board(board, camera)
+
+    def __call__(self, vector: Vector, order: str = "zyx") -> TeachMoment:
+        """All that is shown of a pose: degrees and millimetres; `order` is compared with xyz."""
+        camera, board = self._camera, self._board
+        p = np.array([*vector[:3], *(length / 1000 for length in vector[3:])])
+        steps = decompose_vector(p, camera, board)
+        pose = steps[3].after
+        sigma = focal_sigma(camera, board, pose)
+        return TeachMoment(
+            camera=camera,
+            board=board,
+            pose=pose,
+            steps=steps,
+            refusals=refusals(self._limits, camera, board, p),
+            fixed=turns(home_pose(), p[:3]),
+            own=turns(home_pose(), p[:3], axes="own"),
+            reordered=turns(home_pose(), p[:3], order=order),
+            order=order,
+            locked=is_almost_locked(p[1]),
+            sigma_px=sigma,
+            sigma_words=focal_words(sigma, camera),
+        )
 
 
 def run_teach(options: TeachOptions) -> None:
-    """Serve the page until Ctrl-C."""
-    raise NotImplementedError(options)
+    """Serve the page until Ctrl-C. Raises `VenusError` for whatever the user can mend."""
+    board = options.board.board()
+    camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
+    lessons, chosen = _lessons(options.lesson)
+    with closing(Offscreen()) as offscreen:
+        viewer = TeachViewer(
+            PoseStudy(camera, board),
+            offscreen,
+            camera,
+            host=options.host,
+            port=options.port,
+            lessons=lessons,
+            lesson=chosen,
+        )
+        with closing(viewer):
+            for note in viewer.notes:
+                print(note, flush=True)
+            print(f"Lessons: {viewer.url}   (Ctrl-C ends it)", flush=True)
+            while True:
+                viewer.wait(1.0)
+
+
+def _lessons(choice: str) -> tuple[tuple[Lesson, ...], int | None]:
+    """All lessons, an own one first, and the number of the one that was chosen."""
+    shipped = shipped_lessons()
+    if not choice and not shipped:
+        return (), None
+    lesson = lesson_of(choice)
+    if lesson in shipped:
+        return shipped, shipped.index(lesson)
+    return (lesson, *shipped), 0

@@ -31,7 +31,7 @@ class PosePanel:
     def __init__(
         self,
         gui: viser.GuiApi,
-        on_change: Callable[[Array], None],
+        on_change: Callable[[Array], object],
         vector: Sequence[float],
         *,
         ranges: Sequence[tuple[float, float, float]] = RANGES,

@@ -1,0 +1,260 @@
+"""The teaching page in the browser: owns what is shown and draws it.
+
+One thread draws the scene and the panels, another one the pictures; for each the newest wins, so
+that a hand on a slider never waits. Callbacks only change the frozen state. What a pose means is
+worked out by `study`, which the app gives.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from venus3d.engine.camera import Camera
+from venus3d.engine.errors import VenusError
+from venus3d.lessons.lesson import Lesson
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.server import start_server
+from venus3d.scene.shapes import Shape
+from venus3d.scene.teach.controls import after_action
+from venus3d.scene.teach.moment import TeachMoment
+from venus3d.scene.teach.page import TeachPage
+from venus3d.scene.teach.pictures import TeachPictures
+from venus3d.scene.teach.stage import points_of_interest, stage_shapes
+from venus3d.scene.teach.state import TeachState, Vector
+from venus3d.scene.texts import teach as texts
+from venus3d.scene.view import SceneView
+from venus3d.scene.viewpoints import Flight, View, view_along, view_from
+
+Study = Callable[[Vector, str], TeachMoment]
+"""Takes a pose apart: what it is given are the six numbers, and the order of turns to compare."""
+Save = Callable[[TeachState, str], tuple[str, bytes]]
+"""Makes a file of a kind from what is shown: its name and content. Raises `VenusError`."""
+
+_PERIOD_S = 1 / 30
+_QUIET_S = 0.15
+"""So long after the last change, pictures are drawn once more, fine."""
+# Behind and above the camera, looking nearly along its axis: left and right as in its picture.
+_ABREAST = (0.16, 0.34, 1.0)
+
+
+class TeachViewer:
+    """One page, shared by all tabs that are open on it."""
+
+    def __init__(
+        self,
+        study: Study,
+        offscreen: Offscreen,
+        camera: Camera,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        lessons: tuple[Lesson, ...] = (),
+        lesson: int | None = None,
+        save: Save | None = None,
+        kinds: tuple[str, ...] = (),
+        dark: bool = True,
+    ) -> None:
+        """Serve the page.
+
+        Args:
+            study: called on the drawing thread; a few milliseconds at most.
+            offscreen: draws the pictures; its owner closes it.
+            lesson: the number of the lesson that is open at first; None: free.
+            save, kinds: makes files, and of which kinds; called on threads of their own.
+
+        Raises `AddressError` if the address cannot be bound.
+        """
+        self._server, note = start_server(host, port)
+        self.host, self.port = host, self._server.get_port()
+        self.notes: tuple[str, ...] = tuple(n for n in (note, offscreen.note) if n)
+        self._study, self._save, self._camera = study, save, camera
+        self._pictures = TeachPictures(offscreen)
+        self._wake = threading.Condition()
+        self._state = TeachState(dark=dark, lessons=lessons).opened(lesson)
+        self._changed = True
+        self._studied: tuple[object, TeachMoment] | None = None
+        self._wanted: tuple[TeachMoment, TeachState] | None = None
+        self._wanted_came = threading.Event()
+        self._drawn: TeachState | None = None
+        self._looking: tuple[object, ...] | None = None
+        self._stop, self._closed = threading.Event(), False
+        self._failure: BaseException | None = None
+        self._scene = SceneView(self._server)
+        self._flight = Flight(self._server)
+        self._page = TeachPage(
+            self._server,
+            self._act,
+            lessons,
+            on_pose=lambda vector: self.change(lambda state: state.posed(vector)),
+            on_lesson=lambda number: self.change(lambda state: state.opened(number)),
+            on_way=lambda share: self.change(lambda state: state.scrubbed(share)),
+            kinds=kinds,
+            aspect=camera.width / camera.height,
+        )
+        self._threads = [
+            threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
+            for name, loop in (("scene", self._scene_loop), ("pictures", self._picture_loop))
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    @property
+    def url(self) -> str:
+        """The page's address on this machine."""
+        host = "localhost" if self.host in ("0.0.0.0", "::", "") else self.host
+        return f"http://{host}:{self.port}"
+
+    @property
+    def state(self) -> TeachState:
+        """What is shown now."""
+        return self._state
+
+    @property
+    def scene_names(self) -> tuple[str, ...]:
+        """Names of the shapes that the scene shows now."""
+        return self._scene.names
+
+    def change(self, change: Callable[[TeachState], TeachState]) -> TeachState:
+        """Show something else; from any thread."""
+        with self._wake:
+            self._state, self._changed = change(self._state), True
+            self._wake.notify_all()
+            return self._state
+
+    def wait(self, seconds: float) -> None:
+        """Wait while the page lives; raises what broke the drawing, if anything did."""
+        self._stop.wait(seconds)
+        if self._failure is not None:
+            raise self._failure
+
+    def close(self) -> None:
+        """Stop drawing and serving. May be called twice."""
+        if self._closed:
+            return
+        self._closed = True
+        self._stop.set()
+        self._wanted_came.set()
+        with self._wake:
+            self._wake.notify_all()
+        for thread in self._threads:
+            thread.join(timeout=5)
+        self._server.stop()
+
+    # -- what people do; on viser's threads -------------------------------------------------------
+
+    def _act(self, action: str, client: Any) -> None:
+        if action.startswith("save "):
+            kind = action.split()[1]
+            threading.Thread(target=self._hand_out, args=(kind, client), daemon=True).start()
+            return
+        self.change(lambda state: after_action(state, action))
+
+    def _hand_out(self, kind: str, client: Any) -> None:
+        if self._save is None:
+            self._page.say(client, texts.NOTHING_TO_SAVE)
+            return
+        self._page.say(client, texts.SAVING.format(kind=texts.SAVE_LABELS[kind]))
+        try:
+            name, content = self._save(self._state, kind)
+        except VenusError as error:
+            self._page.say(client, str(error))
+            return
+        (self._server if client is None else client).send_file_download(name, content)
+        self._page.say(client, texts.SAVED.format(name=name))
+
+    # -- drawing ----------------------------------------------------------------------------------
+
+    def _guarded(self, loop: Callable[[], None]) -> None:
+        try:
+            loop()
+        except BaseException as error:  # raised in the thread that waits for us
+            if not self._stop.is_set():
+                self._failure = error
+                self._stop.set()
+
+    def _scene_loop(self) -> None:
+        before = time.monotonic()
+        while not self._stop.is_set():
+            with self._wake:
+                moving = self._state.playing or self._flight.is_due
+                if not self._changed:
+                    self._wake.wait(timeout=_PERIOD_S if moving else 0.25)
+                now = time.monotonic()
+                if self._state.playing and self._studied is not None:
+                    idle = tuple(step.is_idle for step in self._studied[1].steps)
+                    self._state = self._state.after(now - before, idle)
+                state, self._changed = self._state, False
+            before = now
+            if state is not self._drawn:
+                self._draw(state)
+                self._drawn = state
+            if self._flight.is_due:
+                self._flight.advance()
+            self._stop.wait(max(0.0, now + _PERIOD_S - time.monotonic()))
+
+    def _moment_of(self, state: TeachState) -> TeachMoment:
+        key = (state.vector, state.order)
+        if self._studied is None or self._studied[0] != key:
+            self._studied = (key, self._study(state.vector, state.order))
+        return self._studied[1]
+
+    def _draw(self, state: TeachState) -> None:
+        moment = self._moment_of(state)
+        shapes = stage_shapes(moment, state)
+        with self._server.atomic():
+            self._scene.draw(shapes, dark=state.dark)
+            self._page.show(moment, state)
+        self._look(moment, state, shapes)
+        self._wanted = (moment, state)
+        self._wanted_came.set()
+
+    def _look(self, moment: TeachMoment, state: TeachState, shapes: tuple[Shape, ...]) -> None:
+        """Fly when another view is asked for, or when the target has gone far out of this one."""
+        place = moment.pose.t
+        far = tuple(np.ceil(np.abs(place) / (0.15, 0.12, 0.25)).tolist())
+        looking = (
+            state.viewpoint,
+            state.arrangement,
+            state.lesson,
+            state.page,
+            far if state.arrangement == "place" else None,
+        )
+        if looking == self._looking:
+            return
+        at_once, self._looking = self._looking is None, looking
+        points = points_of_interest(moment, state.arrangement, shapes)
+        view: Callable[[float], View] = partial(view_from, state.viewpoint, self._camera, points)
+        if state.viewpoint == "outside" and state.arrangement != "place":
+            view = partial(view_along, _ABREAST, points)
+        self._flight.go(view, at_once=at_once)
+
+    def _picture_loop(self) -> None:
+        shown: tuple[TeachMoment, TeachState] | None = None
+        fine = False
+        while not self._stop.is_set():
+            came = self._wanted_came.wait(timeout=None if fine or shown is None else _QUIET_S)
+            self._wanted_came.clear()
+            wanted = self._wanted
+            if wanted is None or self._stop.is_set() or (fine and wanted is shown):
+                continue
+            # Quick while things move; once it is quiet the same again, fine.
+            fine = not came
+            moment, state = wanted
+            picture = self._pictures.moment(moment, state, fine=fine)
+            self._page.show_moment(picture)
+            self._scene.set_picture(picture)
+            if shown is None or fine or _sheet_differs(shown, wanted):
+                self._page.show_sheet(self._pictures.sheet(moment, state, fine=fine))
+            shown = wanted
+
+
+def _sheet_differs(
+    one: tuple[TeachMoment, TeachState], other: tuple[TeachMoment, TeachState]
+) -> bool:
+    return (one[0], one[1].dark, one[1].step) != (other[0], other[1].dark, other[1].step)

@@ -1,0 +1,173 @@
+"""All that the teaching page says."""
+
+from __future__ import annotations
+
+# -- the lesson ------------------------------------------------------------------------------------
+
+LESSON_TAB = "Lesson"
+LESSON = "Lesson"
+LESSON_HINT = "Choose a lesson, or try things out by yourself. F goes to the free page."
+FREE = "Try it yourself"
+FREE_TITLE = "Try it yourself"
+FREE_TEXT = (
+    "Move the six sliders below: they say where the board is and how it is turned. The four steps "
+    "on the right say how a person brings it there from an upright board.\n\n"
+    "**Space bar**: watch the board get there. **N** and **P**: one step at a time."
+)
+PAGE_OF = "Page {page} of {pages}"
+PAGES = "Page"
+PAGES_HINT = "Turn the pages of the lesson."
+PAGE_BACK, PAGE_ON = "◀ Back  J", "Next page  K ▶"
+RIGHT = "✓ Right."
+WRONG = "✕ Not quite."
+ANSWER = "{number}  {answer}"
+ANSWER_RIGHT = "✓  {answer}"
+ANSWER_WRONG = "✕  {answer}"
+ANSWER_HINT = "Give this answer; the number on your keyboard does the same."
+
+SIGMA_TITLE = "What views like this one tell"
+SIGMA_SHARE = "± {px} px"
+SIGMA_NOTHING = "nothing"
+SIGMA_OF = "focal length, from four views tilted like this one"
+SIGMA_BAR = "The shorter the bar, the better the focal length is known."
+LENS_TITLE = "How this lens bends the picture"
+LENS_LEGEND = (
+    "Each arrow leads from where a perfect lens would show a point to where this lens shows it, "
+    "drawn {times:g} times as long. The largest shift is {shift:.1f} px."
+)
+
+# -- two results side by side ----------------------------------------------------------------------
+
+COLUMNS = {
+    "axes": ("About the camera's fixed axes", "About the board's own axes"),
+    "order": ("Order X Y Z", "Order {order}"),
+}
+COMPARE_TITLES = {"axes": "Fixed axes or the board's own", "order": "The order of turns"}
+COMPARE_WHY = {
+    "axes": (
+        "Both boards get the same three numbers. On the left, each turn is about an axis of the "
+        "<b>camera</b>, which never moves. On the right, the axes are painted on the <b>board</b>: "
+        "the first turn carries the other two axes along, so the later turns are about other lines "
+        "in space."
+    ),
+    "order": (
+        "Both boards get the same three numbers about the same fixed axes; only the order differs. "
+        "The first turn carries the board along, so the next one meets it in another position. "
+        "A move may come when it likes; turns may not."
+    ),
+}
+APART = "{degrees:.0f}° apart"
+APART_LABEL = "one turn would bring the left board to the right one's result"
+SAME = "the same"
+SAME_LABEL = "with these numbers both end alike; turn about two axes at least"
+COMPARE_TURN = "Turn {number} of 3: about {left}"
+COMPARE_TURN_TWO = "Turn {number} of 3: {left} on the left, {right} on the right"
+COMPARE_START = "Both boards stand upright"
+COMPARE_END = "Both got the same numbers"
+COMPARE_SENTENCES = {
+    "axes": "Left: about the camera's {axis}. Right: about the board's own {axis}.",
+    "order": "Left: {left_axis} by {left}. Right: {right_axis} by {right}.",
+}
+COMPARE_PROMPT = "Space bar: watch the three turns."
+
+# -- the pose --------------------------------------------------------------------------------------
+
+POSE_TITLE = "The pose in six numbers"
+RESET = "Pose again  0"
+RESET_HINT = "Bring back the pose that this page began with."
+ACCEPTED = "✓ A camera sees all of the board, and a person can hold it so."
+REFUSED = "A person is not asked for this pose"
+MORE = "… and {count} more"
+REFUSED_LABEL = "Target: refused"
+LOCKED_TITLE = "Gimbal lock"
+LOCKED = (
+    "Y is near 90°: now turning about X and turning about Z do the same to the board. "
+    "Move the X and the Z slider and watch: one way of turning is lost."
+)
+
+# -- what happens now ------------------------------------------------------------------------------
+
+PICTURE_TITLE = "What the camera sees"
+SHEET_TITLE = "The four steps as the camera sees them"
+STEP = "Step {number} of 4: {title}"
+OF = "of {whole}"
+START_HEADLINE = "An upright board"
+START_SENTENCE = "Half a metre in front of the lens. From here, four steps lead to the pose."
+THERE_HEADLINE = "This is the pose"
+THERE_SENTENCE = "Space bar: watch the board get here in four steps."
+SIDES = {
+    "camera": "as seen in the camera's picture",
+    "holder": "for the person who holds the board",
+}
+
+# -- controls --------------------------------------------------------------------------------------
+
+STEPS, STEPS_HINT = "Steps", "Let the board go through the four steps, or one of them."
+WAY, WAY_HINT = "Way (%)", "Drag to carry the board along its way: 0 is upright, 100 is the pose."
+WAY_MARKS = ("start", "1", "2", "3", "pose")
+TEMPO, TEMPO_HINT = "Play", "How fast the board goes, and whether it starts over by itself."
+LOOK, LOOK_HINT = "Look from", "Where you look from. You can also turn the scene with the mouse."
+SHOW, SHOW_HINT = (
+    "Show",
+    "The steps where they happen, all four side by side, or the same numbers read in two ways.",
+)
+PAGE, PAGE_HINT = "More", "The pose that the page began with; brightness."
+SAVE, SAVE_HINT = "Save as", "A file to hand out: it works without this program and offline."
+SAVING = "Writing the {kind} file. This can take a minute."
+SAVED = "{name} is ready: your browser has taken it."
+NOTHING_TO_SAVE = "Files cannot be written here."
+
+LABELS = {
+    "previous": "◀  P",
+    "play": "▶ Play ␣",
+    "pause": "❚❚ Pause ␣",
+    "next": "N  ▶",
+    "speed": "{speed} speed  Z",
+    "loop": "Loop  L",
+    "outside": "Outside  O",
+    "camera": "Camera  C",
+    "holder": "Holder  M",
+    "above": "Above  V",
+    "strip": "Side by side  T",
+    "axes": "Own axes  X",
+    "order": "Order  R",
+    "other order": "{order}  Y",
+    "reset": "Pose again  0",
+    "theme": "Light  B",
+    "theme dark": "Dark  B",
+    "back": PAGE_BACK,
+    "on": PAGE_ON,
+}
+SPEED_NAMES = {0.5: "½×", 1.0: "1×", 2.0: "2×"}
+SAVE_LABELS = {"html": "Web page", "png": "Picture", "mp4": "Film", "gif": "GIF"}
+
+COMMANDS = {
+    "play": ("Play or pause", "Let the board go through the four steps"),
+    "next": ("Next step", "Let one step happen"),
+    "previous": ("Previous step", "Go back before this step"),
+    "speed": ("Speed", "Half, usual or double speed"),
+    "loop": ("Loop", "Start over by itself, or not"),
+    "outside": ("Look from outside", "From behind, above and beside the camera"),
+    "camera": ("Look through the camera", "Stand where the camera stands"),
+    "holder": ("Look from the holder's side", "Stand behind the board; left and right are swapped"),
+    "above": ("Look from above", "Like a map"),
+    "strip": ("Steps side by side", "Spread the four steps out, or put them back"),
+    "axes": ("Fixed axes or own axes", "The same numbers read in two ways"),
+    "order": ("Order of turns", "The same turns in two orders"),
+    "other order": ("Another order", "Compare with the next of the other five orders"),
+    "on": ("Next page", "The next page of the lesson, or the first lesson"),
+    "back": ("Previous page", "The page before"),
+    "lesson": ("Next lesson", "Open the next lesson"),
+    "free": ("Try it yourself", "No lesson: just the sliders"),
+    "reset": ("Pose again", "The pose that this page began with"),
+    "theme": ("Light or dark", "Change the page's brightness"),
+    "answer 1": ("Answer 1", "Give the first answer"),
+    "answer 2": ("Answer 2", "Give the second answer"),
+    "answer 3": ("Answer 3", "Give the third answer"),
+    "answer 4": ("Answer 4", "Give the fourth answer"),
+    "answer 5": ("Answer 5", "Give the fifth answer"),
+    "save html": ("Save as a web page", "One file with everything in it, for offline"),
+    "save png": ("Save as a picture", "A sheet of the four steps"),
+    "save mp4": ("Save as a film", "The animation as MP4"),
+    "save gif": ("Save as a GIF", "The animation for a slide or a mail"),
+}
