@@ -129,4 +129,10 @@ color:var(--ink);border-radius:0}
 .v-more{font-size:13px;color:var(--soft)}
 .v-key{display:inline-block;border:1px solid var(--line);border-radius:4px;padding:0 5px;
 font-weight:700;background:var(--tile);color:var(--text);font-size:12px}
+.v-keys table{border-collapse:collapse;width:100%;font-size:15px;line-height:1.3}
+.v-keys td{padding:5px 10px 5px 0;border-bottom:1px solid var(--line);vertical-align:baseline}
+.v-keys td b{white-space:nowrap;font-weight:650}
+.v-keys p{margin:6px 0 10px;font-size:15px;line-height:1.4}
+.v-keys kbd{font-family:inherit;min-width:2em;text-align:center;font-size:14px}
+.mantine-Modal-content:has(.v-keys){flex:0 1 760px}
 """
