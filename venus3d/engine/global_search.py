@@ -129,7 +129,14 @@ class _Run:
         cost = float(costs[i])
         self._on_move(
             Move(
-                vectors[i], cost, cost <= pool.best_cost, pool.best, pool.best_cost, pool.evaluated
+                vectors[i],
+                cost,
+                cost <= pool.best_cost,
+                pool.best,
+                pool.best_cost,
+                pool.evaluated,
+                vectors,
+                costs,
             )
         )
 

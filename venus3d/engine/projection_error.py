@@ -10,7 +10,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
@@ -35,7 +35,7 @@ def projection_weight(camera: Camera) -> Array:
     the expectation of that over d with covariance C is `trace(W C)`, W = J^T P J / n. Both pixel
     axes are summed: the root is the rms distance in the image.
     """
-    left = _moves(camera, grid_pixels(camera.image_size)).reshape(-1, 9)
+    left = _moves(camera, grid_pixels(camera.image_size))[1].reshape(-1, 9)
     return 2 * left.T @ left / len(left)
 
 
@@ -48,13 +48,32 @@ def border_moves(camera: Camera) -> Array:
     width, height = camera.image_size
     u, v = np.linspace(0, width - 1, ERE_GRID[0]), np.linspace(0, height - 1, ERE_GRID[1])
     pixels = np.stack([np.tile(u, len(v)), np.repeat(v, len(u))], axis=1).astype(np.float64)
-    return _moves(camera, pixels)
+    return _moves(camera, pixels)[1]
 
 
 def projection_error_px(camera: Camera, covariance: ArrayLike) -> float:
     """Expected rms projection error over the image, pixels, of a covariance (9, 9)."""
     mean_variance = np.sum(projection_weight(camera) * np.asarray(covariance, dtype=np.float64))
     return float(np.sqrt(max(mean_variance, 0.0)))
+
+
+def error_map(camera: Camera, covariance: ArrayLike, grid: tuple[int, int] = GRID) -> Array:
+    """(down, across) expected projection error, pixels, at the centres of a `grid` of equal cells.
+
+    NaN where no ray reaches the pixel. The turn taken out is the one that best undoes the move at
+    the pixels of `GRID`: there the mean square of the map is that of `projection_error_px`.
+    """
+    at, moves = _map_moves(camera, grid)
+    variance = np.einsum("nij,jk,nik->n", moves, np.asarray(covariance, np.float64), moves)
+    errors = np.full(grid[0] * grid[1], np.nan)
+    errors[at] = np.sqrt(np.maximum(variance, 0.0))
+    return errors.reshape(grid[1], grid[0])
+
+
+@lru_cache(maxsize=4)
+def _map_moves(camera: Camera, grid: tuple[int, int]) -> tuple[NDArray[np.intp], Array]:
+    size = camera.image_size
+    return _moves(camera, grid_pixels(size), grid_pixels(size, grid))
 
 
 def mean_projection_error_px(true: Camera, estimate: Camera, grid: tuple[int, int] = GRID) -> float:
@@ -65,7 +84,7 @@ def mean_projection_error_px(true: Camera, estimate: Camera, grid: tuple[int, in
     """
     if true.image_size != estimate.image_size:
         raise CalibrationError("Two cameras can be compared only on images of the same size.")
-    rays = _rays(true, grid_pixels(true.image_size, grid))
+    _, rays = _rays(true, grid_pixels(true.image_size, grid))
     pixels = _unlimited_pixels(true, rays)
 
     def residuals(rotvec: Array) -> Array:
@@ -84,23 +103,36 @@ def grid_pixels(image_size: tuple[int, int], grid: tuple[int, int] = GRID) -> Ar
     return np.stack([np.tile(u, down), np.repeat(v, across)], axis=1)
 
 
-def _moves(camera: Camera, pixels: Array) -> Array:
-    """(n, 2, 9) derivatives of the pixels' rays by the intrinsics, the best turn taken out."""
-    rays = _rays(camera, pixels)
+def _moves(
+    camera: Camera, pixels: Array, at: Array | None = None
+) -> tuple[NDArray[np.intp], Array]:
+    """(n, 2, 9) derivatives of pixels' rays by the intrinsics, the turn taken out that best undoes
+    the move at `pixels`; and (n,) which of the pixels a ray reaches. They are `at`, or `pixels`.
+    """
+    seen, rays = _rays(camera, pixels)
     if len(rays) < len(pixels) // 2:
         # The estimate's distortion folds back within the image: better to plan without it.
         camera = camera.without_distortion()
-        rays = _rays(camera, pixels)
+        seen, rays = _rays(camera, pixels)
+    J, G = _derivatives(camera, rays)
+    turn = np.linalg.solve(G.T @ G, G.T @ J)
+    if at is not None:
+        seen, rays = _rays(camera, at)
+        J, G = _derivatives(camera, rays)
+    return seen, (J - G @ turn).reshape(-1, 2, 9)
+
+
+def _derivatives(camera: Camera, rays: Array) -> tuple[Array, Array]:
+    """Derivatives of the pixels of rays (n, 3) by the intrinsics (2n, 9) and a turn (2n, 3)."""
     _, intrinsic, pose = camera.project_with_jacobians(rays, np.eye(3)[None], np.zeros((1, 3)))
-    J, G = intrinsic.reshape(-1, 9), pose.reshape(-1, 6)[:, :3]
-    return (J - G @ np.linalg.solve(G.T @ G, G.T @ J)).reshape(-1, 2, 9)
+    return intrinsic.reshape(-1, 9), pose.reshape(-1, 6)[:, :3]
 
 
-def _rays(camera: Camera, pixels: Array) -> Array:
-    """(n, 3) rays (x, y, 1) of those of the pixels that a ray reaches."""
+def _rays(camera: Camera, pixels: Array) -> tuple[NDArray[np.intp], Array]:
+    """(n,) which of the pixels a ray reaches, and those rays (x, y, 1), (n, 3)."""
     xy = camera.unproject(pixels)
-    xy = xy[np.isfinite(xy).all(axis=1)]
-    return np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
+    seen = np.flatnonzero(np.isfinite(xy).all(axis=1))
+    return seen, np.concatenate([xy[seen], np.ones((len(seen), 1))], axis=1)
 
 
 def _unlimited_pixels(camera: Camera, rays: Array) -> Array:

@@ -29,7 +29,6 @@ from venus3d.engine.snapshot import (
     Convergence,
     Cost,
     Diagnosis,
-    Forecast,
     Method,
     Phase,
     Progress,
@@ -76,7 +75,7 @@ class Session:
         self._skipped: tuple[Pose, ...] = ()
         self._warnings: tuple[str, ...] = ()
         self._diagnoses: tuple[Diagnosis, ...] = ()
-        self._forecast: Forecast | None = None
+        self._outcome: Outcome | None = None
         self._seen = Tracker(board, self._image_size, self.settings)
         self._keep_going, self._lost, self._number = False, "", 0
 
@@ -187,7 +186,7 @@ class Session:
         self.pending = None
         self._calibration, self._information = outcome.calibration, outcome.information
         self._history, self._convergence = outcome.history, outcome.convergence
-        self._forecast = outcome.forecast
+        self._outcome = outcome
         self._warnings = (*outcome.warnings, *([self._lost] if self._lost else []))
         self._lost, self._target = "", None
         if self._ending:
@@ -229,7 +228,7 @@ class Session:
 
     def snapshot(self) -> Snapshot:
         """Everything about this moment."""
-        seen = self._seen
+        seen, known = self._seen, self._outcome
         headline, instruction = said(self._phase, seen.match, seen.pose is not None, self._ending)
         if self._phase == "startup" and not self._startup.determined and self._target is None:
             headline, instruction = said_at_startup(seen.observation.count, self.board)
@@ -249,9 +248,11 @@ class Session:
             instruction=instruction,
             warnings=self._warnings,
             diagnoses=worst_first((*self.board_diagnoses, *self._diagnoses)),
-            forecast=self._forecast,
+            forecast=known and known.forecast,
             method=self.settings.method,
             cost=self._way.cost,
+            knowledge=known and known.knowledge,
+            walk=known and known.walk,
         )
 
     # -- how it goes on --------------------------------------------------------------------------

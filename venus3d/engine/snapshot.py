@@ -13,6 +13,8 @@ import numpy as np
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.decomposition import Steps
+from venus3d.engine.known import Knowledge
+from venus3d.engine.moves import Walk
 from venus3d.engine.observation import Observation, View
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.words import Words
@@ -238,6 +240,10 @@ class Snapshot:
     """How the next poses are found."""
     cost: Cost = "projection-variance"
     """What the search for them makes small."""
+    knowledge: Knowledge | None = None
+    """Of the present calibration; None while it does not estimate all nine parameters."""
+    walk: Walk | None = None
+    """How the present target was searched; None if it was not."""
 
     @property
     def views(self) -> tuple[View, ...]:

@@ -19,13 +19,15 @@ from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.forecast import forecast
 from venus3d.engine.generation import GenerationState
 from venus3d.engine.information import view_information
+from venus3d.engine.knowledge import knowledge_of
+from venus3d.engine.known import Knowledge
 from venus3d.engine.limits import Limits
 from venus3d.engine.localisation import locate
+from venus3d.engine.moves import Move, Recorder, Walk
 from venus3d.engine.noise import NoiseModel
 from venus3d.engine.observation import Observation, View
 from venus3d.engine.outlook import Outlook
 from venus3d.engine.pose import Array, Pose
-from venus3d.engine.search import Move
 from venus3d.engine.settings import Settings
 from venus3d.engine.snapshot import (
     Calibration,
@@ -58,6 +60,10 @@ class Outcome:
     warnings: tuple[str, ...]
     forecast: Forecast | None = None
     """None while nothing can be said, or when there was no time for it."""
+    knowledge: Knowledge | None = None
+    """None while not all nine parameters are estimated."""
+    walk: Walk | None = None
+    """How the suggestion was searched; None if it was not searched."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +101,15 @@ class Work:
         convergence = judge(history, epsilon=self.settings.epsilon, rule=self.settings.rule)
         enough = len(self.observations) >= self.settings.max_views
         is_over = enough or (convergence.converged and not self.keep_going)
-        suggestion = None
+        suggestion, moves = None, Recorder(on_move)
         if not is_over:
             try:
-                suggestion = self._suggested(calibration, information, stop, on_move)
+                suggestion = self._suggested(calibration, information, stop, moves)
             except VenusError as error:
                 warnings = (*warnings, str(error))  # the views stay; more can be taken by hand
         if suggestion is not None and suggestion.note:
             warnings = (*warnings, suggestion.note)
+        target = None if suggestion is None else suggestion.target
         return Outcome(
             self,
             calibration,
@@ -113,6 +120,8 @@ class Work:
             is_over,
             warnings,
             self._forecast(calibration, information, suggestion, stop),
+            knowledge_of(self.board, calibration, self._outlook(calibration, information), target),
+            None if target is None else moves.walk(target.pose.vector()),
         )
 
     def _progress(self, calibration: Calibration) -> Progress:
@@ -185,6 +194,15 @@ class Work:
     def _limits(self, camera: Camera) -> Limits:
         return replace(Limits.for_board(self.board, camera), **self.settings.limits)
 
+    def _outlook(self, calibration: Calibration, information: Array) -> Outlook:
+        return Outlook.of(
+            self.board,
+            calibration.camera,
+            information,
+            noise_of(calibration),
+            self._noise(calibration),
+        )
+
     def _forecast(
         self,
         calibration: Calibration,
@@ -197,13 +215,7 @@ class Work:
         settings = self.settings
         if settings.wanted_error_px is None or settings.cost == "rms":
             return None
-        outlook = Outlook.of(
-            self.board,
-            calibration.camera,
-            information,
-            noise_of(calibration),
-            self._noise(calibration),
-        )
+        outlook = self._outlook(calibration, information)
         if not all(calibration.free) or not outlook.settled:
             return None
         residuals = 2 * sum(view.observation.count for view in calibration.views)
