@@ -1,10 +1,226 @@
-"""The practice page."""
+"""The practice server: every tab is a trainee with a board, a scene and panels of its own.
+
+    viser's pool  pages are laid out for new tabs; what people do is queued
+    practice      (the caller's thread) wishes and the clock -> each trainee -> page
+    pictures      what each trainee's camera sees, in turns
+    rows          writes practice.csv, so that a slow disk keeps nobody waiting
+
+Only the file and the server are common to all. A tab that goes takes its trainee along.
+"""
 
 from __future__ import annotations
 
+import queue
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Hashable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack, closing, suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+import viser
+
+from venus3d.app.practice_trainee import Course, Trainee
+from venus3d.engine.errors import StorageError
 from venus3d.options import PracticeOptions
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.practice.moment import PracticeMoment, Wish
+from venus3d.scene.practice.page import PracticePage
+from venus3d.scene.practice.pictures import FairPictures, fitting
+from venus3d.scene.practice.shapes import (
+    picture_background,
+    picture_finish,
+    picture_shapes,
+    target_picture_shapes,
+)
+from venus3d.scene.server import LocalServer, start_server
+from venus3d.scene.texts.practice import BROKEN
+from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.storage.camera_yaml import read_camera_yaml
+from venus3d.storage.practice import PracticeFile
+
+FILE = "practice.csv"
+_PERIOD_S = 1 / 30
+_PICTURE_ROOM = (480, 270)
+
+
+@dataclass(eq=False)
+class Desk:
+    """One tab and its trainee."""
+
+    client: viser.ClientHandle
+    trainee: Trainee
+    page: PracticePage
+    wishes: queue.SimpleQueue[Wish]
+    shown: PracticeMoment | None = field(default=None)
 
 
 def run_practice(options: PracticeOptions) -> None:
-    """Serve the page until Ctrl-C."""
-    raise NotImplementedError(options)
+    """Serve the page until Ctrl-C. Raises `VenusError` for whatever the user can mend."""
+    camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
+    path = options.output / FILE
+    course = Course.of(camera, options.board.board(), options.seed, str(path))
+    with ExitStack() as rooms:
+        file = rooms.enter_context(closing(PracticeFile(path)))
+        offscreen = rooms.enter_context(closing(Offscreen()))
+        server, note = start_server(options.host, options.port)
+        rooms.callback(server.stop)
+        hall = rooms.enter_context(closing(Hall(server, course, file, offscreen)))
+        for line in (note, offscreen.note):
+            if line:
+                print(line, flush=True)
+        host = "localhost" if options.host in ("0.0.0.0", "::") else options.host
+        print(f"Practice: http://{host}:{server.get_port()}   (Ctrl-C ends it)", flush=True)
+        with suppress(KeyboardInterrupt):
+            hall.run()
+    print(f"Written: {path}")
+
+
+class Hall:
+    """All trainees of one server. `run` returns after `close` was called by another thread."""
+
+    def __init__(
+        self, server: LocalServer, course: Course, file: PracticeFile, offscreen: Offscreen
+    ) -> None:
+        """Let trainees in. Server, file and renderer are closed by the caller, after the hall."""
+        self._server, self._course, self._file, self._offscreen = server, course, file, offscreen
+        self._desks: dict[int, Desk] = {}
+        self._lock = threading.Lock()
+        self._wake = threading.Event()
+        self._stop = threading.Event()
+        self._writer = ThreadPoolExecutor(1, thread_name_prefix="rows")
+        self._pictures = FairPictures(self._picture_failed)
+        camera = server.initial_camera
+        camera.near, camera.far = 0.01, 50.0
+        server.on_client_connect(self._enter)
+        server.on_client_disconnect(self._leave)
+
+    @property
+    def desks(self) -> tuple[Desk, ...]:
+        """Who is here."""
+        with self._lock:
+            return tuple(self._desks.values())
+
+    def run(self) -> None:
+        """Serve everybody until `close`."""
+        while not self._stop.is_set():
+            # Clocks run, views fly and windows change by themselves.
+            busy = any(desk.page.is_moving for desk in self.desks)
+            self._wake.wait(timeout=_PERIOD_S if busy else 0.1)
+            self._wake.clear()
+            started = time.monotonic()
+            for desk in self.desks:
+                self._serve(desk)
+            self._stop.wait(max(0.0, started + _PERIOD_S - time.monotonic()))
+
+    def close(self) -> None:
+        """Send everybody home and write what is still to be written. May be called twice."""
+        self._stop.set()
+        self._wake.set()
+        self._pictures.close()
+        self._writer.shutdown(wait=True)
+        with self._lock:
+            self._desks.clear()
+
+    # -- on viser's threads ----------------------------------------------------------------------
+
+    def _enter(self, client: viser.ClientHandle) -> None:
+        number = client.client_id
+        trainee = Trainee(self._course, number + 1)
+        wishes: queue.SimpleQueue[Wish] = queue.SimpleQueue()
+
+        def wish(asked: Wish) -> None:
+            wishes.put(asked)
+            self._wake.set()
+
+        page = PracticePage(client, wish, trainee.moment(time.monotonic()), self._course.reach)
+        desk = Desk(client, trainee, page, wishes)
+        with self._lock:
+            self._desks[number] = desk
+        # It may have gone while its page was laid out; then nobody else would clear the desk.
+        if number not in self._server.get_clients():
+            self._leave(client)
+        self._wake.set()
+
+    def _leave(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            self._desks.pop(client.client_id, None)
+        self._pictures.forget(client.client_id)
+        self._pictures.forget((client.client_id, "target"))
+
+    # -- on the practice thread ------------------------------------------------------------------
+
+    def _serve(self, desk: Desk) -> None:
+        """Obey one trainee and show what came of it. A mistake of ours here is theirs alone."""
+        try:
+            now = time.monotonic()
+            changed = desk.trainee.tick(now) or desk.shown is None
+            while not desk.wishes.empty():  # one reader, so a thing seen is still there
+                desk.trainee.obey(desk.wishes.get(), now, self._file.rows)
+                changed = True
+            for row in desk.trainee.new_rows:
+                self._writer.submit(self._file.append, row).add_done_callback(self._written)
+            desk.trainee.new_rows.clear()
+            if changed:
+                self._show(desk, desk.trainee.moment(now))
+            if desk.page.is_moving:
+                desk.page.advance()
+        except Exception as error:
+            self._failed(desk, error)
+
+    def _show(self, desk: Desk, moment: PracticeMoment) -> None:
+        before, desk.shown = desk.shown, moment
+        desk.page.show(moment)
+        if before is None or _picture_key(before) != _picture_key(moment):
+            self._ask_picture(desk, moment)
+
+    def _ask_picture(self, desk: Desk, moment: PracticeMoment) -> None:
+        number, page = desk.client.client_id, desk.page
+        options: dict[str, Any] = {
+            "background": picture_background(moment.dark),
+            "size": fitting(moment.camera.image_size, _PICTURE_ROOM),
+        }
+        camera, draw = moment.camera, self._offscreen.render
+        shapes, finish = picture_shapes(moment), picture_finish(moment)
+        self._pictures.ask(
+            number, lambda: draw(camera, shapes, finish=finish, **options), page.show_picture
+        )
+        if moment.help == "none":
+            target = target_picture_shapes(moment)
+            self._pictures.ask(
+                (number, "target"),
+                lambda: draw(camera, target, **options),
+                page.show_target_picture,
+            )
+
+    def _failed(self, desk: Desk, error: Exception) -> None:
+        gone = desk.client.client_id not in self._server.get_clients()
+        self._leave(desk.client)
+        if gone:  # what is drawn for a tab that has just been closed may fail in any way
+            return
+        traceback.print_exception(error, file=sys.stderr)
+        desk.page.warn(BROKEN)
+
+    def _picture_failed(self, who: Hashable, error: Exception) -> None:
+        number = who[0] if isinstance(who, tuple) else who
+        with self._lock:
+            desk = self._desks.get(number) if isinstance(number, int) else None
+        if desk is not None:
+            self._failed(desk, error)
+
+    def _written(self, future: Future[None]) -> None:
+        error = future.exception()
+        if isinstance(error, StorageError):
+            print(f"venus3d: {error}", file=sys.stderr, flush=True)
+            for desk in self.desks:
+                desk.page.warn(str(error))
+        elif error is not None:
+            traceback.print_exception(error, file=sys.stderr)
+
+
+def _picture_key(moment: PracticeMoment) -> tuple[object, ...]:
+    """What the pictures of two moments must share to be the same."""
+    return (id(moment.pose), id(moment.target), moment.help, moment.dark, moment.match.active_step)

@@ -29,6 +29,8 @@ _TRIES, _DRAWS = 40, 512
 
 Free = tuple[bool, bool, bool, bool, bool, bool]
 """Which of xr, yr, zr, xt, yt, zt may be changed."""
+Reach = tuple[tuple[float, float], ...]
+"""Lowest and highest of xr, yr, zr in degrees and xt, yt, zt in metres."""
 NAMES = ("xr", "yr", "zr", "xt", "yt", "zt")
 
 
@@ -127,6 +129,25 @@ def with_free_only(pose: Pose, start: Pose, free: Free) -> Pose:
     if all(free):
         return pose
     return Pose.from_vector(np.where(free, pose.vector(), start.vector()))
+
+
+def reach_of(camera: Camera, limits: Limits) -> Reach:
+    """How far a practised board can be moved at all: farther than any target needs."""
+    far = 1.2 * limits.farthest
+    right, down = (
+        0.05 * float(np.ceil(far * half / 0.05))
+        for half in (camera.width / (2 * camera.fx), camera.height / (2 * camera.fy))
+    )
+    shifts = ((-right, right), (-down, down), (0.5 * limits.nearest, far))
+    return ((-90.0, 90.0), (-90.0, 90.0), (-180.0, 180.0), *shifts)
+
+
+def within_reach(pose: Pose, reach: Reach) -> Pose:
+    """This pose, with each number that is out of reach put to the end of its range."""
+    vector, (low, high) = pose.vector(), np.array(reach).T
+    if ((vector >= low) & (vector <= high)).all():
+        return pose
+    return Pose.from_vector(np.clip(vector, low, high))
 
 
 @dataclass(frozen=True, eq=False)

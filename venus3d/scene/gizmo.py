@@ -1,13 +1,12 @@
-"""The handle by which the simulated board is dragged."""
+"""The handle by which a board is dragged in space."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
-import viser
-
 from venus3d.engine.pose import Pose
+from venus3d.scene.view import Host
 
 _SCALE = 0.16
 
@@ -15,10 +14,10 @@ _SCALE = 0.16
 class BoardGizmo:
     """Follows the board until somebody drags it; then the board follows the gizmo."""
 
-    def __init__(self, server: viser.ViserServer, dragged: Callable[[Pose], None]) -> None:
+    def __init__(self, host: Host, dragged: Callable[[Pose], None]) -> None:
         """`dragged` is called with `T_camera_board`, in order, and must not block."""
         self._held = False
-        self._handle = server.scene.add_transform_controls(
+        self._handle = host.scene.add_transform_controls(
             "/gizmo",
             scale=_SCALE,
             depth_test=False,
@@ -41,3 +40,8 @@ class BoardGizmo:
         self._handle.visible = shown
         if pose is not None and not self._held:
             self._handle.wxyz, self._handle.position = pose.wxyz, pose.t
+
+    def offer(self, free: Sequence[bool]) -> None:
+        """Show only what helps with the free ones of xr, yr, zr, xt, yt, zt."""
+        self._handle.disable_rotations = not any(free[:3])
+        self._handle.disable_axes = not any(free[3:])

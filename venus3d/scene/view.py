@@ -57,6 +57,11 @@ class SceneView:
         """Names of the shapes that are visible now."""
         return tuple(name for name, node in self._nodes.items() if node.handle.visible)
 
+    def node(self, name: str) -> Any:
+        """viser's handle of a shape that has been drawn, to bind gestures to; None before that."""
+        found = self._nodes.get(name)
+        return None if found is None else found.handle
+
     def draw(self, shapes: tuple[Shape, ...], *, dark: bool) -> None:
         """Make the scene show these shapes and nothing else of ours."""
         with self._host.atomic():
