@@ -74,4 +74,18 @@ class FrustumShape:
     in_projection: Literal[False] = False
 
 
-Shape = MeshShape | LineShape | LabelShape | FrustumShape
+@dataclass(frozen=True, eq=False)
+class PointShape:
+    """Many dots of one size."""
+
+    name: str
+    points: Array
+    """(N, 3) camera frame, metres."""
+    colours: NDArray[np.uint8]
+    """(N, 3) RGB."""
+    size: float
+    """Across a dot, metres."""
+    in_projection: Literal[False] = False
+
+
+Shape = MeshShape | LineShape | LabelShape | FrustumShape | PointShape

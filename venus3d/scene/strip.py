@@ -13,7 +13,14 @@ from venus3d.engine.pose import Array
 from venus3d.scene.board_shape import board_outline, board_shape
 from venus3d.scene.instruction import instruction_shapes, swept
 from venus3d.scene.palette import ground, step_colour, step_style
-from venus3d.scene.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+from venus3d.scene.shapes import (
+    FrustumShape,
+    LabelShape,
+    LineShape,
+    MeshShape,
+    PointShape,
+    Shape,
+)
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres: above everything that is drawn in place."""
@@ -80,6 +87,6 @@ def bounds_of(shapes: Sequence[Shape]) -> Array:
 def _moved(shape: Shape, offset: Array) -> Shape:
     if isinstance(shape, LabelShape):
         return replace(shape, position=shape.position + offset)
-    if isinstance(shape, FrustumShape):
+    if isinstance(shape, FrustumShape | PointShape):
         return shape
     return replace(shape, pose=shape.pose.moved(offset))

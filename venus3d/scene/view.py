@@ -18,7 +18,14 @@ from numpy.typing import NDArray
 
 from venus3d.engine.pose import Array, Pose
 from venus3d.scene.palette import ground
-from venus3d.scene.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+from venus3d.scene.shapes import (
+    FrustumShape,
+    LabelShape,
+    LineShape,
+    MeshShape,
+    PointShape,
+    Shape,
+)
 
 Host = viser.ViserServer | viser.ClientHandle
 """Where a page or a scene lives: for everybody, or for one tab alone."""
@@ -99,6 +106,9 @@ class SceneView:
         elif isinstance(shape, LabelShape):
             node.handle.text = shape.text
             node.handle.position = tuple(shape.position)
+        elif isinstance(shape, PointShape):
+            node.handle.points, node.handle.colors = shape.points, shape.colours
+            node.handle.point_size = shape.size
         else:
             node.handle.fov, node.handle.aspect = shape.fov_y_rad, shape.aspect
             node.handle.scale = shape.scale
@@ -139,6 +149,16 @@ class SceneView:
                 position=shape.position,
                 font_screen_scale=_LABEL_SCALE,
                 anchor="center-center",
+            )
+        if isinstance(shape, PointShape):
+            return scene.add_point_cloud(
+                shape.name,
+                shape.points,
+                shape.colours,
+                point_size=shape.size,
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
             )
         return scene.add_camera_frustum(
             shape.name,
@@ -188,6 +208,6 @@ def _update_mesh(handle: Any, shape: MeshShape) -> None:
 def _update_line(handle: Any, shape: LineShape) -> None:
     _move(handle, shape.pose)
     handle.points = shape.segments
-    colours = np.broadcast_to(np.asarray(shape.colour, np.uint8), (len(shape.segments), 2, 3))
-    handle.colors = colours.copy()
+    # One colour for all: viser takes a colour for each point for linear light and shows it paler.
+    handle.colors = np.asarray(shape.colour, np.uint8)
     handle.thickness = shape.width_px

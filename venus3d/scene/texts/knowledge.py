@@ -1,0 +1,130 @@
+"""What the page says about how well the camera is known: maps, captured views, the search."""
+
+TAB = "What is known"
+TOPICS = {
+    "error": "Now",
+    "after": "Next",
+    "corners": "Seen",
+    "lens": "Lens",
+    "misfit": "Misfit",
+}
+"""The maps' buttons, in order; their keys are those of the panel's topics."""
+TOPICS_LABEL = "Map"
+TOPICS_HINT = "Choose what is shown about the camera's picture. M goes through all five."
+NOTHING_YET = (
+    "Nothing is known yet. After two views this shows where in the picture the camera can be "
+    "trusted, and what each view gave."
+)
+
+ERROR_TITLE = "How far off a point may be, now"
+ERROR_TEXT = (
+    "Where a point really is and where this calibration puts it differ by about so many pixels. "
+    "The mean over the picture is {error} px."
+)
+AFTER_TITLE = "How far off it may be after pose {number}"
+AFTER_TEXT = (
+    "The same scale as “Now”. With one view at pose {number} the mean should fall from {before} "
+    "to {after} px."
+)
+AFTER_NONE = "There is no next pose, so nothing is forecast."
+AFTER_UNKNOWN = "The views so far say too little to forecast what the next pose brings."
+CORNERS_TITLE = "Where the board's corners were"
+CORNERS_TEXT = (
+    "Each dot is a corner of a captured view. Striped parts have never been used: what the lens "
+    "does there is only guessed."
+)
+CORNERS_FULL = "Each dot is a corner of a captured view. Every part of the picture has been used."
+LENS_TITLE = "What the lens does to the picture"
+LENS_TEXT = (
+    "The arrows lead from where a perfect lens would show a point to where this lens shows it"
+    "{magnified}. The largest shift is {largest} px."
+)
+LENS_NONE = "The lens is taken as perfect so far; its distortion comes with the second view."
+MISFIT_TITLE = "Where corners were found, against where they should be"
+MISFIT_TEXT = (
+    "Each line leads from a corner that was found along its misfit, drawn {magnified} times as "
+    "long. Lines in all directions are plain noise; lines that agree hint at a fault."
+)
+MISFIT_CHOSEN = " View {number} is drawn strongly."
+MAGNIFIED = ", drawn {factor} times as long"
+PIXELS = "px"
+CORNERS_UNIT = "corners"
+PICTURE_ALT = "{title}"
+
+VIEWS_TITLE = "The captured views"
+VIEWS_LABEL = "View"
+VIEWS_HINT = "Choose a captured view to see it. In the scene, click it (V shows the views there)."
+VIEW_OPTION = "{number} · {rms} px"
+NO_VIEW = "–"
+VIEW_TITLE = "View {number}"
+VIEW_ALT = "The picture of view {number}"
+VIEW_HELD = "The board was held {held}."
+VIEW_POSE = (
+    "Turned {x}° about X, {y}° about Y, {z}° about Z; centre {right} mm right, {down} mm down, "
+    "{away} mm away."
+)
+VIEW_ERROR = "Misfit of its {count} corners: {rms} px ({against} all views' {all} px)."
+VIEW_ABOVE, VIEW_BELOW, VIEW_LIKE = "more than", "less than", "about"
+VIEW_GAVE = (
+    "What it gave: the error fell from {without} to {now} px, and {most} became {ratio} times as "
+    "sure."
+)
+VIEW_HARMED = "It does harm: without it the error would be smaller."
+WITHOUT_TITLE = "If you leave it out"
+WITHOUT_ROWS = ("Error over the picture", "Sigma of fx", "Sigma of fy", "Misfit of the rest")
+WITHOUT_NOW, WITHOUT_THEN = "now", "without"
+WITHOUT_UNKNOWN = "The other views alone would not determine the camera."
+WITHOUT_WORSE = "Leave it in: the result would be {percent} % less certain."
+WITHOUT_SAME = "It hardly matters: the result would be about as certain."
+WITHOUT_BETTER = "Leave it out: the result would be {percent} % more certain."
+LEAVE_OUT = "Leave this view out"
+LEAVE_OUT_HINT = "Calibrate again without the view shown above. What would change stands there."
+SHOW_VIEW = "Close"
+SHOW_VIEW_HINT = "Back to the page. The view stays in."
+LEFT_OUT_SAID = "View {number} is left out."
+
+GHOSTS_LEGEND = "Views in the scene (V): their colour is their misfit"
+GHOST_LABEL = "{number} · {rms} px"
+
+SEARCH_TITLE = "The search for pose {number}"
+SEARCH_BATCH = "{looked} poses looked at, best so far: {best}"
+SEARCH_MOVE = "Move {move} of {moves}: {verdict}. {accepted} taken, best so far: {best}"
+SEARCH_TAKEN, SEARCH_REFUSED = "taken", "refused"
+SEARCH_DONE = "Found after {looked} poses: {best}"
+SEARCH_DONE_WALK = "The walk ends here after {looked} poses: {end}; the best on the way: {best}"
+SEARCH_PX = "error {value} px"
+SEARCH_COST = "cost {value}"
+SEARCH_CHOSEN = "the pose chosen"
+SEARCH_BEST = "best so far"
+SEARCH_NOTHING = "Nothing was searched for this pose: it follows from a rule, or from chance."
+SEARCH_WAIT = "The next search will be shown."
+SEARCH_PLACES = "a dot: a place for the board"
+SEARCH_ANGLES = "the same poses by their turns"
+SEARCH_LEGEND = "Dots of the search (Y): the brighter, the smaller the error to expect"
+AXIS_LOW_HIGH = ("X −{high}°", "X +{high}°", "Y −{high}°", "Y +{high}°", "near", "far")
+
+NEXT_TOPIC = "Next map of what is known"
+NEXT_TOPIC_HINT = "Error now, error after the next pose, corners seen, lens, misfit"
+TOGGLE_VIEWS = "Captured views in the scene"
+TOGGLE_VIEWS_HINT = "Show where the board was in each captured view, or hide it"
+NEXT_VIEW = "Look at the next captured view"
+NEXT_VIEW_HINT = "Its picture, its pose, what it gave, and what if it were left out"
+WATCH = "Watch the search"
+WATCH_HINT = "Replay slowly how the target was found, now and for each new target, or stop that"
+
+PARAMETERS_TITLE = "The camera's nine numbers, value ± one sigma"
+SETTLED, IMPROVING, NOT_YET = "✓ settled", "improving", "not yet estimated"
+TREND_ALT = "its sigma from view to view, falling to {percent} %"
+PARAMETER_SENTENCES = (
+    "How strongly the lens enlarges sideways: a larger fx makes everything wider in the picture.",
+    "How strongly the lens enlarges up and down: a larger fy makes everything taller.",
+    "Where the lens points, from the left: a larger cx shifts the whole picture to the right.",
+    "Where the lens points, from the top: a larger cy shifts the whole picture down.",
+    "Bends straight lines, most at the border: negative like a barrel, positive like a cushion.",
+    "Corrects k1 towards the corners, where k1 alone bends too much or too little.",
+    "The lens sits slightly tilted, up or down: the picture's top and bottom are bent unequally.",
+    "The lens sits slightly tilted, sideways: left and right are bent unequally.",
+    "The last correction, for the far corners only; the hardest of the nine to know.",
+)
+"""What each of the nine parameters does to the picture, in their order."""
+PARAMETERS_HINT = "Click a row to read what the number does to the picture."
