@@ -8,7 +8,6 @@ and right are the holder's own, like the words. Sizes are in the picture's own u
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from html import escape
 
 import numpy as np
@@ -105,16 +104,26 @@ def _scale(
 ) -> str:
     """One straight scale; the board has to go by `towards` millimetres, + to the second end."""
     half = (_RIGHT_END - _LEFT) / 2
-    place: Callable[[float], float] = lambda mm: 200 + half * share(mm, LARGEST_MM)  # noqa: E731
-    at, right = place(-towards), abs(towards) <= band
-    text = f"✓ {texts.RIGHT}" if right else words[int(towards > 0)].format(mm=f"{abs(towards):.0f}")
+
+    def place(mm: float) -> float:
+        return 200 + half * share(mm, LARGEST_MM)
+
+    at, right, middle = place(-towards), abs(towards) <= band, y + 34
+    second = towards > 0
+    text = f"✓ {texts.RIGHT}" if right else words[second].format(mm=f"{abs(towards):.0f}")
     colour = "var(--right)" if right else "var(--step)"
-    middle = y + 32
     rest = "" if right else _line(at, middle, place(-np.sign(towards) * band), middle, 9)
+    first_end, second_end = (
+        f"<text x='{x:.0f}' y='{y:.0f}' class='v-end{' v-way' if way else ''}' "
+        f"text-anchor='{anchor}'>{escape(word)}</text>"
+        for x, word, anchor, way in (
+            (_LEFT - 16, ends[0], "start", not right and not second),
+            (_RIGHT_END + 16, ends[1], "end", not right and second),
+        )
+    )
     return (
-        f"<text x='200' y='{y:.0f}' class='v-part' fill='{colour}'>{escape(text)}</text>"
-        f"<text x='{_LEFT:.0f}' y='{y:.0f}' class='v-end' text-anchor='start'>{ends[0]}</text>"
-        f"<text x='{_RIGHT_END:.0f}' y='{y:.0f}' class='v-end' text-anchor='end'>{ends[1]}</text>"
+        f"<text x='200' y='{y:.0f}' class='v-part' style='fill:{colour}'>{escape(text)}</text>"
+        f"{first_end}{second_end}"
         f"<rect x='{_LEFT:.0f}' y='{middle - 11:.0f}' width='{2 * half:.0f}' height='22' rx='11' "
         "fill='var(--line)'/>"
         f"<rect x='{place(-band):.1f}' y='{middle - 20:.0f}' width='{2 * (place(band) - 200):.1f}' "

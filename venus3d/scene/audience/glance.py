@@ -55,7 +55,7 @@ def sheet(look: Look) -> str:
         f"--text:{hex_of(neutral.text)};--soft:{hex_of(neutral.quiet_text)};--line:{hex_of(line)};"
         f"--ink:{hex_of(neutral.background)};--right:{right_colour(dark=dark)}"
     )
-    mirror = "div:has(>div>div>canvas){transform:scaleX(-1)}" if look.mirror else ""
+    mirror = "canvas{transform:scaleX(-1)}" if look.mirror else ""
     return f"<style>.v-audience{{{root}}}{_SHEET}{mirror}</style>"
 
 
@@ -78,15 +78,15 @@ def _chips(moment: Moment, dark: bool) -> str:
 _P = f"{100 * PICTURE_SHARE:.0f}"
 _SHEET = (
     """
-body{overflow:hidden}
+body{overflow:hidden}.mantine-Notifications-root{display:none}
 .mantine-Paper-root:has(.v-audience){visibility:hidden;box-shadow:none}
-div:has(>div>div>canvas){position:fixed!important;left:0;top:0;pointer-events:none!important;
-width:@vw!important;height:@vh!important}
+div:has(>div>div>canvas):not(:has(.v-audience)){position:fixed!important;left:0;top:0;pointer-events:none!important;
+width:PPvw!important;height:PPvh!important}
 .v-audience{visibility:visible;position:fixed;inset:0;pointer-events:none;color:var(--text);
 font-family:Inter,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif;
-font-variant-numeric:tabular-nums;--letter:max(5vh,min(6.6vh,3.6vw))}
+font-variant-numeric:tabular-nums;--letter:max(5vh,min(7.6vh,4.3vw))}
 .v-audience *{box-sizing:border-box}
-.v-side{position:absolute;left:@vw;right:0;top:0;height:@vh;padding:2vh 1.4vw 0;display:flex;
+.v-side{position:absolute;left:PPvw;right:0;top:0;height:PPvh;padding:2vh 1.4vw 0;display:flex;
 flex-direction:column;align-items:center;gap:1.6vh}
 .v-top{display:flex;align-items:center;gap:1.2vw;font-size:max(5vh,min(7vh,3.6vw));
 font-weight:800;line-height:1;align-self:stretch}
@@ -97,8 +97,9 @@ color:var(--ink);display:grid;place-items:center}
 .v-dial text{text-anchor:middle;fill:var(--text);font-family:inherit}
 .v-dial .v-figure{font-size:92px;font-weight:800;fill:var(--step)}
 .v-dial .v-unit{font-size:34px;fill:var(--soft);font-weight:600}
-.v-dial .v-part{font-size:36px;font-weight:800}
-.v-dial .v-end{font-size:23px;fill:var(--soft)}
+.v-dial .v-part{font-size:38px;font-weight:800}
+.v-dial .v-end{font-size:25px;font-weight:600;fill:var(--soft)}
+.v-dial .v-way{font-size:31px;font-weight:800;fill:var(--step)}
 .v-dial .v-end[text-anchor=start]{text-anchor:start}
 .v-dial .v-end[text-anchor=end]{text-anchor:end}
 .v-sign{font-size:min(30vh,16vw);font-weight:800;line-height:1;color:var(--step)}
@@ -109,16 +110,16 @@ place-items:center}
 .v-chip.v-on{background:var(--step);color:var(--ink)}
 .v-chip.v-done{border-color:var(--right);color:var(--right)}
 .v-views{font-size:3.4vh;font-weight:600;color:var(--soft)}
-.v-say{position:absolute;left:0;right:0;top:@vh;bottom:0;padding:0 2vw;display:flex;
+.v-say{position:absolute;left:0;right:0;top:PPvh;bottom:0;padding:0 2vw;display:flex;
 align-items:center;font-size:var(--letter);font-weight:700;line-height:1.16;letter-spacing:-.01em;
 text-wrap:balance;border-left:1.2vw solid var(--step)}
 .v-is-good .v-say{color:var(--right)}
 @media (orientation:portrait){
-div:has(>div>div>canvas){width:100vw!important;height:30vh!important}
+div:has(>div>div>canvas):not(:has(.v-audience)){width:100vw!important;height:30vh!important}
 .v-audience{--letter:5vh}
 .v-side{left:0;top:30vh;height:38vh;padding:1.4vh 4vw 0;gap:1vh}
 .v-say{top:69vh;padding:0 4vw;align-items:flex-start;border-left:0;border-top:1vh solid var(--step);
 padding-top:1vh}
 .v-top{font-size:5vh}.v-chip{font-size:2.4vh}.v-views{font-size:2.4vh}.v-chips{gap:3vw}}
 """
-).replace("@", _P)
+).replace("PP", _P)

@@ -32,9 +32,9 @@ NEAR_FAR = ("nearer", "farther")
 MOVE_PARTS = (
     ("← {mm} mm", "{mm} mm →"),
     ("↑ {mm} mm", "{mm} mm ↓"),
-    ("{mm} mm nearer", "{mm} mm farther"),
+    ("{mm} mm", "{mm} mm"),
 )
-"""How far, towards the first and towards the second end of each scale."""
+"""How far, towards the first and towards the second end of each scale; no arrow shows depth."""
 
 DIAL_LABEL = "{amount} to go; right within {limit}"
 SOUND_HINT = "Click here once: browsers stay silent until somebody has clicked."
