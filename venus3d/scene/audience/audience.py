@@ -37,7 +37,7 @@ class Audience:
 
         Raises `AddressError` if the address cannot be bound or the port is taken.
         """
-        self._server = start_read_only_server(host, port)
+        self.server = start_read_only_server(host, port)
         self.host, self.port = host, port
         self._look = look or Look()
         self._snapshot: Snapshot | None = None
@@ -47,8 +47,8 @@ class Audience:
         self._wake = threading.Condition()
         self._picture_came, self._stop = threading.Event(), threading.Event()
         self._failure: BaseException | None = None
-        self._scene = SceneView(self._server)
-        self._page = AudiencePage(self._server, self._touch)
+        self._scene = SceneView(self.server)
+        self._page = AudiencePage(self.server, self._touch)
         self._threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
             for name, loop in (("audience", self._loop), ("audience picture", self._picture_loop))
@@ -104,7 +104,7 @@ class Audience:
         self._touch()
         for thread in self._threads:
             thread.join(timeout=5)
-        self._server.stop()
+        self.server.stop()
 
     # -- drawing ---------------------------------------------------------------------------------
 
@@ -138,7 +138,7 @@ class Audience:
                 news, self._achieved = self._achieved, None
             if now > until:
                 praise = None
-            with self._server.atomic():
+            with self.server.atomic():
                 if look != dressed:
                     self._page.dress(look)
                     dressed = look

@@ -1,0 +1,145 @@
+"""A server for those who only look: whatever a browser sends, nothing changes.
+
+A page without inputs is not enough: any program on the network can open the websocket and send
+what it likes. So one does here, all there is, at a server that would obey, and at one that must
+not.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+import viser
+
+from tests.scene.raw_client import RawClient, every_message
+from venus3d.scene.audience.audience import Audience
+from venus3d.scene.audience.controls import AudienceControls
+from venus3d.scene.audience.look import Look
+from venus3d.scene.guide.viewer import Viewer
+from venus3d.scene.server import start_read_only_server, start_server
+from venus3d.scene.texts import audience as texts
+
+_PORTS = iter(range(8364, 8380))
+
+
+def with_everything_that_listens(server: viser.ViserServer) -> list[str]:
+    """Give the server one of each thing that can be acted on; returns who has heard something."""
+    heard: list[str] = []
+
+    def hears(name: str) -> Any:
+        return lambda *_: heard.append(name)
+
+    gui, scene = server.gui, server.scene
+    gui.add_checkbox("box", False).on_update(hears("box"))
+    gui.add_button("button").on_click(hears("button"))
+    gui.add_button("held").on_hold(hears("held"))
+    gui.add_upload_button("upload").on_upload(hears("upload"))
+    with gui.add_form("form") as form:
+        gui.add_text("text", "")
+    form.on_submit(hears("form"))
+    gui.add_command("command").on_trigger(hears("command"))
+    gizmo = scene.add_transform_controls("/gizmo")
+    gizmo.on_update(hears("gizmo"))
+    box = scene.add_box("/box")
+    box.on_click(hears("click"))
+    box.on_drag("left")(hears("drag"))
+    scene.on_click()(hears("pointer"))
+    return heard
+
+
+def say_everything(port: int, clients: Any, operator: int = 0) -> None:
+    """Send all there is, and wait until the server has taken it all in."""
+    with RawClient(port) as client:
+        backlog = client.backlog()
+        if operator:
+            with RawClient(operator) as spy:
+                backlog += spy.backlog()
+        uuids = sorted({m["uuid"] for m in backlog if "uuid" in m})
+        names = sorted({m["name"] for m in backlog if "name" in m})
+        assert uuids and names
+        client.look()
+        for message in every_message(uuids, names):
+            client.send(message)
+        # Messages are taken in order: once this one is known, so are all before it.
+        client.look(width=4321)
+        settled(lambda: any(c.camera.image_width == 4321 for c in clients().values()))
+
+
+def settled(condition: Callable[[], bool]) -> None:
+    """Wait until it holds."""
+    deadline = time.monotonic() + 30
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def drain(client: RawClient) -> None:
+    """Take what is on its way."""
+    with contextlib.suppress(TimeoutError):
+        while True:
+            client.window(timeout=0.5)
+
+
+def buffer_of(server: Any) -> dict[int, str]:
+    """What every browser is shown, message by message."""
+    buffer = server._websock_server._broadcast_buffer
+    return {key: repr(message) for key, message in dict(buffer.message_from_id).items()}
+
+
+def test_a_server_that_listens_hears_it_all() -> None:
+    """The other test would hold nothing down if these messages reached nobody anywhere."""
+    server, _ = start_server("127.0.0.1", next(_PORTS))
+    try:
+        heard = with_everything_that_listens(server)
+        say_everything(server.get_port(), server.get_clients)
+        server._thread_executor.shutdown(wait=True)
+        kinds = "box button held upload form command gizmo click drag pointer"
+        assert set(heard) == set(kinds.split())
+    finally:
+        server.stop()
+
+
+def test_a_read_only_server_hears_nothing_whatever_is_on_it() -> None:
+    server = start_read_only_server("127.0.0.1", next(_PORTS))
+    try:
+        heard = with_everything_that_listens(server)
+        with RawClient(server.get_port()) as other:
+            other.backlog()
+            before = buffer_of(server)
+            say_everything(server.get_port(), server.get_clients)
+            server._thread_executor.shutdown(wait=True)
+            assert heard == []
+            assert buffer_of(server) == before
+            with pytest.raises(TimeoutError):
+                other.window(timeout=0.3)
+        assert server._share_tunnel is None
+    finally:
+        server.stop()
+
+
+def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() -> None:
+    """All of it at a real audience page beside a real operator's page."""
+    viewer = Viewer(port=next(_PORTS), draggable_board=True)
+    audience = Audience("127.0.0.1", next(_PORTS), Look(mirror=True))
+    try:
+        AudienceControls(viewer.server, audience)
+        with RawClient(audience.port) as other, RawClient(viewer.port) as operator:
+            other.backlog(), operator.backlog()
+            # Once the first sentence stands, nothing moves any more.
+            settled(lambda: texts.STARTING[2] in str(buffer_of(audience.server)))
+            drain(other), drain(operator)
+            before = buffer_of(audience.server), buffer_of(viewer.server)
+            # With the names of the operator's entities, too: nobody says that they are secret.
+            say_everything(audience.port, audience.server.get_clients, operator=viewer.port)
+            assert (buffer_of(audience.server), buffer_of(viewer.server)) == before
+            assert viewer.drain_intents() == [] and audience.look == Look(mirror=True)
+            for client in (other, operator):
+                with pytest.raises(TimeoutError):
+                    client.window(timeout=0.3)
+    finally:
+        audience.close()
+        viewer.close()
