@@ -26,6 +26,7 @@ from venus3d.scene.texts.common import (
     HELP_TITLE,
     KEY_NAMES,
     NO_KEY,
+    SHIFTED,
 )
 from venus3d.scene.view import Host
 
@@ -42,6 +43,8 @@ class Command:
     """What it does, in one short sentence without a full stop."""
     do: Callable[[], None]
     """Called on viser's threads: it only queues, or changes a frozen state."""
+    shift: bool = False
+    """Whether the key goes with Shift."""
 
 
 def add_commands(host: Host, commands: Sequence[Command]) -> None:
@@ -49,13 +52,16 @@ def add_commands(host: Host, commands: Sequence[Command]) -> None:
 
     Raises `ValueError` if two of them have one key.
     """
-    keys = [command.hotkey for command in commands if command.hotkey is not None]
+    keys = [key_name(c.hotkey, shift=c.shift) for c in commands if c.hotkey is not None]
     twice = {key for key in keys if keys.count(key) > 1}
     if twice:
         raise ValueError(f"two commands for one key: {', '.join(sorted(twice))}")
     for command in commands:
         handle = host.gui.add_command(
-            command.label, description=command.description, hotkey=command.hotkey
+            command.label,
+            description=command.description,
+            hotkey=command.hotkey,
+            modifier="shift" if command.shift else None,
         )
         handle.on_trigger(lambda _, do=command.do: do())
 
@@ -113,9 +119,9 @@ def keys_html(commands: Sequence[Command]) -> str:
     ordered = sorted(commands, key=lambda command: command.hotkey is None)
     help_itself = Command(HELP_COMMAND, "H", HELP_COMMAND_HINT, lambda: None)
     rows = "".join(
-        f"<tr><td><kbd class='v-key'>{escape(key_name(command.hotkey))}</kbd></td>"
-        f"<td><b>{escape(command.label)}</b></td><td>{escape(command.description)}</td></tr>"
-        for command in (help_itself, *ordered)
+        f"<tr><td><kbd class='v-key'>{escape(key_name(c.hotkey, shift=c.shift))}</kbd></td>"
+        f"<td><b>{escape(c.label)}</b></td><td>{escape(c.description)}</td></tr>"
+        for c in (help_itself, *ordered)
     )
     return (
         f"<div class='v-keys'><p>{escape(HELP_INTRO)}</p><table>{rows}</table>"
@@ -123,9 +129,10 @@ def keys_html(commands: Sequence[Command]) -> str:
     )
 
 
-def key_name(hotkey: Any) -> str:
-    """A key as a person finds it on the keyboard."""
-    return NO_KEY if hotkey is None else KEY_NAMES.get(hotkey, str(hotkey))
+def key_name(hotkey: Any, *, shift: bool = False) -> str:
+    """A key as a person finds it on the keyboard, with Shift or alone."""
+    name = NO_KEY if hotkey is None else KEY_NAMES.get(hotkey, str(hotkey))
+    return SHIFTED.format(key=name) if shift else name
 
 
 def _in_tab(client: viser.ClientHandle | None, do: Callable[[viser.ClientHandle], None]) -> None:

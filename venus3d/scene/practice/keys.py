@@ -1,13 +1,12 @@
-"""The keys of a practice page; W A S D Q E and the arrows fly the browser's camera."""
+"""The commands of a practice page with their keys: one list for hotkeys, palette and help."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any, Literal
 
-import viser
-
 from venus3d.engine.practice import LEVELS
+from venus3d.scene.help import Command
 from venus3d.scene.practice.moment import ChooseHelp, ChooseLevel, Nudge, Press, Wish
 from venus3d.scene.texts.practice import COMMANDS, LEVEL_NAMES, NUDGES
 
@@ -35,41 +34,26 @@ _PRESSES: tuple[tuple[Literal["next", "give_up", "again", "look", "light"], Any]
 )
 
 
-def add_keys(gui: viser.GuiApi, wish: Callable[[Wish], None]) -> None:
-    """Register every key and its line in the command palette. `wish` must not block."""
+def practice_commands(wish: Callable[[Wish], None]) -> tuple[Command, ...]:
+    """All commands. `wish` is called on viser's threads and must not block."""
+
+    def asking(asked: Wish) -> Callable[[], None]:
+        return lambda: wish(asked)
+
+    commands: list[Command] = []
     for what, key in _PRESSES:
-        _add(gui, *COMMANDS[what], key, Press(what), wish)
-    _add(gui, *COMMANDS["help"], "H", ChooseHelp(None), wish)
+        label, description = COMMANDS[what]
+        commands.append(Command(label, key, description, asking(Press(what))))
+    label, description = COMMANDS["help"]
+    commands.append(Command(label, "M", description, asking(ChooseHelp(None))))
     label, description = COMMANDS["level"]
     for level in LEVELS:
-        name = LEVEL_NAMES[level]
-        chosen = ChooseLevel(level)
-        _add(
-            gui, label.format(level=level), description.format(name=name), str(level), chosen, wish
-        )
+        name, chosen = LEVEL_NAMES[level], ChooseLevel(level)
+        about = description.format(name=name[4:])
+        commands.append(Command(label.format(level=level), str(level), about, asking(chosen)))
     label, description = COMMANDS["nudge"]
-    for key, shifted, number, sign in _NUDGES:
-        what = NUDGES[2 * number + (sign < 0)]
-        nudge = Nudge(number, sign)
-        _add(gui, label.format(what=what), description, key, nudge, wish, shifted=shifted)
-
-
-def _add(
-    gui: viser.GuiApi,
-    label: str,
-    description: str,
-    key: Any,
-    asked: Wish,
-    wish: Callable[[Wish], None],
-    *,
-    shifted: bool = False,
-) -> None:
-    command = gui.add_command(
-        label, description=description, hotkey=key, modifier="shift" if shifted else None
-    )
-
-    # Async, so that the repeats of a key that is held down stay in order.
-    async def pressed(_: Any) -> None:
-        wish(asked)
-
-    command.on_trigger(pressed)
+    for key, shift, number, sign in _NUDGES:
+        what = label.format(what=NUDGES[2 * number + (sign < 0)])
+        asked = asking(Nudge(number, sign))
+        commands.append(Command(what, key, description, asked, shift=shift))
+    return tuple(commands)

@@ -18,10 +18,11 @@ import viser
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.practice import Reach
 from venus3d.scene.gizmo import BoardGizmo
+from venus3d.scene.help import HelpOverlay, add_commands
 from venus3d.scene.pose_panel import PosePanel
 from venus3d.scene.practice.board_drag import BoardDrag
 from venus3d.scene.practice.choices import ChoicePanel
-from venus3d.scene.practice.keys import add_keys
+from venus3d.scene.practice.keys import practice_commands
 from venus3d.scene.practice.moment import MoveBoard, PracticeMoment, Wish
 from venus3d.scene.practice.panel import (
     bars_html,
@@ -77,7 +78,9 @@ class PracticePage:
             self._set_theme(moment.dark)
             self._make_right(moment, reach)
             self._make_left(moment)
-            add_keys(self._gui, wish)
+            commands = practice_commands(wish)
+            add_commands(client, commands)
+            self._help = HelpOverlay(client, commands, dark=moment.dark)
             self._scene.draw(scene_shapes(moment), dark=moment.dark)
             self._gizmo = BoardGizmo(client, lambda pose: wish(MoveBoard(pose, "gizmo")))
             self._drag = BoardDrag(
@@ -110,11 +113,13 @@ class PracticePage:
             self._bars.content = bars_html(moment, theme)
             self._clock.content = clock_html(moment)
             self._choices.show(moment)
+            self._help.show(theme)
             self._results.show(moment, theme)
             self._legend.content = legend_html(say.PICTURE_LEGENDS[moment.help])
             alone = moment.help == "none"
             self._target_title.visible = self._target_picture.visible = alone
-            if moment.last_mover != "sliders" or before is None:
+            moved = before is None or before.pose is not moment.pose
+            if moved and moment.last_mover != "sliders":
                 # Whoever drags a slider is ahead of what comes back.
                 self._sliders.show(_vector_of(moment.pose))
             if before is None or before.free != moment.free:

@@ -39,7 +39,7 @@ background:var(--line);overflow:hidden}
 .v-track span{position:absolute;left:0;top:0;bottom:0;background:var(--step)}
 .v-bar.v-done .v-track span{background:var(--yes)}
 .v-track u{position:absolute;left:0;top:0;bottom:0;border-right:3px solid var(--text);
-background:repeating-linear-gradient(45deg,transparent 0 4px,var(--yes) 4px 6px)}
+background:linear-gradient(0deg,var(--yes) 0 5px,var(--ink) 5px 6px,transparent 6px)}
 .v-list{border-collapse:collapse;width:100%;font-size:14px}
 .v-list td,.v-list th{padding:3px 6px 3px 0;border-bottom:1px solid var(--line);text-align:right;
 font-weight:600;white-space:nowrap}

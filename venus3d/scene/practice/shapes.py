@@ -16,14 +16,14 @@ from venus3d.engine.pose import AXES, Pose
 from venus3d.scene.board_shape import board_ghost, board_outline, board_shape
 from venus3d.scene.frustum import camera_shapes
 from venus3d.scene.instruction import instruction_shapes
-from venus3d.scene.overlay import AXIS_COLOURS, TARGET_FILL, draw_axes, draw_outline
+from venus3d.scene.overlay import AXIS_COLOURS, draw_axes, draw_outline
 from venus3d.scene.palette import ground, mixed, step_colour
 from venus3d.scene.practice.moment import PracticeMoment
 from venus3d.scene.shapes import Colour, LabelShape, LineShape, Shape
 from venus3d.scene.texts.practice import TARGET_LABEL
 
-TARGET_ON_LIGHT: Colour = (178, 92, 0)
-"""The orange of the outline where it stands before light ground."""
+ORANGE: dict[bool, Colour] = {True: (255, 140, 0), False: (190, 90, 0)}
+"""The target's outline in space, on dark and on light ground."""
 _AXIS_LENGTH = 0.6  # of the board's shorter side
 _DASHES = 7
 
@@ -31,8 +31,9 @@ _DASHES = 7
 def scene_shapes(moment: PracticeMoment) -> tuple[Shape, ...]:
     """Everything in the trainee's 3D scene."""
     camera = camera_shapes(moment.camera, dark=moment.dark)
-    if moment.look == "through":  # whoever looks out of the camera would see its axes from within
-        camera = tuple(shape for shape in camera if not shape.name.startswith("/camera/ax"))
+    if moment.look == "through":
+        # Whoever looks out of the camera sees nothing of it but where its picture ends.
+        camera = tuple(shape for shape in camera if shape.name == "/camera/border")
     board = board_shape(moment.board, moment.pose)
     return (*camera, board, *_help_shapes(moment, for_camera=moment.look == "through"))
 
@@ -75,12 +76,12 @@ def _help_shapes(moment: PracticeMoment, *, for_camera: bool) -> list[Shape]:
     if moment.help == "axes":
         return [*_frame(board, pose, "board", moment), *_frame(board, target, "target", moment)]
     if moment.help == "outline":
-        colour = TARGET_FILL if moment.dark else TARGET_ON_LIGHT
+        colour = ORANGE[moment.dark]
         h = board.height
         spike = np.array([[-0.08 * h, -0.5 * h, 0], [0, -0.66 * h, 0], [0.08 * h, -0.5 * h, 0]])
         return [
             board_outline(board, target, "/target/board", colour, 4.0),
-            board_ghost(board, target, "/target/fill", colour, 0.35),
+            board_ghost(board, target, "/target/fill", colour, 0.45),
             LineShape("/target/top", np.stack([spike[:-1], spike[1:]], 1), target, colour, 4.0),
         ]
     return []

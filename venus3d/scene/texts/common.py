@@ -15,6 +15,7 @@ HELP_COMMAND_HINT = "Show every key and what it does, or put it away"
 ESCAPE_COMMAND = "Close the help"
 ESCAPE_COMMAND_HINT = "Put away what lies over the page"
 NO_KEY = "Ctrl+K"
+SHIFTED = "Shift+{key}"
 KEY_NAMES = {
     "space": "Space",
     "enter": "Enter",

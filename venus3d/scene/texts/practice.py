@@ -53,7 +53,7 @@ STEP_BARS = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
 PLACE_BAR, TURN_BAR = "Off its place", "Largest turn left"
 RIGHT = "✓ right"
 BARS_TITLE = "How far from the target"
-BARS_LEGEND = "Make each bar so short that it lies within the striped zone."
+BARS_LEGEND = "Make each bar so short that it ends within the green zone."
 
 TIME, TIME_UNIT = "time", "s"
 MOVED = "moved; {shortest} is the shortest way"
@@ -79,7 +79,7 @@ PICTURE_LEGENDS = {
 
 LEVEL, HELP, NAME = "Level", "Help", "Your name"
 LEVEL_HINT = "How many of the six numbers of the pose have to change. Keys 1 to 6."
-HELP_HINT = "What is shown to you of the target. H takes the next one."
+HELP_HINT = "What is shown to you of the target. M takes the next kind."
 NAME_HINT = "Not needed. With a name you can go on after a reload, and find yourself in the file."
 CLIMB = "Next level by itself"
 CLIMB_HINT = "After two poses in a row that you reached, the next level begins."
@@ -116,9 +116,10 @@ OTHER_KEYS = (
     ("G", "give up"),
     ("R", "start over"),
     ("V", "view"),
-    ("H", "help"),
+    ("M", "other help"),
     ("1–6", "level"),
     ("B", "light or dark"),
+    ("H", "all keys"),
 )
 COMMANDS = {
     "next": ("Next pose", "Go on once this one is reached"),
