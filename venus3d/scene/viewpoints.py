@@ -34,7 +34,7 @@ _USUAL_ASPECT = 1.0
 _DIRECTIONS: dict[Viewpoint, tuple[float, float, float]] = {
     "outside": (-0.56, -0.56, -0.61),
     "camera": (0.0, 0.0, -1.0),
-    "holder": (0.14, -0.42, 0.90),
+    "holder": (0.20, -0.62, 0.76),
     "above": (0.0, -1.0, -0.06),
 }
 

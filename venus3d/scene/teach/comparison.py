@@ -22,12 +22,12 @@ from venus3d.scene.shapes import LabelShape, MeshShape, Shape
 
 Side = Literal["left", "right"]
 CENTRES: dict[Side, Array] = {
-    "left": np.array([-0.26, 0.0, 0.6]),
-    "right": np.array([0.26, 0.0, 0.6]),
+    "left": np.array([-0.185, 0.0, 0.6]),
+    "right": np.array([0.185, 0.0, 0.6]),
 }
 """Where the two boards stand for a board as wide as the default one, camera frame, metres."""
 _USUAL_WIDTH = 0.252
-_AXIS = 0.72  # of the board's width: the axes reach beyond the board
+_AXIS = 0.64  # of the board's width: the axes reach beyond the board
 _SHORTEST_ARC_DEG = 12.0
 
 
@@ -39,7 +39,7 @@ def centre_of(board: Board, side: Side) -> Array:
 def comparison_points(board: Board) -> Array:
     """(N, 3) points around all that is drawn here, metres."""
     reach = 1.05 * _AXIS * board.width
-    box = np.array(np.meshgrid([-1, 1], [-1, 1], [-0.6, 0.6])).reshape(3, -1).T * reach
+    box = np.array(np.meshgrid([-1, 1], [-1.1, 1], [-0.6, 0.6])).reshape(3, -1).T * reach
     return np.concatenate([centre_of(board, side) + box for side in CENTRES])
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import viser
 
+from venus3d.scene.help import Command, HelpOverlay, add_commands
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.texts import teach as texts
 
@@ -80,15 +82,28 @@ class ButtonRow:
         return self._group
 
 
-def add_commands(gui: viser.GuiApi, act: Act) -> None:
-    """Every action in the command palette, most with a hotkey."""
-    for action, (label, description) in texts.COMMANDS.items():
-        command = gui.add_command(label, description=description, hotkey=HOTKEYS.get(action))
+def make_commands(server: viser.ViserServer, act: Act, kinds: Sequence[str]) -> HelpOverlay:
+    """Every action in the command palette, most with a hotkey; returns the help that lists them.
+
+    `kinds` are the kinds of file that can be saved.
+    """
+    saving = [f"save {kind}" for kind in kinds]
+    commands = {
+        action: Command(label, HOTKEYS.get(action), description, partial(act, action, None))
+        for action, (label, description) in texts.COMMANDS.items()
+        if action in HOTKEYS or action in saving
+    }
+    add_commands(server, [commands[action] for action in commands if action in HOTKEYS])
+    for action in saving:
+        # A file is for the tab that asked, not for the projector.
+        command = commands[action]
+        handle = server.gui.add_command(command.label, description=command.description)
 
         def triggered(event: Any, action: str = action) -> None:
             act(action, event.client)
 
-        command.on_trigger(triggered)
+        handle.on_trigger(triggered)
+    return HelpOverlay(server, tuple(commands.values()))
 
 
 def label_of(action: str, state: TeachState) -> str:

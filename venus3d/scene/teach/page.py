@@ -25,7 +25,7 @@ from venus3d.scene.teach.controls import (
     TEMPO_ROW,
     Act,
     ButtonRow,
-    add_commands,
+    make_commands,
 )
 from venus3d.scene.teach.lesson_panel import LessonPanel
 from venus3d.scene.teach.moment import TeachMoment
@@ -79,13 +79,14 @@ class TeachPage:
                 self._make_saving(act, kinds)
         panel.dock_left()
         panel.set_width(_WIDTHS[0][1])
-        add_commands(self._gui, act)
+        self._help = make_commands(server, act, kinds)
         server.on_client_connect(self._fit)
 
     def show(self, moment: TeachMoment, state: TeachState) -> None:
         """Put one moment on the page."""
         theme = Theme(state.dark)
         self._set_theme(theme)
+        self._help.show(theme)
         self.lesson.show(moment, state, theme)
         card = card_html(moment, state, theme)
         if self.card.content != card:

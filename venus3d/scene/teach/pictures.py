@@ -99,7 +99,7 @@ def _marked(picture: Picture, moment: TeachMoment, dark: bool) -> Picture:
     blamed = sorted({corner for refusal in moment.refusals for corner in refusal.corners})
     camera = moment.camera.scaled((width, height))
     places = camera.project(moment.pose.apply(moment.board.outline[blamed]))
-    drawn = np.ascontiguousarray(picture)
+    drawn = np.array(picture)
     for place in places[np.isfinite(places).all(axis=1)]:
         _mark(drawn, place, colour)
     return _banner(drawn, moment.refusals[0].text, colour)

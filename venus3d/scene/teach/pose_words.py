@@ -23,7 +23,7 @@ padding:5px 9px;margin-bottom:6px}
 overflow:hidden;margin:4px 0}
 .v-bar i{display:block;height:100%;background:var(--info)}
 .v-figure{font-size:26px;font-weight:780;line-height:1.1}
-.v-figure small{font-size:14px;color:var(--soft);font-weight:550}
+.v-figure small{display:block;font-size:14px;line-height:1.25;color:var(--soft);font-weight:550}
 .v-say{font-size:14px;line-height:1.35}
 </style>"""
 

@@ -16,11 +16,11 @@ from venus3d.engine.pose import Array, Pose
 from venus3d.lessons.lesson import Arrangement
 from venus3d.scene.board_shape import board_ghost, board_outline, board_shape
 from venus3d.scene.describe import SceneOptions, still_shapes
-from venus3d.scene.frustum import AXIS_LENGTH, border_segments, camera_shapes
+from venus3d.scene.frustum import AXIS_LENGTH, border_segments
 from venus3d.scene.instruction import instruction_shapes, swept
 from venus3d.scene.palette import ground
 from venus3d.scene.shapes import LabelShape, LineShape, Shape
-from venus3d.scene.strip import bounds_of
+from venus3d.scene.strip import bounds_of, strip_shapes
 from venus3d.scene.teach.comparison import column_shapes, comparison_points
 from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.state import TeachState
@@ -44,15 +44,18 @@ def stage_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
     """All that the 3D scene shows."""
     camera, board = moment.camera, moment.board
     if state.compares:
-        return (*camera_shapes(camera, dark=state.dark), *_comparison(moment, state))
+        return tuple(_comparison(moment, state))
     if state.arrangement == "strip":
-        options = SceneOptions(state.step, strip=True, dark=state.dark, sweep=state.sweep)
-        return still_shapes(camera, board, moment.steps, options)
+        return tuple(
+            strip_shapes(board, moment.steps, dark=state.dark, active=state.step, sweep=state.sweep)
+        )
     active = shown_step(moment, state)
     options = SceneOptions(active, dark=state.dark)
     hidden: tuple[str, ...] = ()
     if state.at_rest or state.sweep == 1.0:
         hidden = (f"/steps/{active}/after",)  # the board itself is there
+    if state.at_rest and not moment.refusals:
+        hidden = (*hidden, "/target/label")
     if state.viewpoint == "camera":
         # From inside the camera its own picture and axes are in the way.
         hidden = (*hidden, "/camera/frustum", "/camera/ax")
@@ -147,7 +150,7 @@ def points_of_interest(
     if arrangement in ("axes", "order"):
         return comparison_points(moment.board)
     if arrangement == "strip":
-        low, high = bounds_of([s for s in shapes if s.name.startswith("/strip/")])
+        low, high = bounds_of(shapes)
         return np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
     board = moment.board
     return np.concatenate(

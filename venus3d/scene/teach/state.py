@@ -169,9 +169,10 @@ class TeachState:
     # -- lessons ----------------------------------------------------------------------------------
 
     def opened(self, lesson: int | None, page: int = 0) -> TeachState:
-        """A page of a lesson, as its writer set it; None: free, everything stays as it is."""
+        """A page of a lesson, as its writer set it; None: free, with a pose of its own."""
         if lesson is None:
-            return replace(self, lesson=None, page=0, answer=None)
+            free = replace(self, lesson=None, page=0, answer=None, arrangement="place")
+            return replace(free, viewpoint="outside").reset()
         pages = self.lessons[lesson].pages
         shown = pages[min(max(page, 0), len(pages) - 1)]
         return replace(

@@ -39,8 +39,8 @@ Save = Callable[[TeachState, str], tuple[str, bytes]]
 _PERIOD_S = 1 / 30
 _QUIET_S = 0.15
 """So long after the last change, pictures are drawn once more, fine."""
-# Behind and above the camera, looking nearly along its axis: left and right as in its picture.
-_ABREAST = (0.16, 0.34, 1.0)
+# Behind and above the camera, looking along its axis: left and right as in its picture.
+_ABREAST = {"strip": (0.0, 0.32, 1.0), "axes": (0.22, 0.5, 1.0), "order": (0.22, 0.5, 1.0)}
 
 
 class TeachViewer:
@@ -230,8 +230,8 @@ class TeachViewer:
         at_once, self._looking = self._looking is None, looking
         points = points_of_interest(moment, state.arrangement, shapes)
         view: Callable[[float], View] = partial(view_from, state.viewpoint, self._camera, points)
-        if state.viewpoint == "outside" and state.arrangement != "place":
-            view = partial(view_along, _ABREAST, points)
+        if state.viewpoint == "outside" and state.arrangement in _ABREAST:
+            view = partial(view_along, _ABREAST[state.arrangement], points)
         self._flight.go(view, at_once=at_once)
 
     def _picture_loop(self) -> None:

@@ -24,8 +24,9 @@ color:var(--step);white-space:nowrap}
 .v-now p{margin:0;font-size:clamp(16px,3.9cqw,27px);line-height:1.2;font-weight:550}
 .v-now .v-who{font-size:13px;color:var(--soft);line-height:1.25}
 .v-four{display:grid;grid-template-columns:repeat(4,1fr);gap:5px;margin-top:6px}
-.v-four div{border:2px solid var(--line);border-radius:7px;background:var(--tile);padding:3px 6px;
-font-size:13px;line-height:1.2;display:flex;align-items:center;gap:5px;flex-wrap:wrap}
+.v-four div{border:2px solid var(--line);border-radius:7px;background:var(--tile);padding:3px 4px;
+font-size:12px;line-height:1.2;display:flex;align-items:center;gap:3px;white-space:nowrap}
+@container (max-width:430px){.v-four span{display:none}}
 .v-four div.v-on{border-color:var(--step)}
 .v-four b{flex:none;width:1.5em;height:1.5em;border-radius:50%;background:var(--step);
 color:var(--ink);display:grid;place-items:center;font-size:13px}
