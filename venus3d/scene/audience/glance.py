@@ -56,7 +56,7 @@ def sheet(look: Look) -> str:
         f"--ink:{hex_of(neutral.background)};--right:{right_colour(dark=dark)}"
     )
     mirror = "canvas{transform:scaleX(-1)}" if look.mirror else ""
-    return f"<style>.v-audience{{{root}}}{_SHEET}{mirror}</style>"
+    return f"<style>.v-audience,.v-hint{{{root}}}{_SHEET}{mirror}</style>"
 
 
 def _views(count: int) -> str:
@@ -114,6 +114,11 @@ place-items:center}
 align-items:center;font-size:var(--letter);font-weight:700;line-height:1.16;letter-spacing:-.01em;
 text-wrap:balance;border-left:1.2vw solid var(--step)}
 .v-is-good .v-say{color:var(--right)}
+.v-hint{visibility:visible;position:fixed;left:1vw;top:1vh;font:600 2.4vh Inter,"Segoe UI",Roboto,
+Arial,sans-serif;padding:1vh 1vw;border-radius:1vh;background:var(--ink);color:var(--text);
+cursor:pointer}
+.v-hint input{position:absolute;opacity:0}
+.v-hint:has(:checked){display:none}
 @media (orientation:portrait){
 div:has(>div>div>canvas):not(:has(.v-audience)){width:100vw!important;height:30vh!important}
 .v-audience{--letter:5vh}

@@ -1,0 +1,209 @@
+"""The second monitor in a real browser: read at two metres, seen through the lens, not acted on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.pose import Array, Pose
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.audience.audience import Audience
+from venus3d.scene.audience.controls import AudienceControls
+from venus3d.scene.audience.look import Look
+from venus3d.scene.guide.viewer import Viewer
+from venus3d.scene.texts import audience as texts
+from venus3d.sources.sim import Simulation
+
+pytestmark = pytest.mark.browser
+
+_PORT = 8374
+TILTED = Pose.from_vector([25, -20, 8, 0.01, 0.005, 0.5])
+_WIDE, _TALL = (1803, 1014), (1200, 1300)
+"""Windows whose picture is 1280 wide, and one with the picture above the text."""
+MARK_COLOUR = (255, 0, 255)
+
+
+@pytest.fixture
+def audience() -> Iterator[Audience]:
+    page = Audience("127.0.0.1", _PORT)
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def frame(paper_camera: Camera, default_board: Board) -> Array:
+    """What the true camera, with its distortion, sees of the tilted board."""
+    source = Simulation(paper_camera, default_board, seed=1, realtime=False, start=TILTED)
+    picture = source.read()
+    source.close()
+    assert picture is not None
+    return picture.image
+
+
+def opened(chromium: Any, url: str, width: int, height: int) -> Any:
+    page = chromium.new_page(viewport={"width": width, "height": height})
+    page.set_default_timeout(30_000)
+    page.goto(url)
+    page.wait_for_selector(".v-say")
+    return page
+
+
+def wait_for_sentence(page: Any, text: str) -> None:
+    page.wait_for_function("t => document.querySelector('.v-say')?.innerText.includes(t)", arg=text)
+
+
+def canvas_picture(page: Any) -> Array:
+    """The picture's part of the screen, RGB, without the page's letters."""
+    box = page.evaluate(
+        "() => { const r = [...document.querySelectorAll('canvas')].at(-1)"
+        ".getBoundingClientRect(); return [r.x, r.y, r.width, r.height] }"
+    )
+    clip = dict(zip(("x", "y", "width", "height"), box, strict=True))
+    png = page.screenshot(clip=clip)
+    return cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+
+
+def detected(board: Board, rgb: Array) -> dict[int, Array]:
+    """Corners by OpenCV, pixels."""
+    grey = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2GRAY)
+    corners, ids, _, _ = cv2.aruco.CharucoDetector(board.cv_board).detectBoard(grey)
+    if ids is None:
+        return {}
+    return dict(zip(ids.ravel().tolist(), corners.reshape(-1, 2), strict=True))
+
+
+def marks(rgb: Array) -> Array:
+    """(N, 2) centres of the marks that are drawn in 3D, pixels."""
+    far = np.abs(rgb.astype(int) - MARK_COLOUR).sum(axis=2)
+    mask = (far < 200).astype(np.uint8)
+    count, _, stats, centres = cv2.connectedComponentsWithStats(mask)
+    return np.array([centres[i] for i in range(1, count) if stats[i, cv2.CC_STAT_AREA] > 8])
+
+
+def settled(page: Any, read: Callable[[Array], Any], enough: int) -> tuple[Any, int]:
+    """What is read off the picture once it is there and stands still, and the picture's width."""
+    before, found = canvas_picture(page), ()
+    for _ in range(80):
+        page.wait_for_timeout(150)
+        rgb = canvas_picture(page)
+        if np.array_equal(rgb, before) and len(found := read(rgb)) >= enough:
+            return found, rgb.shape[1]
+        before = rgb
+    raise AssertionError(f"only {len(found)} of {enough} are seen")
+
+
+def test_what_is_drawn_in_3d_lies_on_what_the_camera_saw(
+    chromium: Any,
+    audience: Audience,
+    frame: Array,
+    guiding: Snapshot,
+    paper_camera: Camera,
+    default_board: Board,
+) -> None:
+    """A wrong field of view, centre, aspect or map would shift the marks off the corners: within
+    1.5 px on a picture of 1280 px, for windows of any shape, and after the window has changed."""
+    audience.choose(lambda look: replace(look, lens=True))
+    audience.show(replace(guiding, camera=paper_camera, target=None, match=None, phase="guiding"))
+    page = opened(chromium, audience.url, *_WIDE)
+    corners: list[tuple[dict[int, Array], int]] = []
+    for size in (_WIDE, _TALL):
+        page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+        audience.show_picture(frame)
+        corners.append(settled(page, lambda rgb: detected(default_board, rgb), 36))
+    points = TILTED.apply(default_board.corners)
+    for i, point in enumerate(points):
+        audience.server.scene.add_icosphere(
+            f"/mark/{i}", radius=0.0022, color=MARK_COLOUR, position=point, cast_shadow=False
+        )
+    for size, (found, width) in zip((_TALL, _WIDE), reversed(corners), strict=True):
+        page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+        centres, same = settled(page, marks, len(points))
+        assert same == width and len(centres) == len(points)
+        off = [float(np.linalg.norm(centres - at, axis=1).min()) for at in found.values()]
+        print(size, f"mean {np.mean(off) * 1280 / width:.2f} most {max(off) * 1280 / width:.2f}")
+        assert max(off) * 1280 / width < 1.5
+    page.close()
+
+
+def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
+    chromium: Any, audience: Audience, frame: Array, guiding: Snapshot
+) -> None:
+    """Letters of a twentieth of the screen, half of it the picture; step, hold still, captured."""
+    page = opened(chromium, audience.url, 1280, 720)
+    wait_for_sentence(page, texts.STARTING[2])
+    audience.show_picture(frame)
+    audience.show(guiding)
+    assert guiding.match is not None
+    wait_for_sentence(page, guiding.match.steps[2].words.holder)
+    assert page.inner_text(".v-top b") == "3"
+    assert page.get_attribute(".v-dial svg", "aria-label") is not None
+    size = page.evaluate("getComputedStyle(document.querySelector('.v-say')).fontSize")
+    assert float(size.removesuffix("px")) >= 720 / 20
+    _, width = settled(page, lambda rgb: rgb.ravel() if rgb.std() > 20 else (), 1)
+    assert width * width * 9 / 16 >= 0.5 * 1280 * 720
+    pressed = "button, input, a, select, textarea, [role=slider]"
+    assert not [e for e in page.query_selector_all(pressed) if e.is_visible()]
+
+    # A mirror turns the picture and no letters; a bright room has dark letters.
+    audience.choose(lambda look: replace(look, mirror=True, light=True))
+    page.wait_for_function(
+        "getComputedStyle(document.querySelector('canvas')).transform.startsWith('matrix(-1,')"
+    )
+    assert page.evaluate("getComputedStyle(document.querySelector('.v-say')).transform") == "none"
+    page.wait_for_function(
+        "getComputedStyle(document.querySelector('.v-say')).color === 'rgb(22, 25, 30)'"
+    )
+
+    there = replace(guiding.match, within=(True,) * 4, reached=True)
+    audience.show(replace(guiding, match=there))
+    wait_for_sentence(page, texts.STEP_DONE.format(title=texts.STEP_TITLES[2]))
+    wait_for_sentence(page, texts.HOLD_STILL[2])
+    audience.show(replace(guiding, phase="captured"))
+    wait_for_sentence(page, texts.CAPTURED[2])
+    wait_for_sentence(page, texts.THINKING[2])
+    page.close()
+
+
+def test_the_operator_chooses_for_all_who_look(
+    chromium: Any, audience: Audience, guiding: Snapshot
+) -> None:
+    """A key on the operator's page changes the other page, and a sound comes when a step is right;
+    keys and clicks on the other page change nothing."""
+    viewer = Viewer(port=_PORT + 1)
+    try:
+        AudienceControls(viewer.server, audience)
+        looking = opened(chromium, audience.url, 1280, 720)
+        acting = chromium.new_page(viewport={"width": 1280, "height": 720})
+        acting.goto(viewer.url)
+        acting.wait_for_selector(".v-guide")
+        audience.show(guiding)
+        wait_for_sentence(looking, "Swing")
+        looking.keyboard.press("m")
+        looking.mouse.click(300, 300)
+        acting.keyboard.press("v")
+        looking.wait_for_function("document.querySelector('.v-audience') !== null")
+        for _ in range(100):
+            if audience.look.lens:
+                break
+            acting.wait_for_timeout(50)
+        assert audience.look == Look(lens=True)
+
+        audience.choose(lambda look: replace(look, sound=True))
+        looking.get_by_text(texts.SOUND_HINT).click()
+        looking.get_by_text(texts.SOUND_HINT).wait_for(state="hidden")
+        looking.evaluate(
+            "document.addEventListener('playing', () => { window.heard = true }, true)"
+        )
+        assert guiding.match is not None
+        audience.show(replace(guiding, match=replace(guiding.match, within=(True,) * 4)))
+        looking.wait_for_function("window.heard === true")
+        looking.close(), acting.close()
+    finally:
+        viewer.close()
