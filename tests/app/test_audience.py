@@ -1,0 +1,88 @@
+"""The second monitor's address: what is asked for, told, and refused in one sentence."""
+
+from __future__ import annotations
+
+import socket
+from dataclasses import replace
+
+import pytest
+
+from venus3d.app.audience import open_audience, said_of
+from venus3d.engine.errors import VenusError
+from venus3d.options import GuideOptions
+from venus3d.options.audience import audience_address
+from venus3d.scene.audience.look import Look
+
+_PORT = 8378
+
+
+@pytest.mark.parametrize(
+    ("text", "host", "port"),
+    [
+        ("8090", "127.0.0.1", 8090),
+        ("0.0.0.0:8090", "0.0.0.0", 8090),
+        ("localhost:9000", "localhost", 9000),
+        ("[::1]:9000", "::1", 9000),
+    ],
+)
+def test_an_address_is_a_port_with_or_without_a_host(text: str, host: str, port: int) -> None:
+    assert audience_address(text, 8080) == (host, port)
+
+
+@pytest.mark.parametrize("text", ["", "host", "host:", ":8090", "8090x", "-1", "1.5", "a:b:c"])
+def test_what_is_no_address_is_said_with_an_example(text: str) -> None:
+    with pytest.raises(VenusError, match=r"0\.0\.0\.0:8090"):
+        audience_address(text, 8080)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (GuideOptions(audience="8080"), "a port of its own"),
+        (GuideOptions(audience="0.0.0.0:8080"), "a port of its own"),
+        (GuideOptions(audience="8090", headless=True), "--headless"),
+        (GuideOptions(audience="8090", trial=True), "--audience"),
+        (GuideOptions(audience_mirror=True), "--audience"),
+        (GuideOptions(audience_view="lens"), "--audience"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(options: GuideOptions, said: str) -> None:
+    with pytest.raises(VenusError, match=said):
+        options.check()
+
+
+def test_a_taken_port_is_refused_and_not_replaced() -> None:
+    """Whoever sits at the other monitor was told this address."""
+    with socket.socket() as holder:
+        holder.bind(("127.0.0.1", 0))
+        holder.listen()
+        port = holder.getsockname()[1]
+        with pytest.raises(VenusError, match=f"Port {port} is taken"):
+            open_audience(GuideOptions(audience=str(port)))
+
+
+@pytest.mark.parametrize("text", ["203.0.113.7:8378", "no.such.host.invalid:8378", "70000"])
+def test_an_address_that_cannot_be_had_is_one_sentence(text: str) -> None:
+    with pytest.raises(VenusError, match=r"127\.0\.0\.1|70000"):
+        open_audience(GuideOptions(audience=text))
+
+
+def test_who_can_look_is_told() -> None:
+    """For this machine only unless asked; otherwise an address that others can type."""
+    assert open_audience(GuideOptions()) is None
+    options = GuideOptions(audience=str(_PORT), audience_view="lens", audience_light=True)
+    options.check()
+    alone = open_audience(options)
+    assert alone is not None
+    try:
+        assert alone.look == Look(lens=True, light=True)
+        assert f"http://localhost:{_PORT}" in said_of(alone) and "this machine" in said_of(alone)
+    finally:
+        alone.close()
+    everybody = open_audience(replace(options, audience=f"0.0.0.0:{_PORT + 1}"))
+    assert everybody is not None
+    try:
+        said = said_of(everybody)
+        assert "without a password" in said and "0.0.0.0" not in said
+    finally:
+        everybody.close()
