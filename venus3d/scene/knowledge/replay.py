@@ -1,0 +1,209 @@
+"""A search, watched afterwards at a speed that a person can follow.
+
+Each pose looked at is a dot, twice: where the board's centre would be, and in a box of three axes,
+the turns about X and Y and the distance. The brighter a dot, the smaller the cost. A search in
+batches shows batch after batch; the annealing walks move by move, a line along what it took.
+
+    /search/places, /search/angles            the dots in front of the camera, and in the box
+    /search/faint                             outlines of a few of the newest poses
+    /search/best, sheet, best_label           the best board so far
+    /search/best_angles                       and its dot in the box
+    /search/now                               the pose looked at (walk)
+    /search/walk, /search/walk_angles         the line of the poses taken (walk)
+    /search/box, /search/axis_1 ... axis_6    the box and its ends' names
+    /search/title                             what the box is
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.board import Board
+from venus3d.engine.moves import Walk
+from venus3d.engine.pose import Array, Pose
+from venus3d.scene.board_shape import board_ghost, board_outline, outline_segments
+from venus3d.scene.knowledge.colours import colours_of
+from venus3d.scene.palette import ground, mixed, step_colour
+from venus3d.scene.shapes import Colour, LabelShape, LineShape, PointShape, Shape
+from venus3d.scene.texts import knowledge as texts
+
+SECONDS, REST_SECONDS = 13.0, 4.0
+"""How long the search takes to be shown, and how long its end stays."""
+_FAINT = 10  # boards of a batch that are outlined
+_DOT = 0.006
+_BOX, _SIDE = np.array([0.30, -0.16, 0.02]), 0.2  # lowest corner and side of the box, metres
+_FURTHEST_M = 1.2
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One moment of the replay: all that has been looked at so far."""
+
+    walk: Walk
+    shown: int
+    """Moves shown, 1 ... all."""
+
+    @property
+    def is_last(self) -> bool:
+        """Whether all has been shown."""
+        return self.shown == len(self.walk.moves)
+
+
+def shown_after(walk: Walk, seconds: float) -> int:
+    """How many moves are shown so long after the start; at least 1."""
+    count = len(walk.moves)
+    return min(count, 1 + int(count * max(seconds, 0.0) / SECONDS))
+
+
+@lru_cache(maxsize=4)
+def search_shapes(walk: Walk, shown: int, board: Board, dark: bool) -> tuple[Shape, ...]:
+    """The search after `shown` moves."""
+    stage, colours = Stage(walk, shown), ground(dark)
+    moves = walk.moves[:shown]
+    poses, colour, fresh = _dots(stage)
+    shapes: list[Shape] = [
+        PointShape("/search/places", poses[:, 3:], colour, _DOT),
+        PointShape("/search/angles", _in_box(poses), colour, 0.8 * _DOT),
+        LineShape("/search/faint", _outlines(board, fresh), Pose.identity(), colours.ghost, 1.0),
+        *_box_shapes(dark),
+        *_titles(dark),
+    ]
+    if not walk.is_batched:
+        shapes += _walk_shapes(stage, board, dark)
+    best = walk.end if stage.is_last else moves[-1].best_vector
+    word = texts.SEARCH_CHOSEN if stage.is_last else texts.SEARCH_BEST
+    pose = Pose.from_vector(best)
+    return (
+        *shapes,
+        board_ghost(board, pose, "/search/sheet", colours.warning, 0.35),
+        board_outline(board, pose, "/search/best", colours.warning, 4.0),
+        LabelShape("/search/best_label", word, pose.t, colours.text, in_projection=False),
+        PointShape("/search/best_angles", _in_box(best[None]), _rgb(colours.warning), 2 * _DOT),
+    )
+
+
+def caption(walk: Walk, shown: int, number: int, *, in_px: bool) -> str:
+    """What is to be seen, in one line; `in_px` if the cost is a mean variance in square pixels."""
+    last, title = walk.moves[shown - 1], texts.SEARCH_TITLE.format(number=number)
+    best, is_last = _cost_text(last.best_cost, in_px), shown == len(walk.moves)
+    if walk.is_batched:
+        text = texts.SEARCH_DONE if is_last else texts.SEARCH_BATCH
+        return f"{title}: {text.format(looked=last.evaluated, best=best)}"
+    taken = [move for move in walk.moves[:shown] if move.accepted]
+    if is_last:
+        at_end = [move.cost for move in taken if np.allclose(move.vector, walk.end, atol=1e-6)]
+        end = _cost_text(at_end[-1] if at_end else last.best_cost, in_px)
+        done = texts.SEARCH_DONE_WALK.format(looked=last.evaluated, end=end, best=best)
+        return f"{title}: {done}"
+    told = texts.SEARCH_MOVE.format(
+        move=shown,
+        moves=len(walk.moves),
+        verdict=texts.SEARCH_TAKEN if last.accepted else texts.SEARCH_REFUSED,
+        accepted=len(taken),
+        best=best,
+    )
+    return f"{title}: {told}"
+
+
+def _cost_text(cost: float, in_px: bool) -> str:
+    value = float(np.sqrt(cost)) if in_px else cost
+    return (texts.SEARCH_PX if in_px else texts.SEARCH_COST).format(value=f"{value:.3g}")
+
+
+def _dots(stage: Stage) -> tuple[Array, NDArray[np.uint8], Array]:
+    """All poses so far (N, 6), their colours (N, 3), and a few of the newest (K, 6)."""
+    batches = [
+        (move.candidates, move.candidate_costs)
+        if len(move.candidates)
+        else (move.vector[None], np.array([move.cost]))
+        for move in stage.walk.moves
+    ]
+    every = np.log(np.concatenate([costs for _, costs in batches]))
+    low, high = np.percentile(every, [1, 90])
+    seen = batches[: stage.shown]
+    costs = np.log(np.concatenate([costs for _, costs in seen]))
+    newest, worth = seen[-1]
+    few = newest[np.argsort(worth)[:: max(1, len(worth) // _FAINT)][:_FAINT]]
+    # Small costs are bright.
+    colour = colours_of(-costs, -high, -low)
+    return np.concatenate([poses for poses, _ in seen]), colour, few
+
+
+def _outlines(board: Board, poses: Array) -> Array:
+    """(4 K, 2, 3) edges of boards under pose vectors (K, 6), camera frame."""
+    edges = outline_segments(board)
+    return np.concatenate([Pose.from_vector(pose).apply(edges) for pose in poses])
+
+
+def _in_box(poses: Array) -> Array:
+    """(N, 3) where pose vectors (N, 6) stand in the box, camera frame, metres."""
+    share = np.stack(
+        [
+            (poses[:, 0] + 90) / 180,
+            (poses[:, 1] + 90) / 180,
+            np.linalg.norm(poses[:, 3:], axis=1) / _FURTHEST_M,
+        ],
+        axis=1,
+    )
+    return _BOX + _SIDE * np.clip(share, 0.0, 1.0)
+
+
+def _walk_shapes(stage: Stage, board: Board, dark: bool) -> list[Shape]:
+    """The line of the poses taken so far, and the pose that is looked at now."""
+    colours = ground(dark)
+    moves = stage.walk.moves[: stage.shown]
+    taken = [move.vector for move in moves if move.accepted]
+    last = moves[-1]
+    colour = step_colour(1, dark) if last.accepted else colours.ghost
+    now = Pose.from_vector(last.vector)
+    shapes: list[Shape] = [
+        board_outline(board, now, "/search/now", colour, 3.0 if last.accepted else 1.5)
+    ]
+    if len(taken) > 1:
+        path = np.array(taken)
+        ink, here = mixed(step_colour(1, dark), colours.text, 0.2), Pose.identity()
+        shapes += [
+            LineShape("/search/walk", _chain(path[:, 3:]), here, ink, 2.5),
+            LineShape("/search/walk_angles", _chain(_in_box(path)), here, ink, 2.5),
+        ]
+    return shapes
+
+
+def _chain(points: Array) -> Array:
+    """(N - 1, 2, 3) segments from each of the points (N, 3) to the next."""
+    return np.array([[a, b] for a, b in pairwise(points)])
+
+
+@lru_cache(maxsize=2)
+def _box_shapes(dark: bool) -> tuple[Shape, ...]:
+    """The box's edges, and the names of its three axes' ends."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    edges = [(a, b) for a in corners for b in corners if np.sum(b - a) == 1 and np.sum(a != b) == 1]
+    lines = _BOX + _SIDE * np.array(edges, dtype=np.float64)
+    colours = ground(dark)
+    shapes: list[Shape] = [LineShape("/search/box", lines, Pose.identity(), colours.ghost, 1.0)]
+    # Along the edge that starts at the lowest corner seen from the usual place.
+    ends = np.array(
+        [[0, 1.1, 0], [1, 1.1, 0], [-0.12, 0, 0], [-0.12, 1, 0], [1.1, 1.1, 0], [1.1, 1.1, 1]]
+    )
+    for index, (text, end) in enumerate(zip(texts.AXIS_LOW_HIGH, ends, strict=True), start=1):
+        colour = step_colour((2, 2, 3, 3, 1, 1)[index - 1], dark)
+        at = _BOX + _SIDE * end
+        label = text.format(high=90)
+        shapes.append(LabelShape(f"/search/axis_{index}", label, at, colour, False))
+    return tuple(shapes)
+
+
+@lru_cache(maxsize=2)
+def _titles(dark: bool) -> tuple[Shape, ...]:
+    at = _BOX + _SIDE * np.array([0.5, -0.2, 0.5])
+    return (LabelShape("/search/title", texts.SEARCH_ANGLES, at, ground(dark).text, False),)
+
+
+def _rgb(colour: Colour) -> NDArray[np.uint8]:
+    return np.array([colour], dtype=np.uint8)
