@@ -6,6 +6,7 @@ behind. See viser's `infra`.
 
 from __future__ import annotations
 
+import socket
 import typing
 from collections.abc import Iterator
 from typing import Any, get_args, get_origin, get_type_hints
@@ -20,10 +21,20 @@ from websockets.sync.client import ClientConnection, connect
 class RawClient:
     """One connection; a context manager."""
 
-    def __init__(self, port: int, host: str = "127.0.0.1") -> None:
+    def __init__(self, port: int, host: str = "127.0.0.1", holds_bytes: int = 0) -> None:
+        """`holds_bytes`: how much waits at this end while nobody reads; 0 for as usual."""
         version = f"viser-v{viser.__version__}"
+        line = socket.socket()
+        if holds_bytes:
+            line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, holds_bytes)
+        line.connect((host, port))
         self._socket: ClientConnection = connect(
-            f"ws://{host}:{port}", subprotocols=[version], max_size=None, compression=None
+            f"ws://{host}:{port}",
+            sock=line,
+            subprotocols=[version],
+            max_size=None,
+            max_queue=1,
+            compression=None,
         )
 
     def __enter__(self) -> RawClient:

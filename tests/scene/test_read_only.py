@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 import viser
 
@@ -143,3 +144,33 @@ def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() ->
     finally:
         audience.close()
         viewer.close()
+
+
+def test_pictures_do_not_queue_up_for_a_browser_that_is_slow() -> None:
+    """Megabytes on their way would show it the past: it must skip pictures instead."""
+    server = start_read_only_server("127.0.0.1", next(_PORTS))
+    noise = np.random.default_rng(1).integers(0, 255, (270, 480, 3), np.uint8)
+    picture = server.scene.add_image("/picture", noise, 1, 1, jpeg_quality=80)
+    count = 120
+    try:
+        with (
+            RawClient(server.get_port()) as quick,
+            RawClient(server.get_port(), holds_bytes=65536) as slow,
+        ):
+            quick.backlog(), slow.backlog()
+            for number in range(1, count + 1):
+                picture.image = np.roll(noise, number, axis=0)
+                server.flush()
+                while not pictures(quick.window(timeout=20)):  # it was sent
+                    pass
+            late = 0  # what was on its way when it began to read
+            with contextlib.suppress(TimeoutError):
+                while True:
+                    late += pictures(slow.window(timeout=1.0))
+        assert 1 <= late <= count / 8
+    finally:
+        server.stop()
+
+
+def pictures(messages: list[dict[str, Any]]) -> int:
+    return sum("_data" in message.get("updates", {}) for message in messages)

@@ -32,7 +32,10 @@ def small_picture(image: LivePicture, width: int = PICTURE_WIDTH) -> NDArray[np.
         picture = np.rint(image * (255.0 / max(int(image.max()), 1))).astype(np.uint8)
     if picture.shape[1] > width:
         height = round(picture.shape[0] * width / picture.shape[1])
-        picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+        # Averaging takes ten times as long where the sizes are no multiples, and shows no more.
+        halved = picture.shape[1] >= 2 * width
+        how = cv2.INTER_AREA if halved else cv2.INTER_LINEAR
+        picture = cv2.resize(picture, (width, height), interpolation=how)
     code = cv2.COLOR_GRAY2RGB if picture.ndim == 2 else cv2.COLOR_BGR2RGB
     return np.asarray(cv2.cvtColor(picture, code), dtype=np.uint8)
 

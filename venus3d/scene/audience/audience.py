@@ -25,6 +25,9 @@ from venus3d.scene.view import SceneView
 
 PICTURE_WIDTH = 960
 _SCENE_PERIOD_S, _PICTURE_PERIOD_S = 1 / 12, 1 / 15
+_SENT_PER_S = 240
+"""To all browsers together: a class of 30 gets 8 pictures a second, so that the operator's page,
+which shares the machine, stays quick."""
 _SHOWN_S: dict[Cue, float] = {"reached": 0.9, "captured": 1.8}
 """How long a person is given to see what was achieved."""
 
@@ -153,7 +156,10 @@ class Audience:
                     self._page.show(moment, snapshot, dark=not look.light)
                     self._scene.draw(lens_shapes(snapshot, look), dark=True)
             self._page.fit()
-            self._stop.wait(max(0.0, now + _SCENE_PERIOD_S - time.monotonic()))
+            self._stop.wait(max(0.0, now + self._period(_SCENE_PERIOD_S) - time.monotonic()))
+
+    def _period(self, least: float) -> float:
+        return max(least, self._page.watched / _SENT_PER_S)
 
     def _picture_loop(self) -> None:
         while not self._stop.is_set():
@@ -164,7 +170,7 @@ class Audience:
                 continue
             if self._page.watched:
                 self._draw_picture(*came)
-            self._stop.wait(max(0.0, started + _PICTURE_PERIOD_S - time.monotonic()))
+            self._stop.wait(max(0.0, started + self._period(_PICTURE_PERIOD_S) - time.monotonic()))
 
     def _draw_picture(self, image: LivePicture, observation: Observation | None) -> None:
         rgb, snapshot = small_picture(image, PICTURE_WIDTH), self._snapshot

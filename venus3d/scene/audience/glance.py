@@ -35,6 +35,7 @@ def glance_html(moment: Moment, snapshot: Snapshot | None, *, dark: bool) -> str
         dial = dial_html(moment.match, moment.step)
     else:
         dial = f"<div class='v-sign'>{escape(moment.badge)}</div>"
+    said = moment.sentence.replace(" mm", "\u00a0mm")  # a number keeps its unit
     views = 0 if snapshot is None else len(snapshot.views)
     return (
         f"<div class='v-audience v-is-{moment.kind}' style='--step:{colour}'>"
@@ -42,7 +43,8 @@ def glance_html(moment: Moment, snapshot: Snapshot | None, *, dark: bool) -> str
         f"<span>{escape(moment.title)}</span></div>"
         f"<div class='v-dial'>{dial}</div>{_chips(moment, dark)}"
         f"<div class='v-views'>{_views(views)}</div></div>"
-        f"<div class='v-say' aria-live='polite'>{escape(moment.sentence)}</div></div>"
+        f"<div class='v-say' aria-live='polite'>{escape(said)}</div>"
+        f"<div class='v-lost'>{escape(texts.LOST)}</div></div>"
     )
 
 
@@ -114,6 +116,9 @@ place-items:center}
 align-items:center;font-size:var(--letter);font-weight:700;line-height:1.16;letter-spacing:-.01em;
 text-wrap:balance;border-left:1.2vw solid var(--step)}
 .v-is-good .v-say{color:var(--right)}
+.v-lost{display:none;position:absolute;left:0;top:0;padding:1.5vh 2vw;font-size:5vh;font-weight:750;
+background:var(--text);color:var(--ink)}
+.mantine-Paper-root:has(.mantine-Loader-root) .v-lost{display:block}
 .v-hint{visibility:visible;position:fixed;left:1vw;top:1vh;font:600 2.4vh Inter,"Segoe UI",Roboto,
 Arial,sans-serif;padding:1vh 1vw;border-radius:1vh;background:var(--ink);color:var(--text);
 cursor:pointer}

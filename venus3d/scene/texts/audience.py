@@ -5,6 +5,7 @@ to move it are the engine's (`engine/words.py`).
 """
 
 STARTING = ("…", "Starting", "Waiting for the first picture.")
+LOST = "No connection. This is an old picture."
 PAUSED = ("II", "Paused", "Paused. You may rest your arms.")
 SHOW_BOARD = ("?", "Show the board")
 NOT_SEEN = ("?", "Board not seen")
