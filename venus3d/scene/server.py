@@ -19,6 +19,8 @@ from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
 from venus3d.engine.errors import VenusError
 
 _PORTS_TRIED = 100
+_ON_ITS_WAY_BYTES = 131072
+"""A browser behind a slow line skips pictures; megabytes on their way would come seconds late."""
 _HEARD = (messages.ViewerCameraMessage,)
 """All that a read-only server hears of: each browser's own point of view and window."""
 
@@ -50,8 +52,16 @@ class ReadOnlyServer(LocalServer):
         super().__init__(host, port, **options)
         websockets: Any = vars(self)["_websock_server"]
         _narrow(websockets, ())
-        websockets.on_client_connect(_narrow_to_camera)
-        # Whoever was quicker than the two lines above comes back through the narrow doors.
+
+        def welcome(connection: Any) -> None:
+            _narrow(connection, _HEARD)
+            line = websockets._live_connections[connection.client_id].transport
+            line.get_extra_info("socket").setsockopt(
+                socket.SOL_SOCKET, socket.SO_SNDBUF, _ON_ITS_WAY_BYTES
+            )
+
+        websockets.on_client_connect(welcome)
+        # Whoever was quicker than these lines comes back through the narrow doors.
         websockets.disconnect_all_clients()
 
 
@@ -65,10 +75,6 @@ def _narrow(door: Any, heard: tuple[type, ...]) -> None:
             await dispatch(client_id, message)
 
     door._handle_incoming_message = dispatch_heard
-
-
-def _narrow_to_camera(connection: Any) -> None:
-    _narrow(connection, _HEARD)
 
 
 def start_server(host: str, port: int) -> tuple[LocalServer, str]:
