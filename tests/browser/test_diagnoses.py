@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from venus3d.engine.snapshot import Diagnosis, Snapshot
-from venus3d.scene.guide.diagnosis_panel import TITLES
 from venus3d.scene.guide.viewer import Viewer
+from venus3d.scene.texts.guide import DIAGNOSIS_TITLES
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -36,7 +36,7 @@ def test_diagnoses_come_with_cause_and_cure_and_go(
     told = page.inner_text(".v-diagnoses")
     for diagnosis in (PARALLEL, UNSEEN):
         assert diagnosis.cause in told and diagnosis.cure in told
-        assert TITLES[diagnosis.kind][1] in told
+        assert DIAGNOSIS_TITLES[diagnosis.kind] in told
     assert "and 1 more" in told and DEPTH.cause not in told
     box = page.locator(".v-diagnoses").bounding_box()
     assert box["x"] >= 0 and box["y"] + box["height"] <= 720, "within the smallest screen"

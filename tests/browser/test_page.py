@@ -13,8 +13,8 @@ import pytest
 
 from venus3d.engine.snapshot import Forecast, Snapshot
 from venus3d.scene.guide import intents
-from venus3d.scene.guide.method_panel import COST_WORDS, METHOD_WORDS
 from venus3d.scene.guide.viewer import Viewer
+from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -45,7 +45,7 @@ def press(page: Any, key: str) -> None:
 
 def marked_tile(page: Any) -> str:
     """Number of the projection that is marked."""
-    return str(page.locator(".v-tile.v-on").get_attribute("data-step"))
+    return str(page.locator("[data-marked]").get_attribute("data-marked"))
 
 
 def test_page_shows_state_scene_projections_and_progress(
@@ -81,7 +81,7 @@ def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snap
     assert "/steps/3/arrow" in viewer.scene_names
     press(page, "n")
     page.wait_for_selector(".v-title:has-text('Step 4 of 4')")
-    page.wait_for_selector(".v-tile.v-on[data-step='4']")
+    page.wait_for_selector("[data-marked='4']")
     assert "/steps/3/arrow" not in viewer.scene_names
     assert "/steps/4/after" in viewer.scene_names
     press(page, "p")
@@ -132,13 +132,13 @@ def test_reload_and_second_tab_see_the_same(
     press(first, "b")
     first.wait_for_selector(".v-title:has-text('Step 3 of 4')")
     press(first, "n")
-    first.wait_for_selector(".v-tile.v-on[data-step='4']")
+    first.wait_for_selector("[data-marked='4']")
     until(lambda: not viewer.state.dark, "the light page")
     first.reload()
     second = open_page()
     for page in (first, second):
         page.wait_for_selector(".v-title:has-text('Step 4 of 4')")
-        page.wait_for_selector(".v-tile.v-on[data-step='4']")
+        page.wait_for_selector("[data-marked='4']")
         page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
         page.wait_for_selector("[data-mantine-color-scheme='light']", state="attached")
     assert first.inner_text(".v-sentence") == second.inner_text(".v-sentence")
@@ -165,6 +165,7 @@ def test_another_pose_is_chosen_by_button_or_key(
     assert not page.get_by_text("nearly as good").is_visible()
     viewer.show(with_alternatives(guiding, (0.411, 0.43)))
     page.get_by_text("nearly as good").wait_for()
+    number = guiding.target.number
     button = page.get_by_role("button", name="on the left, 1 cm away: 0.43 px")
     assert page.get_by_role("button", name="on the left").count() == 2
     # All of its text is within it.
@@ -183,7 +184,7 @@ def test_another_pose_is_chosen_by_button_or_key(
     assert viewer.state.follow, "another pose is followed from its first step"
     press(page, "j")
     until(lambda: has(2), "the key")
-    assert asked == [intents.ChooseAlternative(1), intents.ChooseAlternative(0)]
+    assert asked == [intents.ChooseAlternative(1, number), intents.ChooseAlternative(0, number)]
 
 
 def test_the_method_is_chosen_from_a_list_that_tells_the_truth(

@@ -19,7 +19,7 @@ from typing import Any
 import cv2
 import pytest
 
-from venus3d.scene.guide.method_panel import COST_WORDS, METHOD_WORDS
+from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

@@ -132,13 +132,8 @@ class LiveGuide(Watching):
                 session.undo()
             case intents.DropView(number):
                 session.drop(number)
-            case intents.ChooseAlternative(index):
-                if not session.choose(index):
-                    self._viewer.say(
-                        "No other pose is nearly as good; K asks for another one."
-                        if session.phase == "guiding"
-                        else "There is no other pose to choose just now."
-                    )
+            case intents.ChooseAlternative(index, number):
+                self._choose(index, number)
             case intents.ChangeMethod(method, cost):
                 try:
                     session.change(method, cost)
@@ -156,3 +151,14 @@ class LiveGuide(Watching):
                 source.autopilot_on = on
             case _:
                 pass
+
+    def _choose(self, index: int, number: int) -> None:
+        target = self._session.snapshot().target
+        if target is not None and target.number != number:
+            self._viewer.say("Meanwhile there is another target; choose among its neighbours.")
+        elif not self._session.choose(index):
+            self._viewer.say(
+                "No other pose is nearly as good; K asks for another one."
+                if self._session.phase == "guiding"
+                else "There is no other pose to choose just now."
+            )

@@ -10,8 +10,9 @@ from typing import Any
 
 from venus3d.app import run_guided_trial
 from venus3d.options import GuideOptions
+from venus3d.scene.texts.trial import HELP_NAMES
 from venus3d.scene.trial.moment import HELPS, Help
-from venus3d.scene.trial.panel import HELP_NAMES, clock
+from venus3d.scene.trial.panel import clock
 from venus3d.storage.trials import TrialRow
 
 TRIAL_FOLDER = Path("venus3d-trial")

@@ -34,6 +34,7 @@ from venus3d.scene.instruction import instruction_shapes, swept
 from venus3d.scene.palette import ground, mixed, step_colour
 from venus3d.scene.shapes import LabelShape, Shape
 from venus3d.scene.strip import strip_shapes
+from venus3d.scene.texts.common import IN_ALL, TARGET_LABEL
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ def active_shapes(board: Board, camera: Camera, step: Step, options: SceneOption
     return [
         *shapes,
         *(
-            replace(shape, text=f"{shape.text} in all")
+            replace(shape, text=IN_ALL.format(length=shape.text))
             if isinstance(shape, LabelShape) and shape.name == f"{name}/label"
             else shape
             for shape in instruction_shapes(board, camera, step, dark=options.dark)
@@ -133,4 +134,4 @@ def _target_shapes(board: Board, pose: Pose, dark: bool) -> list[Shape]:
     colours = ground(dark)
     outline = board_outline(board, pose, "/target/board", colours.target, 3.0)
     below = pose.apply([0, board.height / 2 + 0.7 * board.square, 0])
-    return [outline, LabelShape("/target/label", "Target", np.asarray(below), colours.target)]
+    return [outline, LabelShape("/target/label", TARGET_LABEL, np.asarray(below), colours.target)]

@@ -15,6 +15,7 @@ import viser
 
 from venus3d.scene.style import Theme
 from venus3d.scene.texts.common import (
+    BY_NAME,
     ESCAPE_COMMAND,
     ESCAPE_COMMAND_HINT,
     HELP_CAMERA,
@@ -74,10 +75,10 @@ class HelpOverlay:
         self._commands = tuple(commands)
         self._theme = Theme(dark)
         self._lock = Lock()
-        self._open: dict[int, tuple[viser.GuiModalHandle, Any]] = {}
+        self._open: dict[int, tuple[Any, Any]] = {}  # the modal and its style sheet
         add = host.gui.add_command
         toggle = add(HELP_COMMAND, description=HELP_COMMAND_HINT, hotkey="H")
-        toggle.on_trigger(lambda event: _in_tab(event.client, self._toggle))
+        toggle.on_trigger(lambda event: _in_tab(event.client, self.toggle))
         close = add(ESCAPE_COMMAND, description=ESCAPE_COMMAND_HINT, hotkey="escape")
         close.on_trigger(lambda event: _in_tab(event.client, self._close))
 
@@ -91,7 +92,8 @@ class HelpOverlay:
         for sheet in sheets:
             sheet.content = theme.sheet
 
-    def _toggle(self, client: viser.ClientHandle) -> None:
+    def toggle(self, client: viser.ClientHandle) -> None:
+        """Show it in this tab, or put it away."""
         if client.client_id in self._open:
             self._close(client)
         else:
@@ -115,16 +117,23 @@ class HelpOverlay:
 
 
 def keys_html(commands: Sequence[Command]) -> str:
-    """The table of the help: key, name and description of each command, those with a key first."""
-    ordered = sorted(commands, key=lambda command: command.hotkey is None)
+    """The table of the help: key, name and description of each command; below it the names of those
+    that have no key."""
     help_itself = Command(HELP_COMMAND, "H", HELP_COMMAND_HINT, lambda: None)
     rows = "".join(
         f"<tr><td><kbd class='v-key'>{escape(key_name(c.hotkey, shift=c.shift))}</kbd></td>"
         f"<td><b>{escape(c.label)}</b></td><td>{escape(c.description)}</td></tr>"
-        for c in (help_itself, *ordered)
+        for c in (help_itself, *commands)
+        if c.hotkey is not None
     )
+    named = " · ".join(
+        f"<span title='{escape(c.description)}'>{escape(c.label)}</span>"
+        for c in commands
+        if c.hotkey is None
+    )
+    by_name = f"<p><b>{BY_NAME.format(key=NO_KEY)}</b> {named}</p>" if named else ""
     return (
-        f"<div class='v-keys'><p>{escape(HELP_INTRO)}</p><table>{rows}</table>"
+        f"<div class='v-keys'><p>{escape(HELP_INTRO)}</p><table>{rows}</table>{by_name}"
         f"<p>{escape(HELP_CAMERA)}</p></div>"
     )
 

@@ -22,6 +22,7 @@ from venus3d.scene.lens import lens_of
 from venus3d.scene.painter import Painter
 from venus3d.scene.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
 from venus3d.scene.text import paint_labels
+from venus3d.scene.texts.common import NO_OPENGL
 
 Image = NDArray[np.uint8]
 Backend = Literal["gl", "painter"]
@@ -65,10 +66,7 @@ class Offscreen:
                 if backend == "gl":
                     self._thread.shutdown()
                     raise RuntimeError(f"OpenGL cannot be used: {error}") from error
-                self.note = (
-                    "OpenGL cannot be used here, so OpenCV paints the pictures; "
-                    f"install libegl1 and libgl1-mesa-dri ({type(error).__name__}: {error})."
-                )
+                self.note = NO_OPENGL.format(cause=f"{type(error).__name__}: {error}")
 
     def submit(
         self,

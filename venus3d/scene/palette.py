@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from venus3d.engine.pose import Array
 from venus3d.scene.shapes import Colour
+from venus3d.scene.texts.common import STEP_TITLES
 
 
 @dataclass(frozen=True)
@@ -33,10 +34,10 @@ class StepStyle:
 
 
 STEP_STYLES: tuple[StepStyle, StepStyle, StepStyle, StepStyle] = (
-    StepStyle(1, "Move", (196, 120, 180), (173, 30, 208)),
-    StepStyle(2, "Tilt about X", (240, 100, 30), (191, 76, 0)),
-    StepStyle(3, "Swing about Y", (60, 240, 165), (45, 125, 105)),
-    StepStyle(4, "Rotate about Z", (90, 135, 250), (5, 30, 90)),
+    StepStyle(1, STEP_TITLES[0], (196, 120, 180), (173, 30, 208)),
+    StepStyle(2, STEP_TITLES[1], (240, 100, 30), (191, 76, 0)),
+    StepStyle(3, STEP_TITLES[2], (60, 240, 165), (45, 125, 105)),
+    StepStyle(4, STEP_TITLES[3], (90, 135, 250), (5, 30, 90)),
 )
 """Steps 1 ... 4."""
 
@@ -55,6 +56,9 @@ class Ground:
     camera: Colour
     """The frustum's lines."""
     warning: Colour
+    """First accent, amber: attention. Something is going on, or is needed."""
+    reached: Colour
+    """Second accent, green: something is right. Always with a tick and a word."""
 
 
 DARK = Ground(
@@ -65,6 +69,7 @@ DARK = Ground(
     target=(255, 255, 255),
     camera=(140, 148, 160),
     warning=(255, 208, 84),
+    reached=(74, 222, 128),
 )
 LIGHT = Ground(
     background=(246, 247, 249),
@@ -74,6 +79,7 @@ LIGHT = Ground(
     target=(20, 22, 26),
     camera=(96, 104, 116),
     warning=(150, 82, 0),
+    reached=(14, 112, 52),
 )
 
 

@@ -22,6 +22,7 @@ from venus3d.scene.describe import describe_step
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground, mixed, step_style, text_on
 from venus3d.scene.text import font, wrapped
+from venus3d.scene.texts.common import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
 
 Picture = NDArray[np.uint8]
 Pictures = tuple[Future[Picture], Future[Picture], Future[Picture], Future[Picture]]
@@ -124,7 +125,7 @@ def framed(picture: Picture, step: Step, dark: bool) -> Picture:
 def _banner(draw: ImageDraw.ImageDraw, size: tuple[int, int], corners: int, dark: bool) -> None:
     colours = ground(dark)
     face = font(round(size[1] * 0.042), bold=True)
-    text = f"{corners} corner{'s leave' if corners > 1 else ' leaves'} the image in this step"
+    text = ONE_CORNER_OUTSIDE if corners == 1 else CORNERS_OUTSIDE.format(count=corners)
     half, tall = face.getlength(text) / 2 + 8, round(size[1] * 0.065)
     middle, bottom = size[0] / 2, size[1] - 5
     draw.rectangle((middle - half, bottom - tall, middle + half, bottom), fill=colours.warning)

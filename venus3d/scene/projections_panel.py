@@ -4,14 +4,72 @@ from __future__ import annotations
 
 import base64
 from concurrent.futures import Future
+from html import escape
 
 import cv2
 import numpy as np
+import viser
 from numpy.typing import NDArray
 
 from venus3d.scene.style import Theme
+from venus3d.scene.texts import guide as say
 
 Picture = NDArray[np.uint8]
+
+
+class ProjectionsPanel:
+    """The four tiles of one server.
+
+    The pictures are large and change with the target; the mark is small and changes with the step.
+    So they are two pieces: a step turned over sends no picture again.
+    """
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        """No pictures yet, in the current panel."""
+        self._head, self._tiles = gui.add_html(""), gui.add_html("")
+
+    @property
+    def visible(self) -> bool:
+        """Whether anything is shown."""
+        return bool(self._head.visible)
+
+    @visible.setter
+    def visible(self, on: bool) -> None:
+        self._head.visible = self._tiles.visible = on
+
+    def show(self, sources: tuple[str, ...], step: int, theme: Theme, note: str = "") -> None:
+        """The pictures by their sources; an empty one is still being drawn; none: no target."""
+        self._head.content = mark_html(step, theme) if sources else _EMPTY
+        self._tiles.content = tiles_html(sources, note)
+
+
+_EMPTY = f"<div class='v-steps'><h3>{say.TILES_EMPTY}</h3></div>"
+
+
+def mark_html(step: int, theme: Theme) -> str:
+    """The heading, and the style that marks the step's tile."""
+    colour = theme.steps[step - 1]
+    mark = f".v-tile[data-step='{step}']{{border-color:{colour};box-shadow:0 0 0 2px {colour}}}"
+    return (
+        f"<style>{mark}</style><div class='v-steps' data-marked='{step}'>"
+        f"<h3 title='{escape(say.TILES_HINT)}'>{say.TILES_TITLE}</h3></div>"
+    )
+
+
+def tiles_html(sources: tuple[str, ...], note: str = "") -> str:
+    """The tiles, and a note below them; empty without sources."""
+    tiles = "".join(
+        f"<div class='v-tile' data-step='{number}'>{_inside(number, source)}</div>"
+        for number, source in enumerate(sources, start=1)
+    )
+    foot = f"<div class='v-legend'>{escape(note)}</div>" if note else ""
+    return f"<div class='v-steps'><div class='v-grid'>{tiles}</div>{foot}</div>" if tiles else ""
+
+
+def _inside(number: int, source: str) -> str:
+    if not source:
+        return f"<div class='v-wait'>{say.TILE_WAITING.format(number=number)}</div>"
+    return f"<img alt='{say.TILE_ALT.format(number=number)}' src='{source}'>"
 
 
 def encoded(picture: Picture) -> str:
@@ -19,29 +77,6 @@ def encoded(picture: Picture) -> str:
     bgr = cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
     _, buffer = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, 88])
     return "data:image/jpeg;base64," + base64.b64encode(buffer.tobytes()).decode("ascii")
-
-
-def projections_html(pictures: tuple[str, ...], step: int, theme: Theme, note: str = "") -> str:
-    """Four tiles; an empty source is a picture that is still being drawn; none: no target."""
-    if not pictures:
-        return "<div class='v-steps'><h3>The four steps of the next target appear here.</h3></div>"
-    tiles: list[str] = []
-    for number, source in enumerate(pictures, start=1):
-        shown = " v-on" if number == step else ""
-        inside = (
-            f"<img alt='Step {number} as the camera sees it' src='{source}'>"
-            if source
-            else f"<div class='v-wait'>Step {number}</div>"
-        )
-        tiles.append(
-            f"<div class='v-tile{shown}' data-step='{number}' "
-            f"style='--step:{theme.steps[number - 1]}'>{inside}</div>"
-        )
-    foot = f"<div class='v-legend'>{note}</div>" if note else ""
-    return (
-        "<div class='v-steps'><h3>The four steps from a frontal board, as the camera will see "
-        f"them</h3><div class='v-grid'>{''.join(tiles)}</div>{foot}</div>"
-    )
 
 
 class Tiles:

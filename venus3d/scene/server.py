@@ -17,6 +17,7 @@ import viser
 from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
 
 from venus3d.engine.errors import VenusError
+from venus3d.scene.texts.common import PORT_TAKEN
 
 _PORTS_TRIED = 100
 _ON_ITS_WAY_BYTES = 131072
@@ -91,7 +92,7 @@ def start_server(host: str, port: int) -> tuple[LocalServer, str]:
         raise AddressError(f"No port from {port} on is free on {host}; choose another with --port.")
     server = _quietly(LocalServer, host, candidate)
     taken = server.get_port()
-    note = "" if taken == port else f"Port {port} is taken; using {taken}."
+    note = "" if taken == port else PORT_TAKEN.format(port=port, taken=taken)
     return server, note
 
 

@@ -1,7 +1,9 @@
-"""The page's look: colours for dark and light, and the one style sheet of the panels' HTML.
+"""The pages' look: colours for dark and light, sizes of letters and gaps, and the one style sheet.
 
-Sizes inside a panel are in `cqw`, hundredths of the panel's width, so that the same page fits a
-projector and a small laptop. Layout of the panels themselves is the viewer's.
+There are four sizes for what is read at the desk (note, text, lead, figure), in pixels, and three
+for what is read at two metres (say, head, amount). The latter follow the panel's width and the
+window's height, so that the same page fits a projector and a small laptop. Everything that a page
+adds takes its sizes, gaps and colours from these variables. Where panels stand is the pages' own.
 """
 
 from __future__ import annotations
@@ -35,8 +37,13 @@ class Theme:
         return hex_of(ground(self.dark).warning)
 
     @property
-    def good(self) -> str:
+    def reached(self) -> str:
         """Something is right; always with a tick and a word."""
+        return hex_of(ground(self.dark).reached)
+
+    @property
+    def good(self) -> str:
+        """Plain text."""
         return hex_of(ground(self.dark).text)
 
     @property
@@ -45,94 +52,142 @@ class Theme:
         return hex_of(ground(self.dark).quiet_text)
 
     @property
+    def brand(self) -> Colour:
+        """Of viser's own buttons and marks. Neutral: the steps have the colours."""
+        return (150, 163, 184) if self.dark else (70, 82, 102)
+
+    @property
+    def line(self) -> str:
+        """Thin lines between things."""
+        return hex_of(mixed(ground(self.dark).background, ground(self.dark).text, 0.17))
+
+    @property
+    def tile(self) -> str:
+        """The ground of a tile that stands out a little from the panel."""
+        return hex_of(mixed(ground(self.dark).background, ground(self.dark).text, 0.05))
+
+    @property
+    def panel(self) -> str:
+        """The ground of a panel, viser's own made to fit."""
+        return hex_of(ground(self.dark).background)
+
+    @property
     def sheet(self) -> str:
         """The style sheet, once for each panel."""
-        neutral = ground(self.dark)
-        line = mixed(neutral.background, neutral.text, 0.17)
-        tile = mixed(neutral.background, neutral.text, 0.05)
         root = (
-            f"--text:{self.good};--soft:{self.quiet};--info:{self.info};--line:{hex_of(line)};"
-            f"--tile:{hex_of(tile)};--ink:{hex_of(neutral.background)}"
+            f"--text:{self.good};--soft:{self.quiet};--info:{self.info};--reached:{self.reached};"
+            f"--line:{self.line};--tile:{self.tile};--ink:{self.panel};{SIZES}"
         )
-        return f"<style>.v-guide,.v-progress,.v-steps,.v-keys{{{root}}}{_SHEET}</style>"
+        body = f"--mantine-color-body:{self.panel};--mantine-color-text:{self.good};"
+        soft = f"--mantine-color-dimmed:{self.quiet};--mantine-color-placeholder:{self.quiet}"
+        return f"<style>{_ROOTS}{{{root}}}html:root:root:root{{{body}{soft}}}{_SHEET}</style>"
 
+
+_ROOTS = ".v-guide,.v-progress,.v-steps,.v-keys,.v-tour"
+SIZES = (
+    "--size-note:13px;--size-text:15px;--size-lead:18px;--size-figure:26px;"
+    "--u:min(1cqw,.62vh);"
+    "--size-say:calc(6.2*var(--u));--size-head:calc(8.8*var(--u));--size-amount:calc(13*var(--u));"
+    "--gap-s:4px;--gap-m:8px;--gap-l:14px;--round:7px"
+)
+"""Letters: note, text, lead, figure at the desk; say, head, amount at two metres. Gaps: s, m, l."""
 
 _SHEET = """
 .v-wide{container-type:inline-size}
-.v-guide,.v-progress,.v-steps,.v-keys{color:var(--text);font-family:Inter,"Segoe UI",Roboto,
+.v-guide,.v-progress,.v-steps,.v-keys,.v-tour{color:var(--text);font-family:Inter,"Segoe UI",Roboto,
 "Helvetica Neue",Arial,sans-serif;font-variant-numeric:tabular-nums;box-sizing:border-box}
-.v-guide *,.v-progress *,.v-steps *{box-sizing:border-box}
-.v-guide{padding:0 2cqw 1.6cqw;min-height:29.5cqw;display:flex;flex-direction:column;gap:1cqw}
-.v-head{display:flex;align-items:center;gap:1.8cqw;line-height:1.05}
-.v-badge{flex:none;width:7.4cqw;height:7.4cqw;border-radius:50%;background:var(--step);
-color:var(--ink);font-size:4.9cqw;font-weight:800;display:grid;place-items:center}
-.v-title{font-size:5.3cqw;font-weight:750;flex:1;letter-spacing:-.01em}
-.v-amount{color:var(--step);font-size:6.6cqw;font-weight:800;text-align:right;white-space:nowrap}
-.v-amount small{font-size:2cqw;font-weight:600;color:var(--soft);margin-left:.8cqw}
-.v-sentence{font-size:3.45cqw;text-wrap:balance;line-height:1.18;font-weight:550;min-height:4.4cqw}
-.v-picture,.v-note,.v-second{font-size:2cqw;line-height:1.25;color:var(--soft)}
+.v-guide *,.v-progress *,.v-steps *,.v-keys *,.v-tour *{box-sizing:border-box}
+.v-guide{padding:0 calc(3*var(--u)) calc(2*var(--u));display:flex;flex-direction:column;
+gap:calc(1.7*var(--u))}
+.v-head{display:flex;align-items:center;gap:calc(3*var(--u));line-height:1.05}
+.v-badge{flex:none;width:calc(13*var(--u));height:calc(13*var(--u));border-radius:50%;
+background:var(--step);color:var(--ink);font-size:var(--size-head);font-weight:800;display:grid;
+place-items:center}
+.v-title{font-size:var(--size-head);font-weight:750;flex:1;letter-spacing:-.01em}
+.v-title small{display:block;font-size:max(var(--size-text),calc(4*var(--u)));font-weight:650;
+color:var(--soft);letter-spacing:0}
+.v-amount{color:var(--step);font-size:var(--size-amount);font-weight:800;white-space:nowrap;
+line-height:1}
+.v-amount small{font-size:max(var(--size-text),calc(4.4*var(--u)));font-weight:600;
+color:var(--soft);margin-left:.4em}
+.v-sentence{font-size:var(--size-say);text-wrap:pretty;line-height:1.17;font-weight:550}
+.v-picture,.v-note,.v-second{font-size:max(var(--size-text),calc(3.6*var(--u)));line-height:1.25;
+color:var(--soft)}
 .v-note{color:var(--info);font-weight:650}
-.v-second{font-size:2.6cqw}
-.v-chips{display:grid;grid-template-columns:repeat(4,1fr);gap:1cqw;margin-top:auto}
-.v-chip{display:flex;align-items:center;gap:.9cqw;border:.2cqw solid var(--line);
-border-radius:1cqw;padding:.7cqw .9cqw;font-size:2.1cqw;line-height:1.1;background:var(--tile)}
-.v-chip b{flex:none;width:3.2cqw;height:3.2cqw;border-radius:50%;background:var(--step);
-color:var(--ink);display:grid;place-items:center;font-size:2.1cqw}
+.v-chips{display:grid;grid-template-columns:repeat(4,1fr);gap:var(--gap-m)}
+.v-chip{display:grid;grid-template-columns:auto 1fr;column-gap:var(--gap-s);align-items:center;
+border:2px solid var(--line);border-radius:var(--round);padding:var(--gap-s) 6px;
+font-size:max(var(--size-note),calc(3.5*var(--u)));line-height:1.2;background:var(--tile)}
+.v-chip b{width:1.5em;height:1.5em;border-radius:50%;background:var(--step);color:var(--ink);
+display:grid;place-items:center}
 .v-chip span{font-weight:650}
-.v-chip i{font-style:normal;margin-left:auto;font-weight:700;white-space:nowrap}
-.v-chip.v-done i{color:var(--soft);font-weight:550}
-.v-chip.v-on{border-color:var(--step);box-shadow:inset 0 0 0 .15cqw var(--step)}
-.v-steps{padding:0 .6em .5em}
-.v-steps h3,.v-progress h3,.v-keys h3{margin:.9em 0 .45em;font-size:13px;font-weight:700;
-letter-spacing:.01em;color:var(--soft)}
-.v-grid{display:grid;grid-template-columns:1fr 1fr;gap:7px}
-.v-tile{border:3px solid var(--line);border-radius:7px;overflow:hidden;background:var(--tile);
-display:flex;flex-direction:column}
+.v-chip i{grid-column:1/3;font-style:normal;font-weight:700;white-space:nowrap}
+.v-chip.v-done i{color:var(--reached)}
+.v-chip.v-on{border-color:var(--step);box-shadow:inset 0 0 0 1px var(--step)}
+.v-steps{padding:0 8px 6px}
+.v-steps h3,.v-progress h3,.v-keys h3{margin:var(--gap-l) 0 6px;font-size:var(--size-note);
+font-weight:700;letter-spacing:.01em;color:var(--soft)}
+.v-grid{display:grid;grid-template-columns:1fr 1fr;gap:var(--gap-m)}
+.v-tile{border:3px solid var(--line);border-radius:var(--round);overflow:hidden;
+background:var(--tile);display:flex;flex-direction:column}
 .v-tile img{width:100%;display:block}
 .v-tile.v-on{border-color:var(--step);box-shadow:0 0 0 2px var(--step)}
 .v-tile .v-wait{aspect-ratio:16/9;display:grid;place-items:center;color:var(--soft);
-font-size:13px}
-.v-legend{font-size:13px;line-height:1.4;color:var(--soft);padding:2px .2em 0}
-.v-legend b{font-weight:700}
-.v-progress{padding:0 12px 8px;font-size:14px;line-height:1.3}
-.v-big{display:flex;gap:10px}
-.v-big div{flex:1;background:var(--tile);border-radius:7px;padding:7px 9px}
-.v-big b{display:block;font-size:24px;line-height:1.1;font-weight:750}
-.v-big span{font-size:12px;color:var(--soft);line-height:1.2;display:block;margin-top:2px}
-.v-reason{font-size:15px;line-height:1.35;border-left:4px solid var(--info);padding:2px 0 2px 9px}
-.v-line{margin-top:6px;font-size:14px}
-.mantine-ScrollArea-root:has(.v-progress) .mantine-Button-root{height:auto!important;
-min-height:30px;padding:4px 9px}
-.mantine-ScrollArea-root:has(.v-progress) .mantine-Button-label{white-space:normal;line-height:1.25;
-text-align:left}
-.v-reason small{display:block;font-size:12px;color:var(--soft);margin-top:3px}
-@media (max-width:1500px){.mantine-Paper-root:has(.v-guide){width:calc(100vw - 742px)!important}}
-.v-row{display:grid;grid-template-columns:2.1em 1fr auto;column-gap:7px;align-items:baseline;
-padding:2px 0;border-bottom:1px solid var(--line)}
+font-size:var(--size-note)}
+.v-legend{font-size:var(--size-note);line-height:1.4;color:var(--soft);padding:2px 0 0}
+.v-legend b{font-weight:700;color:var(--text)}
+.v-progress{padding:0 12px var(--gap-m);font-size:var(--size-text);line-height:1.3}
+.v-big{display:flex;gap:var(--gap-m)}
+.v-big div{flex:1;background:var(--tile);border-radius:var(--round);padding:7px 9px}
+.v-big b{display:block;font-size:var(--size-figure);line-height:1.1;font-weight:750}
+.v-big span{font-size:var(--size-note);color:var(--soft);line-height:1.2;display:block;
+margin-top:2px}
+.v-reason{font-size:var(--size-text);line-height:1.35;border-left:4px solid var(--info);
+padding:2px 0 2px 9px}
+.v-reason small{display:block;font-size:var(--size-note);color:var(--soft);margin-top:3px}
+.v-line{margin-top:6px;font-size:var(--size-text)}
+.v-row{display:grid;grid-template-columns:2.1em 1fr auto;column-gap:var(--gap-m);
+align-items:baseline;padding:3px 0;border-bottom:1px solid var(--line)}
 .v-row b{font-weight:750}
-.v-row .v-word{color:var(--soft);font-size:13px}
-.v-row .v-mark{font-size:13px;font-weight:650;white-space:nowrap;color:var(--soft)}
-.v-row .v-mark.v-yes{color:var(--text)}
-.v-row .v-value{grid-column:2/4;font-size:14.5px}
+.v-row .v-word{color:var(--soft);font-size:var(--size-note)}
+.v-row .v-mark{font-size:var(--size-note);font-weight:650;white-space:nowrap;color:var(--soft)}
+.v-row .v-mark.v-yes{color:var(--reached)}
+.v-row .v-value{grid-column:2/4;font-size:var(--size-text)}
 .v-row .v-value i{font-style:normal;color:var(--soft)}
-.v-diagnosis{font-size:13px;line-height:1.32;border:1px solid var(--line);border-left-width:4px;
-border-radius:6px;padding:6px 8px;margin-bottom:6px;background:var(--tile)}
+.v-diagnosis{font-size:var(--size-note);line-height:1.32;border:1px solid var(--line);
+border-left-width:4px;border-radius:var(--round);padding:6px var(--gap-m);margin-bottom:6px;
+background:var(--tile)}
 .v-diagnosis.v-is-weak{border-left-color:var(--info)}
 .v-diagnosis.v-is-wrong{border:2px solid var(--info);border-left-width:7px}
-.v-named{font-size:14px;font-weight:750;margin-bottom:2px}
+.v-named{font-size:var(--size-text);font-weight:750;margin-bottom:2px}
 .v-sign{display:inline-grid;place-items:center;width:1.5em;height:1.5em;margin-right:.5em;
-font-size:13px;border:2px solid var(--soft);border-radius:50%;vertical-align:-.2em}
+font-size:var(--size-note);border:2px solid var(--soft);border-radius:50%;vertical-align:-.2em}
 .v-is-weak .v-sign{border-color:var(--info);color:var(--info);border-radius:3px}
 .v-is-wrong .v-sign{border-color:var(--info);background:var(--info);
 color:var(--ink);border-radius:0}
 .v-cure{font-weight:650;margin-top:3px}
-.v-more{font-size:13px;color:var(--soft)}
-.v-key{display:inline-block;border:1px solid var(--line);border-radius:4px;padding:0 5px;
-font-weight:700;background:var(--tile);color:var(--text);font-size:12px}
-.v-keys table{border-collapse:collapse;width:100%;font-size:15px;line-height:1.3}
-.v-keys td{padding:5px 10px 5px 0;border-bottom:1px solid var(--line);vertical-align:baseline}
+.v-more{font-size:var(--size-note);color:var(--soft)}
+.v-key{display:inline-block;border:1px solid var(--soft);border-radius:4px;padding:0 5px;
+font-weight:700;background:var(--tile);color:var(--text);font-size:var(--size-note)}
+.v-keys table{border-collapse:collapse;width:100%;font-size:var(--size-text);line-height:1.25}
+.v-keys td{padding:3px 10px 3px 0;border-bottom:1px solid var(--line);vertical-align:baseline}
 .v-keys td b{white-space:nowrap;font-weight:650}
-.v-keys p{margin:6px 0 10px;font-size:15px;line-height:1.4}
-.v-keys kbd{font-family:inherit;min-width:2em;text-align:center;font-size:14px}
-.mantine-Modal-content:has(.v-keys){flex:0 1 760px}
+.v-keys p,.v-tour p{margin:6px 0 10px;font-size:var(--size-text);line-height:1.4}
+.v-keys kbd{font-family:inherit;min-width:2em;text-align:center}
+.v-tour h2{margin:0;font-size:var(--size-figure);line-height:1.15;font-weight:750}
+.v-tour p{font-size:var(--size-lead);margin-bottom:var(--gap-l)}
+.v-tour small{font-size:var(--size-note);color:var(--soft)}
+.mantine-Modal-content:has(.v-keys){flex:0 1 820px}
+.mantine-Modal-content:has(.v-tour){flex:0 1 480px}
+.mantine-Modal-header:has(+ * .v-tour){display:none}
+.mantine-Modal-body:has(.v-tour){padding-top:18px}
+[data-dock-scroll]>div:has(.v-guide){max-height:max(330px,40vh)}
+.mantine-ScrollArea-root:has(.v-progress) .mantine-Button-root{height:auto!important;
+min-height:30px;padding:4px 9px}
+.mantine-ScrollArea-root:has(.v-progress) .mantine-Button-label{white-space:normal;line-height:1.25;
+text-align:left}
+@media (max-width:36em){
+.mantine-Paper-root:has([data-autosize]){width:100vw!important;min-width:100vw}
+.mantine-ScrollArea-content>div[style*="20em"]{width:100%!important}
+}
 """

@@ -1,14 +1,21 @@
-"""Buttons and hotkeys: which action was asked for, and what it changes in the view, if anything."""
+"""Buttons and commands: which action was asked for, and what it changes in the view, if anything.
+
+Only what still makes sense is shown: with no target there are no steps to look at, and once the
+person has ended the calibration nothing is captured any more.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any, Literal
 
 import viser
 
+from venus3d.engine.snapshot import Phase
 from venus3d.scene.guide.view_state import ViewState
+from venus3d.scene.help import Command
+from venus3d.scene.texts import guide as say
 
 Action = Literal[
     "capture",
@@ -24,117 +31,101 @@ Action = Literal[
     "autopilot",
     "finish",
 ]
-
-# Letters that fly the browser's camera (W A S D Q E) and the arrows are not ours to take.
-_COMMANDS: tuple[tuple[Action, str, Any, str], ...] = (
-    ("capture", "Capture this view", "C", "Take the picture as it is now"),
-    ("skip", "Skip this target", "K", "Ask for another pose"),
-    ("undo", "Undo the last view", "U", "Take back what was captured last"),
-    ("previous", "Previous step", "P", "Show the step before"),
-    ("next", "Next step", "N", "Show the step after"),
-    ("play", "Play the steps", "L", "Show the four steps as an animation"),
-    ("strip", "Steps side by side", "T", "Spread the four steps out, or put them back"),
-    ("follow", "Follow the board's step", "F", "Show the step that the board is on"),
-    ("theme", "Light or dark", "B", "Change the page's brightness"),
-    ("pause", "Pause", "space", "Stop taking pictures, or go on"),
-    ("finish", "Finish", None, "End the calibration and keep the result"),
+# Letters that fly the browser's camera (W A S D Q E) and the arrows are not ours to take. Finish
+# has none: it cannot be taken back.
+_KEYS: dict[Action, str | None] = {
+    "capture": "C",
+    "skip": "K",
+    "undo": "U",
+    "previous": "P",
+    "next": "N",
+    "play": "L",
+    "strip": "T",
+    "follow": "F",
+    "theme": "B",
+    "pause": "space",
+    "finish": None,
+    "autopilot": "O",
+}
+_ROWS: dict[str, tuple[Action, ...]] = {
+    "view": ("skip", "undo", "finish"),
+    "step": ("previous", "play", "next"),
+    "show": ("follow", "strip", "theme"),
+    "run": ("pause", "autopilot"),
+}
+_WITH_A_TARGET: frozenset[Action] = frozenset(
+    ("skip", "previous", "play", "next", "follow", "strip")
 )
-_AUTOPILOT: tuple[Action, str, Any, str] = (
-    "autopilot",
-    "Autopilot",
-    "O",
-    "Let the simulated hand move the board",
-)
+_TO_END: frozenset[Action] = frozenset(("capture", "undo", "finish"))
 
 
 class ControlPanel:
     """The controls of one server. `act` is called on viser's threads."""
 
     def __init__(
-        self, server: viser.ViserServer, act: Callable[[Action], None], *, simulated: bool
+        self, gui: viser.GuiApi, act: Callable[[Action], None], *, simulated: bool
     ) -> None:
-        """Make the buttons in the current panel, and the hotkeys."""
-        self._act = act
-        self._simulated = simulated
-        self._gui = server.gui
-        self._groups: list[tuple[tuple[Action, ...], Any]] = []
-        capture = self._gui.add_button(
-            "Capture this view (C)",
-            icon=viser.Icon.CAMERA,
-            hint="Take the picture as it is now. It is also taken by itself when the board is "
-            "where it should be and still.",
-        )
-        capture.on_click(lambda _: act("capture"))
-        self._group("View", ("skip", "undo", "finish"), "Another target; take back; end")
-        self._group("Step", ("previous", "play", "next"), "Look at each of the four steps")
-        self._group("Show", ("follow", "strip", "theme"), "What the scene shows")
-        last: tuple[Action, ...] = ("pause", "autopilot") if simulated else ("pause",)
-        self._group("Run", last, "Stop and go on; who moves the simulated board")
-        for action, label, hotkey, description in (
-            *_COMMANDS,
-            *((_AUTOPILOT,) if simulated else ()),
-        ):
-            self._command(action, label, hotkey, description)
-        self.show(ViewState())
+        """Make the buttons in the current panel."""
+        self._act, self._simulated = act, simulated
+        self._capture = gui.add_button(say.CAPTURE, icon=viser.Icon.CAMERA, hint=say.CAPTURE_HINT)
+        self._capture.on_click(lambda _: act("capture"))
+        self._groups = [self._group(gui, name, row) for name, row in _ROWS.items()]
 
-    def show(self, state: ViewState) -> None:
-        """Let the buttons say what is on."""
-        for actions, group in self._groups:
-            options = tuple(_label(action, state) for action in actions)
-            if group.options != options:
+    @property
+    def commands(self) -> tuple[Command, ...]:
+        """The same actions by key and by name."""
+        return tuple(self._command(action) for action in self._offered(_KEYS))
+
+    def show(self, state: ViewState, phase: Phase = "startup") -> None:
+        """Let the buttons say what is on, and go when there is nothing to do with them."""
+        makes_sense = useful_in(phase)
+        self._capture.visible = makes_sense("capture")
+        for row, group in zip(_ROWS.values(), self._groups, strict=True):
+            shown: list[Action] = [a for a in self._offered(row) if makes_sense(a)]
+            group.visible = bool(shown)
+            options = tuple(_label(action, state) for action in shown)
+            if shown and group.options != options:
                 group.options = options
 
-    def _group(self, label: str, actions: tuple[Action, ...], hint: str) -> None:
-        group = self._gui.add_button_group(
-            label, [_label(action, ViewState()) for action in actions], hint=hint
-        )
-        self._groups.append((actions, group))
+    def _offered(self, row: Iterable[Action]) -> list[Action]:
+        return [action for action in row if self._simulated or action != "autopilot"]
+
+    def _group(self, gui: viser.GuiApi, name: str, row: tuple[Action, ...]) -> Any:
+        offered = self._offered(row)
+        label, hint = say.ROWS[name]
+        hint += say.AUTOPILOT_HINT if "autopilot" in offered else ""
+        state = ViewState()
+        names: list[str] = [_label(action, state) for action in offered]
+        group: Any = gui.add_button_group(label, names, hint=hint)
 
         def clicked(event: Any) -> None:
-            for action in actions:
-                # The label changes with the state, its first word does not.
-                if _bare(str(event.target.value)) in _names(action):
+            for action in offered:
+                if str(event.target.value).removeprefix("✓ ") in say.BUTTONS[action]:
                     self._act(action)
 
         group.on_click(clicked)
+        return group
 
-    def _command(self, action: Action, label: str, hotkey: Any, description: str) -> None:
-        command = self._gui.add_command(label, description=description, hotkey=hotkey)
-        command.on_trigger(lambda _: self._act(action))
-
-
-def _names(action: Action) -> tuple[str, ...]:
-    return {
-        "capture": ("Capture C",),
-        "skip": ("Skip target K",),
-        "undo": ("Undo view U",),
-        "finish": ("Finish",),
-        "previous": ("Previous P",),
-        "play": ("Play L", "Stop L"),
-        "next": ("Next N",),
-        "follow": ("Follow F",),
-        "strip": ("Side by side T",),
-        "theme": ("Light B", "Dark B"),
-        "pause": ("Pause ␣", "Go on ␣"),
-        "autopilot": ("Autopilot O",),
-    }[action]
+    def _command(self, action: Action) -> Command:
+        label, description = say.COMMANDS[action]
+        return Command(label, _KEYS[action], description, lambda: self._act(action))
 
 
-def _bare(label: str) -> str:
-    return label.removeprefix("✓ ")
+def useful_in(phase: Phase) -> Callable[[Action], bool]:
+    """Whether an action can do anything in this phase."""
+    hidden: frozenset[Action] = frozenset()
+    if phase in ("converged", "finished"):
+        hidden = _WITH_A_TARGET if phase == "converged" else _WITH_A_TARGET | _TO_END
+    return lambda action: action not in hidden
 
 
 def _label(action: Action, state: ViewState) -> str:
-    names = _names(action)
-    on = {
-        "follow": state.follow,
-        "strip": state.strip,
-        "autopilot": state.autopilot,
-    }.get(action, False)
+    names = say.BUTTONS[action]
     other = {"play": state.playing, "theme": not state.dark, "pause": state.paused}
     if action in other:
         return names[1] if other[action] else names[0]
-    return ("✓ " if on else "") + names[0]
+    on = {"follow": state.follow, "strip": state.strip, "autopilot": state.autopilot}
+    return ("✓ " if on.get(action) else "") + names[0]
 
 
 def after_action(state: ViewState, action: Action) -> ViewState:

@@ -10,30 +10,26 @@ from html import escape
 from typing import Literal
 
 from venus3d.engine.snapshot import Diagnosis, DiagnosisKind, Snapshot
+from venus3d.scene.texts import guide as say
 
 Severity = Literal["wrong", "weak", "note"]
 
 SHOWN = 2
 """So many are told in full; of the others only the number."""
-TITLES: dict[DiagnosisKind, tuple[Severity, str]] = {
-    "wrong-dictionary": ("wrong", "other markers than asked for"),
-    "swapped-size": ("wrong", "rows and columns do not fit"),
-    "impossible-distance": ("wrong", "impossible distance"),
-    "parallel-views": ("weak", "views nearly parallel"),
-    "weak-focal-length": ("weak", "focal length uncertain"),
-    "folding": ("weak", "lens model folds back"),
-    "outlying-view": ("weak", "one view stands out"),
-    "unseen-side": ("weak", "part of the picture never used"),
-    "correlated": ("weak", "parameters not told apart"),
-    "same-depth": ("weak", "always the same distance"),
-    "wrong-layout": ("note", "another layout of the board"),
+SEVERITIES: dict[DiagnosisKind, Severity] = {
+    "wrong-dictionary": "wrong",
+    "swapped-size": "wrong",
+    "impossible-distance": "wrong",
+    "parallel-views": "weak",
+    "weak-focal-length": "weak",
+    "folding": "weak",
+    "outlying-view": "weak",
+    "unseen-side": "weak",
+    "correlated": "weak",
+    "same-depth": "weak",
+    "wrong-layout": "note",
 }
-"""How bad it is, and what it is in a few words."""
-_SIGNS: dict[Severity, tuple[str, str]] = {
-    "wrong": ("✕", "Wrong"),
-    "weak": ("!", "Weak"),
-    "note": ("i", "Note"),
-}
+_SIGNS: dict[Severity, str] = {"wrong": "✕", "weak": "!", "note": "i"}
 
 
 def diagnoses_html(snapshot: Snapshot | None) -> str:
@@ -42,8 +38,9 @@ def diagnoses_html(snapshot: Snapshot | None) -> str:
         return ""
     items = "".join(_item(diagnosis) for diagnosis in snapshot.diagnoses[:SHOWN])
     more = len(snapshot.diagnoses) - SHOWN
-    rest = f"<div class='v-more'>and {more} more</div>" if more > 0 else ""
-    return f"<div class='v-progress v-diagnoses'><h3>Before you trust this</h3>{items}{rest}</div>"
+    rest = say.DIAGNOSES_MORE.format(count=more) if more > 0 else ""
+    rest = f"<div class='v-more'>{rest}</div>" if rest else ""
+    return f"<div class='v-progress v-diagnoses'><h3>{say.DIAGNOSES_TITLE}</h3>{items}{rest}</div>"
 
 
 def another_board(snapshot: Snapshot) -> Diagnosis | None:
@@ -54,13 +51,13 @@ def another_board(snapshot: Snapshot) -> Diagnosis | None:
 
 def doubt(snapshot: Snapshot) -> Diagnosis | None:
     """The worst diagnosis that speaks against the result; None if none does."""
-    against = (d for d in snapshot.diagnoses if TITLES[d.kind][0] != "note")
+    against = (d for d in snapshot.diagnoses if SEVERITIES[d.kind] != "note")
     return next(against, None)
 
 
 def _item(diagnosis: Diagnosis) -> str:
-    severity, title = TITLES[diagnosis.kind]
-    sign, word = _SIGNS[severity]
+    severity, title = SEVERITIES[diagnosis.kind], say.DIAGNOSIS_TITLES[diagnosis.kind]
+    sign, word = _SIGNS[severity], say.SEVERITIES[severity]
     return (
         f"<div class='v-diagnosis v-is-{severity}' data-kind='{diagnosis.kind}'>"
         f"<div class='v-named'><b class='v-sign'>{sign}</b>{word}: {escape(title)}</div>"

@@ -14,36 +14,27 @@ from venus3d.scene.guide.diagnosis_panel import another_board, doubt
 from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.palette import STEP_STYLES, step_style
 from venus3d.scene.style import Theme
+from venus3d.scene.texts import guide as say
 
-_HEADLINES = {
-    "startup": "Show me the whole board",
-    "captured": "Captured – calculating",
-    "converged": "Done – the camera is calibrated",
-    "finished": "Finished",
-}
-_NEXT = {
-    "converged": "Capture more views if you like, or press Finish.",
-    "finished": "The result is kept; you may close this page.",
-}
-
-_DOUBTED = "The reason stands at the top left. C captures a view, Finish ends it as it is."
+_HEADLINES = {"captured": say.CAPTURED, "converged": say.CONVERGED, "finished": say.FINISHED}
+_NEXT = {"converged": say.CONVERGED_NEXT, "finished": say.FINISHED_NEXT}
 
 
 def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, note: str) -> str:
     """The whole text for this moment."""
     if snapshot is None:
-        return _card(theme.info, "…", "Starting", "Waiting for the first picture.", "", "", note)
+        return _card(theme.info, "…", say.STARTING, say.STARTING_SENTENCE, "", "", note)
     if snapshot.phase in ("captured", "converged", "finished"):
         return _state_card(snapshot, theme, note)
     if state.paused:
-        text = "Press Pause again, or the space bar, to go on."
-        return _card(theme.quiet, "II", "Paused", text, "", _chips(snapshot, state, theme), note)
+        chips = _chips(snapshot, state, theme)
+        return _card(theme.quiet, "II", say.PAUSED, say.PAUSED_SENTENCE, "", chips, note)
     if snapshot.match is None or snapshot.pose is None:
         return _unseen_card(snapshot, state, theme, note)
     if snapshot.match.reached or (all(snapshot.match.within) and state.follow):
         sentence = HOLD_STILL.holder
         chips = _chips(snapshot, state, theme)
-        return _card(theme.good, "✓", "Hold still", sentence, "", chips, note)
+        return _card(theme.reached, "✓", say.HOLD_HEADLINE, sentence, "", chips, note)
     return _step_card(snapshot, snapshot.match, state, theme, note)
 
 
@@ -51,10 +42,10 @@ def _state_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
     against = doubt(snapshot)
     if snapshot.phase == "converged" and against is not None:
         # The sigmas have settled, but on views that do not say enough.
-        headline = "Settled, but do not trust it yet"
-        return _card(theme.info, "!", headline, against.cure, "", _second(_DOUBTED), note)
+        second = _second(say.DOUBTED_NEXT)
+        return _card(theme.info, "!", say.DOUBTFUL, against.cure, "", second, note)
     busy = snapshot.phase == "captured"
-    colour, mark = (theme.info, "…") if busy else (theme.good, "✓")
+    colour, mark = (theme.info, "…") if busy else (theme.reached, "✓")
     sentence = snapshot.instruction.holder
     second = _NEXT.get(snapshot.phase, "")
     return _card(colour, mark, _HEADLINES[snapshot.phase], sentence, "", _second(second), note)
@@ -67,9 +58,9 @@ def _second(text: str) -> str:
 def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) -> str:
     other = another_board(snapshot)
     if other is not None:
-        return _card(theme.info, "✕", "This is another board", other.cure, "", "", note)
+        return _card(theme.info, "✕", say.ANOTHER_BOARD, other.cure, "", "", note)
     startup = snapshot.phase == "startup" and snapshot.target is None
-    headline = _HEADLINES["startup"] if startup else snapshot.headline
+    headline = say.SHOW_BOARD if startup else snapshot.headline
     sentence = snapshot.instruction.holder
     chips = "" if startup else _chips(snapshot, state, theme)
     return _card(theme.info, "?", headline, sentence, "", chips, note)
@@ -77,17 +68,21 @@ def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) 
 
 def _step_card(snapshot: Snapshot, match: Match, state: ViewState, theme: Theme, note: str) -> str:
     step = match.steps[state.step - 1]
-    headline = f"Step {state.step} of 4: {step_style(state.step).title}"
+    eyebrow = say.STEP_OF_FOUR.format(number=state.step)
     is_right = match.within[state.step - 1]
     words = STEP_RIGHT if is_right else step.words
     amount = "" if is_right else remaining_text(match, state.step)
     colour = theme.steps[state.step - 1]
     chips = _chips(snapshot, state, theme)
-    picture = "" if words.camera == words.holder else f"In the camera's picture: {words.camera}"
+    picture = say.IN_THE_PICTURE.format(words=words.camera)
+    if words.camera == words.holder:
+        picture = ""
     if not state.playing and state.step != match.active_step:
-        picture = f"You are looking at step {state.step}; the board is on step {match.active_step}."
-        picture += " Press F to go there."
-    return _card(colour, str(state.step), headline, words.holder, amount, chips, note, picture)
+        picture = say.LOOKING_ELSEWHERE.format(shown=state.step, active=match.active_step)
+    title, number = step_style(state.step).title, str(state.step)
+    return _card(
+        colour, number, title, words.holder, amount, chips, note, picture=picture, eyebrow=eyebrow
+    )
 
 
 def remaining_text(match: Match, step: int) -> str:
@@ -105,17 +100,20 @@ def _card(
     amount: str,
     below: str,
     note: str,
+    *,
     picture: str = "",
+    eyebrow: str = "",
 ) -> str:
-    left = f"<div class='v-amount'>{escape(amount)}<small>to go</small></div>" if amount else ""
-    extra = note or picture
-    kind = "v-note" if note else "v-picture"
-    foot = f"<div class='{kind}'>{escape(extra)}</div>" if extra else ""
+    left = f"<div class='v-amount'>{escape(amount)}<small>{say.TO_GO}</small></div>"
+    left = left if amount else ""
+    above = f"<small>{escape(eyebrow)}</small> " if eyebrow else ""
+    said = f"<div class='v-note'>{escape(note)}</div>" if note else ""
+    foot = f"<div class='v-picture'>{escape(picture)}</div>" if picture and not note else ""
     return (
-        f"<div class='v-guide' style='--step:{colour}'>"
+        f"<div class='v-guide' role='status' style='--step:{colour}'>"
         f"<div class='v-head'><span class='v-badge'>{escape(badge)}</span>"
-        f"<span class='v-title'>{escape(headline)}</span>{left}</div>"
-        f"<div class='v-sentence'>{escape(sentence)}</div>{foot}{below}</div>"
+        f"<span class='v-title'>{above}{escape(headline)}</span></div>{left}"
+        f"<div class='v-sentence'>{escape(sentence)}</div>{said}{below}{foot}</div>"
     )
 
 
@@ -130,12 +128,13 @@ def _chips(snapshot: Snapshot, state: ViewState, theme: Theme) -> str:
         shown = " v-on" if number == state.step else ""
         if match is not None:
             done = match.within[number - 1]
-            fact = "✓ right" if done else remaining_text(match, number)
+            fact = say.RIGHT if done else remaining_text(match, number)
             shown += " v-done" if done else ""
         else:
             fact = _whole_text(snapshot.target.steps if snapshot.target else None, number)
         cells.append(
-            f"<div class='v-chip{shown}' style='--step:{theme.steps[number - 1]}'>"
+            f"<div class='v-chip{shown}' style='--step:{theme.steps[number - 1]}' title='"
+            f"{escape(say.CHIP_HINT.format(number=number, title=style.title, fact=fact))}'>"
             f"<b>{number}</b><span>{verb}</span><i>{escape(fact)}</i></div>"
         )
     return f"<div class='v-chips'>{''.join(cells)}</div>"

@@ -46,6 +46,8 @@ class ChooseAlternative:
 
     index: int
     """Into the target's `alternatives`."""
+    target: int
+    """Number of the target that they belong to: meanwhile there may be another."""
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from venus3d.engine.pose import Array
 from venus3d.engine.snapshot import Forecast, Progress, Snapshot
 from venus3d.engine.words import PARAMETER_WORDS
 from venus3d.scene.style import Theme
+from venus3d.scene.texts import guide as say
 
 _IN_PIXELS = 4
 """The first four parameters are in pixels, the others have no unit."""
@@ -22,26 +23,27 @@ _IN_PIXELS = 4
 def progress_html(snapshot: Snapshot | None) -> str:
     """Views, errors, what the last view brought, what the next pose is for and should bring."""
     if snapshot is None or (snapshot.calibration is None and snapshot.target is None):
-        return (
-            "<div class='v-progress'>The camera is not known yet. "
-            "After the first view its parameters appear here.</div>"
-        )
+        return f"<div class='v-progress'>{say.NOT_KNOWN_YET}</div>"
     parts = _summary(snapshot) + _outcome(snapshot) + _reason(snapshot)
     return f"<div class='v-progress'>{parts}</div>"
 
 
 def parameters_html(snapshot: Snapshot | None) -> str:
     """The table of parameters."""
-    return "" if snapshot is None else f"<div class='v-progress'>{_table(snapshot)}</div>"
+    table = "" if snapshot is None else _table(snapshot)
+    return f"<div class='v-progress'>{table or say.NO_PARAMETERS}</div>"
 
 
 def _summary(snapshot: Snapshot) -> str:
     last = snapshot.history[-1] if snapshot.history else None
-    boxes = [(str(len(snapshot.views)), "views captured")]
+    boxes = [(str(len(snapshot.views)), say.VIEWS_CAPTURED, "")]
     if last is not None:
-        boxes.append((_short(last.rms_px), "px rms, misfit of the corners"))
-        boxes.append((_short(last.error_px), "px, error to expect in the image"))
-    cells = "".join(f"<div><b>{value}</b><span>{words}</span></div>" for value, words in boxes)
+        boxes.append((_short(last.rms_px), say.RMS, say.RMS_HINT))
+        boxes.append((_short(last.error_px), say.ERROR, say.ERROR_HINT))
+    cells = "".join(
+        f"<div title='{escape(hint)}'><b>{value}</b><span>{words}</span></div>"
+        for value, words, hint in boxes
+    )
     return f"<div class='v-big'>{cells}</div>"
 
 
@@ -66,9 +68,9 @@ def brought_text(history: Sequence[Progress]) -> str:
     before = history[-2].error_px if len(history) > 1 else np.nan
     now, promised = px_text(history[-1].error_px), history[-1].predicted_error_px
     if not np.isfinite(before):
-        return f"The last view brought the error to {now} px."
-    extra = f" (promised {px_text(promised)})" if np.isfinite(promised) else ""
-    return f"The last view: {px_text(before)} → {now} px{extra}."
+        return say.LAST_VIEW_ALONE.format(now=now)
+    extra = say.PROMISED.format(error=px_text(promised)) if np.isfinite(promised) else ""
+    return say.LAST_VIEW.format(before=px_text(before), now=now, promised=extra)
 
 
 def px_text(error_px: float) -> str:
@@ -79,18 +81,19 @@ def px_text(error_px: float) -> str:
 def forecast_text(forecast: Forecast, *, goes_on: bool = False) -> str:
     """About how many more views, with the interval; `goes_on` if guidance does although none is
     needed."""
-    goal = f"until {forecast.wanted_px:g} px"
+    goal = say.FORECAST_GOAL.format(error=forecast.wanted_px)
     low, high, views = forecast.low, forecast.high, forecast.views
     if views == 0:
-        why = "; some parameters are still to settle" if goes_on else ""
-        return f"The error is below {forecast.wanted_px:g} px already{why}."
+        why = say.FORECAST_UNSETTLED if goes_on else ""
+        return say.FORECAST_REACHED.format(error=forecast.wanted_px, why=why)
     if views is None or low is None:
         least = forecast.looked_ahead if low is None else low
-        return f"{least} more views or more {goal}."
+        return say.FORECAST_LEAST.format(least=least, goal=goal)
     if high is None:
-        return f"About {views} more views {goal} ({low} or more)."
-    words = f"About {views} more view{'' if views == 1 else 's'} {goal}"
-    return f"{words} ({low} to {high})." if low < high else f"{words}."
+        return say.FORECAST_OPEN.format(views=views, goal=goal, low=low)
+    words = say.FORECAST_ONE if views == 1 else say.FORECAST_MANY
+    words = words.format(views=views, goal=goal)
+    return say.FORECAST_RANGE.format(words=words, low=low, high=high) if low < high else f"{words}."
 
 
 def _promise(snapshot: Snapshot) -> str:
@@ -98,23 +101,22 @@ def _promise(snapshot: Snapshot) -> str:
     # After a single view the noise is hardly known, so neither is what the next one brings.
     if target is None or not np.isfinite(target.gain_px):
         return ""
-    return (
-        f"It should bring the error from {px_text(target.error_px)} to "
-        f"{px_text(target.predicted_error_px)} px."
-    )
+    now, then = px_text(target.error_px), px_text(target.predicted_error_px)
+    return say.PROMISE.format(now=now, then=then)
 
 
 def _reason(snapshot: Snapshot) -> str:
     target = snapshot.target
     if target is None:
         return ""
-    looked = f"{target.evaluated} poses were looked at. " if target.evaluated > 1 else ""
+    looked = say.LOOKED_AT.format(count=target.evaluated) if target.evaluated > 1 else ""
     serves = ", ".join(target.serves[:3])
-    serves = f"Helps most: {serves}." if serves else ""
+    serves = say.SERVES.format(names=serves) if serves else ""
     small = f"<small>{escape(looked + serves)}</small>" if looked or serves else ""
     text = f"{target.reason} {_promise(snapshot)}".strip()
     reason = f"<div class='v-reason'>{escape(text)}{small}</div>"
-    return f"<h3>What pose {target.number} is for</h3>{reason}"
+    title = say.WHAT_FOR.format(number=target.number)
+    return f"<h3 title='{escape(say.WHAT_FOR_HINT)}'>{title}</h3>{reason}"
 
 
 def _table(snapshot: Snapshot) -> str:
@@ -128,17 +130,17 @@ def _table(snapshot: Snapshot) -> str:
     values, sigmas = calibration.camera.parameters, calibration.sigma
     for index, name in enumerate(PARAMETERS):
         if not calibration.free[index]:
-            mark, kind = "not yet estimated", ""
+            mark, kind = say.NOT_ESTIMATED, ""
         elif settled[index]:
-            mark, kind = "✓ settled", " v-yes"
+            mark, kind = say.SETTLED, " v-yes"
         else:
-            mark, kind = "improving", ""
+            mark, kind = say.IMPROVING, ""
         amount = _value_text(values[index], sigmas[index], index)
         rows.append(
             f"<div class='v-row'><b>{name}</b><span class='v-word'>{PARAMETER_WORDS[index]}</span>"
             f"<span class='v-mark{kind}'>{mark}</span><span class='v-value'>{amount}</span></div>"
         )
-    return "<h3>Camera parameters, value ± one sigma</h3>" + "".join(rows)
+    return f"<h3 title='{escape(say.TABLE_HINT)}'>{say.TABLE_TITLE}</h3>" + "".join(rows)
 
 
 def _value_text(value: float, sigma: float, index: int) -> str:
@@ -170,10 +172,10 @@ def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:
 
 def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
     """Looks of the nine lines: one colour for each kind of parameter."""
-    colours = [theme.info] * 2 + [theme.good] * 2 + [theme.quiet] * 5
+    colours = [theme.info] * 2 + [theme.reached] * 2 + [theme.quiet] * 5
     solid: tuple[float, ...] = ()
     dashes = [solid] * 4 + [(6.0, 5.0)] * 5
-    series: list[uplot.Series] = [{"label": "views"}]
+    series: list[uplot.Series] = [{"label": say.TREND_VIEWS}]
     for name, colour, dash in zip(PARAMETERS, colours, dashes, strict=True):
         series.append(
             {
@@ -189,9 +191,9 @@ def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
 
 def trend_caption(theme: Theme) -> str:
     """Words for the plot: what it shows, and which line is which."""
-    return (
-        "<div class='v-progress'><h3>Sigma over the views (first full set = 100 %)</h3>"
-        f"<span style='color:{theme.info}'>━ focal length</span> &nbsp; "
-        f"<span style='color:{theme.good}'>━ centre</span> &nbsp; "
-        f"<span style='color:{theme.quiet}'>┅ distortion</span></div>"
+    looks = zip((theme.info, theme.reached, theme.quiet), "━━┅", say.TREND_KEYS, strict=True)
+    keys = " &nbsp; ".join(
+        f"<span style='color:{colour}'>{stroke} {name}</span>" for colour, stroke, name in looks
     )
+    title = f"<h3 title='{escape(say.TREND_HINT)}'>{say.TREND_TITLE}</h3>"
+    return f"<div class='v-progress'>{title}{keys}</div>"

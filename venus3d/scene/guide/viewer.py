@@ -21,7 +21,9 @@ from venus3d.scene.describe import SceneOptions, describe
 from venus3d.scene.gizmo import BoardGizmo
 from venus3d.scene.guide import intents
 from venus3d.scene.guide.control_panel import Action, after_action
-from venus3d.scene.guide.page import Page, steps_back
+from venus3d.scene.guide.outlook import steps_back
+from venus3d.scene.guide.page import Page
+from venus3d.scene.guide.picture_feed import Came, PictureFeed
 from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
@@ -32,7 +34,7 @@ from venus3d.scene.strip import bounds_of
 from venus3d.scene.style import Theme
 from venus3d.scene.view import SceneView
 
-_SCENE_PERIOD_S, _PICTURE_PERIOD_S = 1 / 25, 1 / 15
+_SCENE_PERIOD_S = 1 / 25
 _NOTE_SECONDS = 6.0
 
 
@@ -50,6 +52,7 @@ class Viewer:
         projections: Projections | None = None,
         draggable_board: bool = False,
         autopilot: bool = False,
+        tour: bool = False,
     ) -> None:
         """Serve the page.
 
@@ -59,6 +62,7 @@ class Viewer:
             projections: draws the four steps as the camera sees them; the caller closes it.
             draggable_board: put a gizmo on the board; for the simulation.
             autopilot: whether the simulation's autopilot is on at the start.
+            tour: show a browser that is new here around.
 
         Raises `AddressError` if the address cannot be bound.
         """
@@ -70,23 +74,21 @@ class Viewer:
         self._state = ViewState(dark=dark, autopilot=autopilot)
         self._snapshot: Snapshot | None = None
         self._changed = True
-        self._looking_at: tuple[bool, float] = (False, 1.0)
+        self._looking_at: object = (False, 1.0)
         self._note, self._note_until = "", 0.0
         self._saved = ""
-        self._picture: tuple[LivePicture, Observation | None] | None = None
-        self._picture_came = threading.Event()
         self._stop = threading.Event()
         self._failure: BaseException | None = None
         self._projections, self._tiles = projections, Tiles()
         self._scene = SceneView(self.server)
-        self._page = self._make_page(dark=dark, simulated=draggable_board)
+        self._page = self._make_page(dark=dark, simulated=draggable_board, tour=tour)
         self._gizmo = BoardGizmo(self.server, self._dragged) if draggable_board else None
-        self._threads = [
-            threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
-            for name, loop in (("scene", self._scene_loop), ("picture", self._picture_loop))
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._pictures = PictureFeed(self._draw_picture, self._guarded)
+        self._thread = threading.Thread(
+            target=self._guarded, args=(self._scene_loop,), name="scene", daemon=True
+        )
+        self._thread.start()
+        self._pictures.start()
 
     @property
     def url(self) -> str:
@@ -111,14 +113,13 @@ class Viewer:
             self._snapshot, self._changed = snapshot, True
             self._wake.notify_all()
         if self._state.paused:
-            self._picture_came.set()  # no frame comes that would bring the new outline
+            self._pictures.again()  # no frame comes that would bring the new outline
 
     def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
         """Show this live picture (BGR or grey), with the corners of `observation`, or by default
         of the newest snapshot; the newest wins."""
         self._raise_failure()
-        self._picture = (image, observation)
-        self._picture_came.set()
+        self._pictures.put(image, observation)
 
     def say(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
         """Show a sentence for some seconds."""
@@ -145,20 +146,20 @@ class Viewer:
         if self._stop.is_set():
             return
         self._stop.set()
-        self._picture_came.set()
         with self._wake:
             self._wake.notify_all()
-        for thread in self._threads:
-            thread.join(timeout=5)
+        self._thread.join(timeout=5)
+        self._pictures.stop()
         self.server.stop()
 
     # -- what a subclass may show otherwise ------------------------------------------------------
 
-    def _make_page(self, *, dark: bool, simulated: bool) -> Page:
-        return Page(self.server, self._act, self._ask, dark=dark, simulated=simulated)
+    def _make_page(self, *, dark: bool, simulated: bool, tour: bool) -> Page:
+        return Page(self.server, self._act, self._ask, dark=dark, simulated=simulated, tour=tour)
 
     def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
-        seen = None if self._picture is None else self._picture[1]
+        newest = self._pictures.newest
+        seen = None if newest is None else newest[1]
         annotate(rgb, snapshot, seen, state.step, Theme(True).step_colours[state.step - 1])
 
     # -- what people do; on viser's threads ------------------------------------------------------
@@ -259,18 +260,20 @@ class Viewer:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
-        """Turn the tabs' cameras once when the strip comes or goes, or the target is far away."""
+        """Turn the tabs' cameras once when the strip comes, is another one, or goes, or when the
+        target is far away."""
         strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
         goals = [s.pose for s in shapes if isinstance(s, LineShape) and s.name == "/target/board"]
         back = steps_back(goals[0].distance_to(Pose.identity()) if goals else 0.0)
-        shown = (True, float(state.target)) if strip else (False, back)
+        # Another pose of the same number is another strip.
+        shown = (True, state.target, goals[0].vector().tobytes()) if strip else (False, back)
         if shown == self._looking_at:
             return
         self._looking_at = shown
         if strip:
-            self._page.look_at_strip(bounds_of(strip))
+            self._page.outlook.look_at_strip(bounds_of(strip))
         else:
-            self._page.look_at_scene(back)
+            self._page.outlook.look_at_scene(back)
 
     def _sources(self, snapshot: Snapshot | None, state: ViewState) -> tuple[str, ...]:
         target = None if snapshot is None else snapshot.target
@@ -285,16 +288,9 @@ class Viewer:
             self._tiles.expect(key, pictures)
         return self._tiles.sources()
 
-    def _picture_loop(self) -> None:
-        while not self._stop.is_set():
-            self._picture_came.wait()
-            self._picture_came.clear()
-            started, came = time.monotonic(), self._picture
-            if came is None or self._stop.is_set():
-                continue
-            rgb, snapshot = small_picture(came[0], self._picture_width), self._snapshot
-            self._scene.set_picture(rgb)
-            if snapshot is not None:
-                self._draw_on(rgb, snapshot, self._state.seeing(snapshot))
-            self._page.show_picture(rgb)
-            self._stop.wait(max(0.0, started + _PICTURE_PERIOD_S - time.monotonic()))
+    def _draw_picture(self, came: Came) -> None:
+        rgb, snapshot = small_picture(came[0], self._picture_width), self._snapshot
+        self._scene.set_picture(rgb)
+        if snapshot is not None:
+            self._draw_on(rgb, snapshot, self._state.seeing(snapshot))
+        self._page.show_picture(rgb)

@@ -29,3 +29,20 @@ KEY_NAMES = {
     "pageup": "Page up",
     "pagedown": "Page down",
 }
+BY_NAME = "By name only ({key}):"
+TOUR_NEXT, TOUR_BACK, TOUR_SKIP, TOUR_END = "Next", "Back", "Skip the tour", "Start"
+TOUR_NEXT_HINT = "Go on with the tour (Enter)."
+TOUR_ROW, TOUR_ROW_HINT = "Tour", "Go back one step, or leave the tour; it does not come again."
+TOUR_COUNT = "{number} of {count}"
+TOUR_COMMAND = "Show the tour"
+TOUR_COMMAND_HINT = "What stands where on this page, in a few steps"
+PORT_TAKEN = "Port {port} is taken; using {taken}."
+STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
+TARGET_LABEL = "Target"
+IN_ALL = "{length} in all"
+ONE_CORNER_OUTSIDE = "1 corner leaves the image in this step"
+CORNERS_OUTSIDE = "{count} corners leave the image in this step"
+NO_OPENGL = (
+    "OpenGL cannot be used here, so OpenCV paints the pictures; install libegl1 and "
+    "libgl1-mesa-dri ({cause})."
+)

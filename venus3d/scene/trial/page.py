@@ -12,25 +12,26 @@ it shows the board there, and no target.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import viser
 
 from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.guide.control_panel import Action
 from venus3d.scene.guide.guidance_panel import guidance_html
 from venus3d.scene.guide.intents import Begin
 from venus3d.scene.guide.page import JPEG_QUALITY, LEFT_WIDTH, PICTURE_LEGEND, Page
 from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.guide.viewer import Viewer
+from venus3d.scene.help import Command, HelpOverlay, add_commands
 from venus3d.scene.overlay import draw_axes, draw_outline
 from venus3d.scene.picture import PICTURE_WIDTH
-from venus3d.scene.projections_panel import Picture, projections_html
+from venus3d.scene.projections_panel import Picture, ProjectionsPanel
 from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
+from venus3d.scene.texts import trial as say
 from venus3d.scene.trial.moment import HELPS, Help, TrialMoment, TrialSnapshot
 from venus3d.scene.trial.panel import (
     card_html,
@@ -43,6 +44,7 @@ from venus3d.scene.trial.panel import (
 
 Layout = Literal["steps", "picture", "result"]
 _LARGE_PICTURE_WIDTH = 1280
+_SIDE_WIDTH = 340
 # What a card, a legend and the frame around them take of the window's height, pixels.
 _AROUND_THE_PICTURE = 230
 _SHARE_BESIDE_THE_SCENE = 0.68
@@ -54,8 +56,11 @@ _BESIDE = (False, 0.0)  # what `Viewer` remembers of it; it looks from no such d
 class TrialViewer(Viewer):
     """A viewer that shows `TrialSnapshot`s."""
 
-    def _make_page(self, *, dark: bool, simulated: bool) -> Page:
-        return TrialPage(self.server, self._act, self._ask, dark=dark, simulated=simulated)
+    def _make_page(self, *, dark: bool, simulated: bool, tour: bool) -> Page:
+        # Nobody is shown around in front of a clock.
+        return TrialPage(
+            self.server, self._act, self._ask, dark=dark, simulated=simulated, tour=False
+        )
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is not None and layout_of(snapshot) != "steps":
@@ -113,13 +118,13 @@ class TrialPage(Page):
         if steps:
             text = guidance_html(snapshot, state, theme, note)
             self.guidance.content = f"<div class='v-wide'>{text}</div>"
-            self.projections.content = projections_html(projections, state.step, theme, drawn_by)
+            self.projections.show(projections, state.step, theme, drawn_by)
         if moment is not None and result:
             self._show_result(moment, theme)
 
     def look_from_behind(self) -> None:
         """Every tab looks over the camera's shoulder at the board."""
-        self._look(_BEHIND, _BEHIND_AT)
+        self.outlook.look(_BEHIND, _BEHIND_AT)
 
     def _show_result(self, moment: TrialMoment, theme: Theme) -> None:
         self._result.content = result_html(moment, theme)
@@ -132,12 +137,16 @@ class TrialPage(Page):
 
     def _recolour(self, theme: Theme) -> None:
         self._plot.series = progress_series(theme, self._shown)
+        across, up = self._plot.axes or ({}, {})
+        self._plot.axes = ({**across, "stroke": theme.quiet}, {**up, "stroke": theme.quiet})
+        self.help.show(theme)
 
     def _lay_out(self, layout: Layout) -> None:
         if layout == self._layout:
             return
         self._layout = layout
         self._show_scene()
+        self.left_panel.set_width(LEFT_WIDTH if layout == "steps" else _SIDE_WIDTH)
         for client in self._server.get_clients().values():
             client.gui.main_panel.set_width(self._right_width(client.camera.image_height))
 
@@ -154,9 +163,8 @@ class TrialPage(Page):
         beside = self._simulated and self._layout == "picture"
         return round(whole * (_SHARE_BESIDE_THE_SCENE if beside else 1.0))
 
-    def _make_right(self, act: Callable[[Action], None], simulated: bool) -> None:
+    def _make_right(self) -> None:
         gui = self._gui
-        self._act, self._simulated = act, simulated
         self._layout: Layout = "picture"
         self._shown: Sequence[Help] = HELPS  # the lines of the plot
         self._show_scene()
@@ -167,7 +175,8 @@ class TrialPage(Page):
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
         self._legend = gui.add_html("")
         self._steps_legend = gui.add_html(PICTURE_LEGEND, visible=False)
-        self.projections = gui.add_html("", visible=False)
+        self.projections = ProjectionsPanel(gui)
+        self.projections.visible = False
         self._result = gui.add_html("")
         start = np.array([0.0, 1.0])
         self._plot = gui.add_uplot(
@@ -175,8 +184,8 @@ class TrialPage(Page):
             progress_series(Theme(True)),
             scales={"x": {"time": False}},
             axes=(
-                {"label": "pose", "labelSize": 18, "size": 30, "incrs": (1.0, 2.0, 5.0)},
-                {"label": "seconds since the first pose", "labelSize": 18, "size": 50},
+                {"label": say.POSE, "labelSize": 18, "size": 30, "incrs": (1.0, 2.0, 5.0)},
+                {"label": say.SECONDS_SINCE, "labelSize": 18, "size": 50},
             ),
             legend={"show": False},
             height=330,
@@ -186,36 +195,42 @@ class TrialPage(Page):
 
     def _make_left(self, theme: Theme) -> None:
         gui = self._gui
-        panel = gui.add_panel()
-        with panel.add_tab("Trial", viser.Icon.CLOCK):
+        panel = self.left_panel = gui.add_panel()
+        with panel.add_tab(say.TAB, viser.Icon.CLOCK):
             self._add_style()
             self._side = gui.add_html("")
             self._start = gui.add_button(
-                "Start (space bar)",
-                icon=viser.Icon.PLAYER_PLAY,
-                visible=False,
-                hint="Show the first pose. The clock counts from when it has been reached.",
+                say.START, icon=viser.Icon.PLAYER_PLAY, visible=False, hint=say.START_HINT
             )
             self._start.on_click(lambda _: self._ask(Begin()))
             self._give_up = gui.add_button(
-                "Give up this pose (K)",
+                say.GIVE_UP,
                 icon=viser.Icon.PLAYER_SKIP_FORWARD,
                 visible=False,
-                hint="Go on to the next pose; it is written as given up.",
+                hint=say.GIVE_UP_HINT,
             )
             self._give_up.on_click(lambda _: self._act("skip"))
-        panel.dock_left()
-        panel.set_width(LEFT_WIDTH)
-        self._command("Start", "space", "Show the first pose", lambda _: self._ask(Begin()))
-        self._command("Give up this pose", "K", "Go on to the next", lambda _: self._act("skip"))
-        self._command("Light or dark", "B", "Change the brightness", lambda _: self._act("theme"))
-        if self._simulated:
-            self._command("Autopilot", "O", "The simulated hand", lambda _: self._act("autopilot"))
+        panel.dock_below(self.guidance_panel)
 
-    def _command(
-        self, label: str, hotkey: Any, description: str, do: Callable[[Any], None]
-    ) -> None:
-        self._gui.add_command(label, description=description, hotkey=hotkey).on_trigger(do)
+    def _make_commands(self, tour: bool) -> None:
+        commands = [
+            Command(
+                say.START_COMMAND[0], "space", say.START_COMMAND[1], lambda: self._ask(Begin())
+            ),
+            Command(say.GIVE_UP_COMMAND[0], "K", say.GIVE_UP_COMMAND[1], lambda: self._act("skip")),
+            Command(say.THEME_COMMAND[0], "B", say.THEME_COMMAND[1], lambda: self._act("theme")),
+        ]
+        if self._simulated:
+            commands.append(
+                Command(
+                    say.AUTOPILOT_COMMAND[0],
+                    "O",
+                    say.AUTOPILOT_COMMAND[1],
+                    lambda: self._act("autopilot"),
+                )
+            )
+        add_commands(self._server, commands)
+        self.help = HelpOverlay(self._server, commands)
 
 
 def trial_of(snapshot: Snapshot | None) -> TrialMoment | None:
