@@ -50,12 +50,22 @@ def gradient_css() -> str:
 
 
 def round_up(value: float) -> float:
-    """The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten: an end for a scale."""
+    """The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten: an upper end for a scale."""
     if not (np.isfinite(value) and value > 0):
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
     steps: Array = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
     return float(steps[np.searchsorted(steps, value / power * (1 - 1e-9))] * power)
+
+
+def round_down(value: float) -> float:
+    """The last of 1, 2, 5 times a power of ten that is not above it: a lower end for a scale."""
+    if not (np.isfinite(value) and value > 0):
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(
+        power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9))
+    )
 
 
 def magnified(largest_px: float, room_px: float) -> float:

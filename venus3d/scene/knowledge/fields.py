@@ -31,12 +31,17 @@ _FIELD = (64, 36)
 _REACH = 1.5
 
 
-def error_picture(errors: Array, high_px: float, size: tuple[int, int], *, dark: bool) -> Picture:
-    """Expected errors (rows, columns) over the image, 0 ... `high_px`, on `size` (width, height).
+def error_picture(
+    errors: Array, ends_px: tuple[float, float], size: tuple[int, int], *, dark: bool
+) -> Picture:
+    """Expected errors (rows, columns) over the image on a picture of `size` (width, height).
 
-    Where the errors are NaN (no ray reaches that pixel) the picture is hatched.
+    The scale of colours runs between the two ends in equal ratios: errors at the border are often
+    a hundred times those in the middle, and both are to be told apart. Where the errors are NaN
+    (no ray reaches that pixel) the picture is hatched.
     """
-    return _heat(errors, 0.0, high_px, size, dark)
+    low, high = np.log(ends_px)
+    return _heat(np.log(np.maximum(errors, 1e-12)), low, high, size, dark)
 
 
 def coverage(views: Sequence[View], image_size: tuple[int, int]) -> NDArray[np.intp]:

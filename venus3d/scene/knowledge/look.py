@@ -11,7 +11,7 @@ border-radius:4px;background:rgba(12,15,20,.78);color:#fff;font-weight:700}
 .v-scale{margin-top:6px}
 .v-scale>div:first-child{height:11px;border-radius:3px;border:1px solid var(--line)}
 .v-ticks{display:flex;justify-content:space-between;font-size:12px;color:var(--soft)}
-.v-view img{display:block;width:100%;border-radius:7px}
+.v-view img{display:block;width:100%;max-width:400px;border-radius:7px}
 .v-what{width:100%;border-collapse:collapse;font-size:14px;margin-top:2px}
 .v-what th{font-weight:600;color:var(--soft);font-size:12px;text-align:right;padding:2px 0 2px 8px}
 .v-what td{border-top:1px solid var(--line);padding:3px 0 3px 8px;text-align:right;

@@ -21,6 +21,7 @@ from venus3d.scene.knowledge.look import SHEET
 from venus3d.scene.knowledge.topics import (
     TOPICS,
     Topic,
+    even_ticks,
     figure,
     map_html,
     map_of,
@@ -275,7 +276,7 @@ class KnowledgePanel:
 
 
 def _legend(snapshot: Snapshot) -> str:
-    scale = scale_html(0.0, misfit_end_px(snapshot.views), texts.PIXELS)
+    scale = scale_html(even_ticks(misfit_end_px(snapshot.views)), texts.PIXELS)
     return f"<div class='v-progress v-known'><h3>{texts.GHOSTS_LEGEND}</h3>{scale}</div>"
 
 

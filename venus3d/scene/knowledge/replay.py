@@ -8,9 +8,10 @@ batches shows batch after batch; the annealing walks move by move, a line along 
     /search/faint                             outlines of a few of the newest poses
     /search/best, sheet, best_label           the best board so far
     /search/best_angles                       and its dot in the box
+    /search/live                              the board as it is now
     /search/now                               the pose looked at (walk)
     /search/walk, /search/walk_angles         the line of the poses taken (walk)
-    /search/box, /search/axis_1 ... axis_6    the box and its ends' names
+    /search/box, /search/axis_1 ... axis_3    the box, the names of its axes; with _line the axes
     /search/title                             what the box is
 """
 
@@ -35,8 +36,9 @@ from venus3d.scene.texts import knowledge as texts
 SECONDS, REST_SECONDS = 13.0, 4.0
 """How long the search takes to be shown, and how long its end stays."""
 _FAINT = 10  # boards of a batch that are outlined
-_DOT = 0.006
-_BOX, _SIDE = np.array([0.30, -0.16, 0.02]), 0.2  # lowest corner and side of the box, metres
+_DOT = 0.0035
+_AGED = 0.6  # of the ground's colour in dots of earlier batches
+_BOX, _SIDE = np.array([-0.14, 0.22, 0.10]), 0.15  # lowest corner and side of the box, metres
 _FURTHEST_M = 1.2
 
 
@@ -65,13 +67,12 @@ def search_shapes(walk: Walk, shown: int, board: Board, dark: bool) -> tuple[Sha
     """The search after `shown` moves."""
     stage, colours = Stage(walk, shown), ground(dark)
     moves = walk.moves[:shown]
-    poses, colour, fresh = _dots(stage)
+    poses, colour, fresh = _dots(stage, dark)
     shapes: list[Shape] = [
         PointShape("/search/places", poses[:, 3:], colour, _DOT),
-        PointShape("/search/angles", _in_box(poses), colour, 0.8 * _DOT),
+        PointShape("/search/angles", _in_box(poses), colour, 0.7 * _DOT),
         LineShape("/search/faint", _outlines(board, fresh), Pose.identity(), colours.ghost, 1.0),
         *_box_shapes(dark),
-        *_titles(dark),
     ]
     if not walk.is_batched:
         shapes += _walk_shapes(stage, board, dark)
@@ -83,7 +84,7 @@ def search_shapes(walk: Walk, shown: int, board: Board, dark: bool) -> tuple[Sha
         board_ghost(board, pose, "/search/sheet", colours.warning, 0.35),
         board_outline(board, pose, "/search/best", colours.warning, 4.0),
         LabelShape("/search/best_label", word, pose.t, colours.text, in_projection=False),
-        PointShape("/search/best_angles", _in_box(best[None]), _rgb(colours.warning), 2 * _DOT),
+        PointShape("/search/best_angles", _in_box(best[None]), _rgb(colours.warning), 2.2 * _DOT),
     )
 
 
@@ -115,7 +116,7 @@ def _cost_text(cost: float, in_px: bool) -> str:
     return (texts.SEARCH_PX if in_px else texts.SEARCH_COST).format(value=f"{value:.3g}")
 
 
-def _dots(stage: Stage) -> tuple[Array, NDArray[np.uint8], Array]:
+def _dots(stage: Stage, dark: bool) -> tuple[Array, NDArray[np.uint8], Array]:
     """All poses so far (N, 6), their colours (N, 3), and a few of the newest (K, 6)."""
     batches = [
         (move.candidates, move.candidate_costs)
@@ -130,7 +131,11 @@ def _dots(stage: Stage) -> tuple[Array, NDArray[np.uint8], Array]:
     newest, worth = seen[-1]
     few = newest[np.argsort(worth)[:: max(1, len(worth) // _FAINT)][:_FAINT]]
     # Small costs are bright.
-    colour = colours_of(-costs, -high, -low)
+    colour = colours_of(-costs, -high, -low).astype(np.float64)
+    if stage.walk.is_batched and not stage.is_last:
+        older = slice(0, len(costs) - len(worth))
+        colour[older] += _AGED * (np.array(ground(dark).background) - colour[older])
+    colour = np.rint(colour).astype(np.uint8)
     return np.concatenate([poses for poses, _ in seen]), colour, few
 
 
@@ -181,28 +186,23 @@ def _chain(points: Array) -> Array:
 
 @lru_cache(maxsize=2)
 def _box_shapes(dark: bool) -> tuple[Shape, ...]:
-    """The box's edges, and the names of its three axes' ends."""
+    """The box's edges; three of them are its axes, each with its name at the end."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     edges = [(a, b) for a in corners for b in corners if np.sum(b - a) == 1 and np.sum(a != b) == 1]
+    here, colours = Pose.identity(), ground(dark)
     lines = _BOX + _SIDE * np.array(edges, dtype=np.float64)
-    colours = ground(dark)
-    shapes: list[Shape] = [LineShape("/search/box", lines, Pose.identity(), colours.ghost, 1.0)]
-    # Along the edge that starts at the lowest corner seen from the usual place.
-    ends = np.array(
-        [[0, 1.1, 0], [1, 1.1, 0], [-0.12, 0, 0], [-0.12, 1, 0], [1.1, 1.1, 0], [1.1, 1.1, 1]]
-    )
-    for index, (text, end) in enumerate(zip(texts.AXIS_LOW_HIGH, ends, strict=True), start=1):
-        colour = step_colour((2, 2, 3, 3, 1, 1)[index - 1], dark)
-        at = _BOX + _SIDE * end
-        label = text.format(high=90)
-        shapes.append(LabelShape(f"/search/axis_{index}", label, at, colour, False))
-    return tuple(shapes)
-
-
-@lru_cache(maxsize=2)
-def _titles(dark: bool) -> tuple[Shape, ...]:
-    at = _BOX + _SIDE * np.array([0.5, -0.2, 0.5])
-    return (LabelShape("/search/title", texts.SEARCH_ANGLES, at, ground(dark).text, False),)
+    shapes: list[Shape] = [LineShape("/search/box", lines, here, colours.ghost, 1.0)]
+    # The turns have their steps' colours, the distance that of the move.
+    for index, (text, step) in enumerate(zip(texts.SEARCH_AXES, (2, 3, 1), strict=True)):
+        name, colour, along = f"/search/axis_{index + 1}", step_colour(step, dark), np.eye(3)[index]
+        ends = _BOX + _SIDE * np.array([[0 * along, along]])
+        at = _BOX + 1.12 * _SIDE * along
+        shapes += [
+            LineShape(f"{name}_line", ends, here, colour, 3.5),
+            LabelShape(name, text, at, colour, in_projection=False),
+        ]
+    at = _BOX + _SIDE * np.array([1.0, 1.25, 0.0])
+    return (*shapes, LabelShape("/search/title", texts.SEARCH_BOX, at, colours.text, False))
 
 
 def _rgb(colour: Colour) -> NDArray[np.uint8]:

@@ -14,7 +14,7 @@ import numpy as np
 from venus3d.engine.known import Knowledge
 from venus3d.engine.pose import Array
 from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.knowledge.colours import gradient_css, round_up
+from venus3d.scene.knowledge.colours import gradient_css, round_down, round_up
 from venus3d.scene.knowledge.fields import (
     Picture,
     coverage,
@@ -43,8 +43,8 @@ class Map:
     sentence: str
     picture: Picture | None = None
     """None where there is nothing to draw yet."""
-    high: float = 0.0
-    """The legend's upper end; 0 for none."""
+    ticks: tuple[float, ...] = ()
+    """The legend's figures, from the lower end to the upper, equally far apart; none for none."""
     unit: str = texts.PIXELS
     figures: Array | None = None
     """(rows, columns) numbers of the picture, to be written at its middle and corners."""
@@ -64,12 +64,12 @@ def map_of(snapshot: Snapshot, topic: Topic, *, dark: bool, chosen: int | None =
         return Map(texts.ERROR_TITLE, texts.NOTHING_YET)
     if topic == "after":
         return _after(snapshot, snapshot.knowledge, size, dark)
-    known, high = snapshot.knowledge, _high(snapshot.knowledge)
+    known, ticks = snapshot.knowledge, error_ticks(snapshot)
     return Map(
         texts.ERROR_TITLE,
         texts.ERROR_TEXT.format(error=figure(known.error_px)),
-        error_picture(known.error_map, high, size, dark=dark),
-        high,
+        error_picture(known.error_map, (ticks[0], ticks[-1]), size, dark=dark),
+        ticks,
         figures=known.error_map,
     )
 
@@ -82,23 +82,29 @@ def map_html(shown: Map) -> str:
         return f"<div class='v-progress v-known'>{title}{sentence}</div>"
     alt = escape(texts.PICTURE_ALT.format(title=shown.title))
     image = f"<img alt='{alt}' src='{encoded(shown.picture)}'>"
-    legend = scale_html(0.0, shown.high, shown.unit) if shown.high > 0 else ""
+    legend = scale_html(shown.ticks, shown.unit) if shown.ticks else ""
     return (
         f"<div class='v-progress v-known'>{title}<div class='v-map'>{image}"
         f"{_figures(shown)}</div>{legend}{sentence}</div>"
     )
 
 
-def scale_html(low: float, high: float, unit: str) -> str:
+def scale_html(ticks: tuple[float, ...], unit: str) -> str:
     """The legend of the scale of colours, with its figures."""
-    ticks = "".join(
-        f"<span>{figure(low + share * (high - low))}{f' {unit}' if share == 1 else ''}</span>"
-        for share in (0.0, 0.5, 1.0)
+    last = len(ticks) - 1
+    figures = "".join(
+        f"<span>{figure(tick)}{f' {unit}' if index == last else ''}</span>"
+        for index, tick in enumerate(ticks)
     )
     return (
         f"<div class='v-scale'><div style='background:{gradient_css()}'></div>"
-        f"<div class='v-ticks'>{ticks}</div></div>"
+        f"<div class='v-ticks'>{figures}</div></div>"
     )
+
+
+def even_ticks(high: float) -> tuple[float, ...]:
+    """Figures of a scale from 0."""
+    return (0.0, high / 2, high)
 
 
 def figure(value: float) -> str:
@@ -112,9 +118,15 @@ def figure(value: float) -> str:
     return text.removesuffix(".0")
 
 
-def _high(known: Knowledge) -> float:
-    """The end of the scale of colours that “now” and “next” share."""
-    return round_up(float(np.nanmax(known.error_map)))
+def error_ticks(snapshot: Snapshot) -> tuple[float, ...]:
+    """Figures of the scale that the maps “now” and “next” share, in equal ratios, pixels."""
+    known, target = snapshot.knowledge, snapshot.target
+    if known is None:
+        return ()
+    after = None if target is None else known.predicted_at(target.pose)
+    every = known.error_map if after is None else np.stack([known.error_map, after])
+    low, high = round_down(float(np.nanmin(every))), round_up(float(np.nanmax(every)))
+    return (low, float(np.sqrt(low * high)), high)
 
 
 def _after(snapshot: Snapshot, known: Knowledge, size: tuple[int, int], dark: bool) -> Map:
@@ -130,9 +142,9 @@ def _after(snapshot: Snapshot, known: Knowledge, size: tuple[int, int], dark: bo
         before=figure(known.error_px),
         after=figure(target.predicted_error_px),
     )
-    high = _high(known)
-    picture = error_picture(errors, high, size, dark=dark)
-    return Map(title, sentence, picture, high, figures=errors)
+    ticks = error_ticks(snapshot)
+    picture = error_picture(errors, (ticks[0], ticks[-1]), size, dark=dark)
+    return Map(title, sentence, picture, ticks, figures=errors)
 
 
 def _corners(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
@@ -144,7 +156,7 @@ def _corners(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
         texts.CORNERS_TITLE,
         texts.CORNERS_TEXT if (counts == 0).any() else texts.CORNERS_FULL,
         coverage_picture(views, image_size, size, dark=dark),
-        round_up(float(counts.max())),
+        even_ticks(round_up(float(counts.max()))),
         texts.CORNERS_UNIT,
     )
 
@@ -160,7 +172,7 @@ def _lens(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
         texts.LENS_TITLE,
         texts.LENS_TEXT.format(magnified=magnified, largest=figure(largest)),
         distortion_picture(camera, size, dark),
-        round_up(largest),
+        even_ticks(round_up(largest)),
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from venus3d.engine.moves import Walk
 from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.board_shape import board_outline
 from venus3d.scene.knowledge.replay import (
     REST_SECONDS,
     SECONDS,
@@ -17,11 +18,12 @@ from venus3d.scene.knowledge.replay import (
     search_shapes,
     shown_after,
 )
+from venus3d.scene.palette import ground
 from venus3d.scene.shapes import Shape
 from venus3d.scene.texts import knowledge as texts
 
 _WHOLE = SECONDS + REST_SECONDS
-_STEPS = ("/steps/", "/strip/", "/target/")
+_KEPT = "/camera/"
 
 
 class SearchReplay:
@@ -43,7 +45,7 @@ class SearchReplay:
     def of(
         self, snapshot: Snapshot, shapes: tuple[Shape, ...], *, on: bool, dark: bool
     ) -> tuple[Shape, ...]:
-        """The scene's shapes; while a search is shown, it takes the steps' and the target's place.
+        """The scene's shapes; while a search is shown, it takes the place of all but the camera.
 
         A search that was not shown yet begins; switched off and on again, it begins anew.
         """
@@ -62,4 +64,9 @@ class SearchReplay:
         in_px = target.cost == "projection-variance"
         self.caption = caption(walk, shown, target.number, in_px=in_px)
         search = search_shapes(walk, shown, snapshot.board, dark)
-        return (*(shape for shape in shapes if not shape.name.startswith(_STEPS)), *search)
+        calm = tuple(shape for shape in shapes if shape.name.startswith(_KEPT))
+        if snapshot.pose is None:
+            return (*calm, *search)
+        # Its outline only: the printed board would hide the dots behind it.
+        live = board_outline(snapshot.board, snapshot.pose, "/search/live", ground(dark).text)
+        return (*calm, *search, live)

@@ -23,7 +23,7 @@ ERROR_TEXT = (
 )
 AFTER_TITLE = "How far off it may be after pose {number}"
 AFTER_TEXT = (
-    "The same scale as “Now”. With one view at pose {number} the mean should fall from {before} "
+    "The colours are those of “Now”. With one view at pose {number} the mean should fall from {before} "
     "to {after} px."
 )
 AFTER_NONE = "There is no next pose, so nothing is forecast."
@@ -98,8 +98,8 @@ SEARCH_COST = "cost {value}"
 SEARCH_CHOSEN = "the pose chosen"
 SEARCH_BEST = "best so far"
 SEARCH_NOTHING = "Nothing was searched for this pose: it follows from a rule, or from chance."
-SEARCH_ANGLES = "the same poses by their turns"
-AXIS_LOW_HIGH = ("X −{high}°", "X +{high}°", "Y −{high}°", "Y +{high}°", "near", "far")
+SEARCH_BOX = "the same poses: turns ±90°, 0–1.2 m"
+SEARCH_AXES = ("turn about X", "turn about Y", "distance")
 
 NEXT_TOPIC = "Next map of what is known"
 NEXT_TOPIC_HINT = "Error now, error after the next pose, corners seen, lens, misfit"
