@@ -20,5 +20,14 @@ white-space:nowrap}
 white-space:normal}
 .v-what td:last-child{font-weight:700}
 .v-verdict{font-weight:650;margin-top:6px}
+.v-row.v-param{display:block}
+.v-param summary{display:grid;grid-template-columns:2.1em 1fr auto;column-gap:7px;
+align-items:baseline;cursor:pointer;list-style:none}
+.v-param summary::-webkit-details-marker{display:none}
+.v-param .v-value{grid-column:2/3}
+.v-param .v-spark{grid-column:3/4;justify-self:end;align-self:center}
+.v-spark polyline{fill:none;stroke:var(--soft);stroke-width:1.6}
+.v-spark circle{fill:var(--text)}
+.v-does{font-size:13px;line-height:1.35;padding:2px 0 5px 2.6em;color:var(--text)}
 .mantine-Modal-content:has(.v-view){flex:0 1 520px}
 </style>"""

@@ -38,7 +38,7 @@ SECONDS, REST_SECONDS = 13.0, 4.0
 _FAINT = 10  # boards of a batch that are outlined
 _DOT = 0.0035
 _AGED = 0.6  # of the ground's colour in dots of earlier batches
-_BOX, _SIDE = np.array([-0.14, 0.22, 0.10]), 0.15  # lowest corner and side of the box, metres
+_BOX, _SIDE = np.array([-0.14, 0.19, 0.10]), 0.14  # lowest corner and side of the box, metres
 _FURTHEST_M = 1.2
 
 

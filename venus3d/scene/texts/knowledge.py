@@ -110,6 +110,7 @@ NEXT_VIEW_HINT = "Its picture, its pose, what it gave, and what if it were left 
 WATCH = "Watch the search"
 WATCH_HINT = "Replay slowly how the target was found, now and for each new target, or stop that"
 
+NO_PARAMETERS = "After the first view the camera's nine numbers appear here."
 PARAMETERS_TITLE = "The camera's nine numbers, value ± one sigma"
 SETTLED, IMPROVING, NOT_YET = "✓ settled", "improving", "not yet estimated"
 TREND_ALT = "its sigma from view to view, falling to {percent} %"
