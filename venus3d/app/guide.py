@@ -98,7 +98,7 @@ def run_guide(
         print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
 
         if audience is not None:
-            AudienceControls(viewer.server, audience)
+            viewer.explain(AudienceControls(viewer.server, audience).commands)
             print(said_of(audience), flush=True)
         if truth is not None and not options.autopilot:
             hint = "Drag the board by its handles in the scene, or press O for the autopilot."

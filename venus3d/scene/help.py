@@ -82,6 +82,10 @@ class HelpOverlay:
         close = add(ESCAPE_COMMAND, description=ESCAPE_COMMAND_HINT, hotkey="escape")
         close.on_trigger(lambda event: _in_tab(event.client, self._close))
 
+    def explain(self, commands: Sequence[Command]) -> None:
+        """Explain these as well from now on: others have added them to the page."""
+        self._commands += tuple(commands)
+
     def show(self, theme: Theme) -> None:
         """Take these colours, at once where the help is open."""
         with self._lock:

@@ -10,6 +10,7 @@ import viser
 
 from venus3d.scene.audience.audience import Audience
 from venus3d.scene.audience.look import Look
+from venus3d.scene.help import Command, add_commands
 from venus3d.scene.texts import audience as texts
 
 
@@ -26,12 +27,12 @@ class AudienceControls:
                 box = server.gui.add_checkbox(said, getattr(audience.look, name), hint=hint)
                 box.on_update(self._ticked(name))
                 self._boxes[name] = box
-        for name, label, key, hint in texts.CONTROLS:
-            wanted: Any = key  # viser's annotation lists every key there is
-            command = server.gui.add_command(
-                f"{texts.PANEL}: {label}", description=hint, hotkey=wanted
-            )
-            command.on_trigger(self._toggled(name))
+        self.commands = tuple(
+            Command(f"{texts.PANEL}: {label}", key, hint, self._toggled(name))
+            for name, label, key, hint in texts.CONTROLS
+        )
+        """In the palette; for the page's help as well."""
+        add_commands(server, self.commands)
 
     def _ticked(self, name: str) -> Callable[[Any], None]:
         def ticked(event: Any) -> None:
@@ -40,8 +41,8 @@ class AudienceControls:
 
         return ticked
 
-    def _toggled(self, name: str) -> Callable[[Any], None]:
-        def toggled(_: Any) -> None:
+    def _toggled(self, name: str) -> Callable[[], None]:
+        def toggled() -> None:
             self._audience.choose(lambda look: _with(name, not getattr(look, name))(look))
             self._boxes[name].value = getattr(self._audience.look, name)
 

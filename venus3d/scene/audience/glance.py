@@ -37,6 +37,7 @@ def glance_html(moment: Moment, snapshot: Snapshot | None, *, dark: bool) -> str
         dial = f"<div class='v-sign'>{escape(moment.badge)}</div>"
     said = moment.sentence.replace(" mm", "\u00a0mm")  # a number keeps its unit
     views = 0 if snapshot is None else len(snapshot.views)
+    views += moment.fresh and snapshot is not None and snapshot.phase == "captured"
     return (
         f"<div class='v-audience v-is-{moment.kind}' style='--step:{colour}'>"
         f"<div class='v-side'><div class='v-top'><b>{escape(moment.badge)}</b>"

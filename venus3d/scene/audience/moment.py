@@ -30,6 +30,8 @@ class Moment:
     """1 ... 4: the step that is active, or just done; 0 for none."""
     match: Match | None = None
     """How far the board is from its target, where that is of interest."""
+    fresh: bool = False
+    """Whether a view has been captured that does not count yet."""
 
 
 def moment_of(snapshot: Snapshot | None, *, paused: bool = False) -> Moment:
@@ -78,7 +80,7 @@ def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, Moment] | Non
     # A view that was asked for by a key is known to be one only when it counts.
     later = before.phase == "captured" and len(now.views) > len(before.views)
     if taken or later:
-        return "captured", Moment("good", *texts.CAPTURED)
+        return "captured", Moment("good", *texts.CAPTURED, fresh=True)
     same = before.target is not None and before.target is now.target
     if was is None or now.match is None or not same:
         return None

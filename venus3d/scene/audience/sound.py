@@ -55,5 +55,5 @@ def hint_html() -> str:
     """Asks for the click; gone once it was made. It reaches nobody but the browser itself."""
     return (
         "<label class='v-hint'><input type='checkbox'>"
-        f"<span>🔊 {escape(texts.SOUND_HINT)}</span></label>"
+        f"<span>♪ {escape(texts.SOUND_HINT)}</span></label>"
     )

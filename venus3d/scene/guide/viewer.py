@@ -11,7 +11,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from venus3d.engine.observation import Observation
@@ -25,6 +25,7 @@ from venus3d.scene.guide.outlook import steps_back
 from venus3d.scene.guide.page import Page
 from venus3d.scene.guide.picture_feed import Came, PictureFeed
 from venus3d.scene.guide.view_state import ViewState
+from venus3d.scene.help import Command
 from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Picture, Tiles
@@ -75,8 +76,7 @@ class Viewer:
         self._snapshot: Snapshot | None = None
         self._changed = True
         self._looking_at: object = (False, 1.0)
-        self._note, self._note_until = "", 0.0
-        self._saved = ""
+        self._note, self._note_until, self._saved = "", 0.0, ""
         self._stop = threading.Event()
         self._failure: BaseException | None = None
         self._projections, self._tiles = projections, Tiles()
@@ -133,6 +133,10 @@ class Viewer:
         with self._wake:
             self._saved, self._changed = text, True
             self._wake.notify_all()
+
+    def explain(self, commands: Sequence[Command]) -> None:
+        """List commands that others have added to the page in its help, too."""
+        self._page.help.explain(commands)
 
     def drain_intents(self) -> list[intents.Intent]:
         """What people asked for since the last call, in order."""
