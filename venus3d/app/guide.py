@@ -90,6 +90,7 @@ def run_guide(
                     projections=Projections(offscreen),
                     draggable_board=truth is not None,
                     autopilot=options.autopilot,
+                    tour=options.tour,
                 )
             )
         )

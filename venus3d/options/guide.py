@@ -74,6 +74,8 @@ class GuideOptions:
     """Address the viewer listens on; 0.0.0.0 lets other machines in, without a password."""
     port: int = 8080
     """Port of the viewer; the next free one is used if it is taken."""
+    tour: bool = True
+    """Show a browser that is new here around, once."""
     audience: Annotated[str | None, arg(metavar="[HOST:]PORT", help_behavior_hint="(optional)")] = (
         None
     )

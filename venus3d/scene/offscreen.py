@@ -71,7 +71,7 @@ class Offscreen:
     def submit(
         self,
         camera: Camera,
-        shapes: Sequence[Shape],
+        shapes: Sequence[Shape] | Callable[[], Sequence[Shape]],
         *,
         background: Colour | Image = (0, 0, 0),
         size: tuple[int, int] | None = None,
@@ -82,16 +82,19 @@ class Offscreen:
 
         Args:
             camera: what looks; its own lens is applied.
-            shapes: those with `in_projection` are drawn.
+            shapes: those with `in_projection` are drawn; or what makes them, on the render thread.
             background: a colour, or an RGB picture of the output's size.
             size: (width, height) of the picture; the camera's own if None.
             supersample: render this many times larger and shrink, for smooth small pictures.
             finish: what else is done to the picture, on the render thread.
         """
-        order = (camera, tuple(shapes), background, size or camera.image_size, supersample)
-        return self._thread.submit(
-            lambda: self._draw(*order) if finish is None else finish(self._draw(*order))
-        )
+
+        def draw() -> Image:
+            seen = tuple(shapes() if callable(shapes) else shapes)
+            picture = self._draw(camera, seen, background, size or camera.image_size, supersample)
+            return picture if finish is None else finish(picture)
+
+        return self._thread.submit(draw)
 
     def render(self, camera: Camera, shapes: Sequence[Shape], **options: Any) -> Image:
         """The picture itself: `submit` and wait."""

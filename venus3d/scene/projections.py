@@ -53,16 +53,18 @@ class Projections:
         *,
         size: tuple[int, int] = (480, 270),
         dark: bool = True,
+        header: bool = True,
     ) -> Pictures:
-        """Pictures of steps 1 ... 4, RGB; each `size` large with a header of its own above.
+        """Pictures of steps 1 ... 4, RGB; each `size` large, with a `header` of its own above.
 
         Returns at once; the pictures come from the render thread.
         """
-        key = (target, camera, board, size, dark)
+        key = (target, camera, board, size, dark, header)
         with self._lock:
             if key not in self._kept:
                 one, two, three, four = (
-                    self.of_step(step, camera, board, size=size, dark=dark) for step in target.steps
+                    self.of_step(step, camera, board, size=size, dark=dark, header=header)
+                    for step in target.steps
                 )
                 self._kept[key] = (one, two, three, four)
             self._kept.move_to_end(key)
@@ -79,16 +81,17 @@ class Projections:
         size: tuple[int, int] = (480, 270),
         dark: bool = True,
         supersample: int = 2,
+        header: bool = True,
     ) -> Future[Picture]:
         """The picture of one step; not kept. Drawn `supersample` times as large and shrunk."""
         colours = ground(dark)
         return self._offscreen.submit(
             camera,
-            describe_step(board, camera, step, dark=dark),
+            lambda: describe_step(board, camera, step, dark=dark),
             background=mixed(colours.background, colours.text, 0.06),
             size=size,
             supersample=supersample,
-            finish=lambda picture: framed(picture, step, dark),
+            finish=lambda picture: (framed if header else told)(picture, step, dark),
         )
 
 
@@ -117,8 +120,15 @@ def framed(picture: Picture, step: Step, dark: bool) -> Picture:
     for i, line in enumerate(wrapped(step.words.camera, words, room)[:2]):
         draw.text((left, header * (0.41 + 0.27 * i)), line, fill=colours.text, font=words)
     draw.rectangle((0, header, width - 1, height + header - 1), outline=colour, width=2)
-    if not step.is_visible:
-        _banner(draw, image.size, len(step.corners_outside), dark)
+    return told(np.asarray(image), step, dark)
+
+
+def told(picture: Picture, step: Step, dark: bool) -> Picture:
+    """The picture as it is, or with a banner that says how many corners leave it."""
+    if step.is_visible:
+        return picture
+    image = Image.fromarray(picture)
+    _banner(ImageDraw.Draw(image), image.size, len(step.corners_outside), dark)
     return np.asarray(image)
 
 

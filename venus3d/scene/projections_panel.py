@@ -11,6 +11,8 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from venus3d.engine.decomposition import Step, Steps
+from venus3d.scene.palette import step_style
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import guide as say
 
@@ -37,10 +39,21 @@ class ProjectionsPanel:
     def visible(self, on: bool) -> None:
         self._head.visible = self._tiles.visible = on
 
-    def show(self, sources: tuple[str, ...], step: int, theme: Theme, note: str = "") -> None:
-        """The pictures by their sources; an empty one is still being drawn; none: no target."""
-        self._head.content = mark_html(step, theme) if sources else _EMPTY
-        self._tiles.content = tiles_html(sources, note)
+    def show(
+        self,
+        sources: tuple[str, ...],
+        steps: Steps | None,
+        step: int,
+        theme: Theme,
+        note: str = "",
+    ) -> None:
+        """The pictures by their sources, and `step` marked; an empty source is still being drawn;
+        none: no target."""
+        if steps is None or not sources:
+            self._head.content, self._tiles.content = _EMPTY, ""
+            return
+        self._head.content = mark_html(step, theme)
+        self._tiles.content = tiles_html(sources, steps, theme, note)
 
 
 _EMPTY = f"<div class='v-steps'><h3>{say.TILES_EMPTY}</h3></div>"
@@ -56,14 +69,20 @@ def mark_html(step: int, theme: Theme) -> str:
     )
 
 
-def tiles_html(sources: tuple[str, ...], note: str = "") -> str:
-    """The tiles, and a note below them; empty without sources."""
-    tiles = "".join(
-        f"<div class='v-tile' data-step='{number}'>{_inside(number, source)}</div>"
-        for number, source in enumerate(sources, start=1)
-    )
+def tiles_html(sources: tuple[str, ...], steps: Steps, theme: Theme, note: str = "") -> str:
+    """The tiles, each with number, title, words and picture, and a note below them."""
+    tiles = "".join(_tile(step, source, theme) for step, source in zip(steps, sources, strict=True))
     foot = f"<div class='v-legend'>{escape(note)}</div>" if note else ""
-    return f"<div class='v-steps'><div class='v-grid'>{tiles}</div>{foot}</div>" if tiles else ""
+    return f"<div class='v-steps'><div class='v-grid'>{tiles}</div>{foot}</div>"
+
+
+def _tile(step: Step, source: str, theme: Theme) -> str:
+    words, title = escape(step.words.camera), step_style(step.number).title
+    return (
+        f"<div class='v-tile' data-step='{step.number}' title='{words}' "
+        f"style='--step:{theme.steps[step.number - 1]}'><div class='v-told'><b>{step.number}</b>"
+        f"<strong>{title}</strong><span>{words}</span></div>{_inside(step.number, source)}</div>"
+    )
 
 
 def _inside(number: int, source: str) -> str:

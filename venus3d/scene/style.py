@@ -130,8 +130,13 @@ font-weight:700;letter-spacing:.01em;color:var(--soft)}
 .v-grid{display:grid;grid-template-columns:1fr 1fr;gap:var(--gap-m)}
 .v-tile{border:3px solid var(--line);border-radius:var(--round);overflow:hidden;
 background:var(--tile);display:flex;flex-direction:column}
-.v-tile img{width:100%;display:block}
-.v-tile.v-on{border-color:var(--step);box-shadow:0 0 0 2px var(--step)}
+.v-tile img{width:100%;display:block;margin-top:auto}
+.v-told{display:grid;grid-template-columns:auto 1fr;align-items:center}
+.v-told b{background:var(--step);color:var(--ink);font-size:var(--size-lead);line-height:1;
+padding:5px 9px;font-weight:800}
+.v-told strong{color:var(--step);font-size:var(--size-text);padding-left:var(--gap-m)}
+.v-told span{grid-column:1/3;font-size:var(--size-note);line-height:1.25;padding:3px 7px 4px;
+min-height:calc(2.5em + 7px)}
 .v-tile .v-wait{aspect-ratio:16/9;display:grid;place-items:center;color:var(--soft);
 font-size:var(--size-note)}
 .v-legend{font-size:var(--size-note);line-height:1.4;color:var(--soft);padding:2px 0 0}
@@ -179,6 +184,7 @@ font-weight:700;background:var(--tile);color:var(--text);font-size:var(--size-no
 .v-tour small{font-size:var(--size-note);color:var(--soft)}
 .mantine-Modal-content:has(.v-keys){flex:0 1 820px}
 .mantine-Modal-content:has(.v-tour){flex:0 1 480px}
+.mantine-Modal-root:has(.v-tour) .mantine-Modal-overlay{background:rgba(0,0,0,.35)!important}
 .mantine-Modal-header:has(+ * .v-tour){display:none}
 .mantine-Modal-body:has(.v-tour){padding-top:18px}
 [data-dock-scroll]>div:has(.v-guide){max-height:max(330px,40vh)}
@@ -186,7 +192,13 @@ font-weight:700;background:var(--tile);color:var(--text);font-size:var(--size-no
 min-height:30px;padding:4px 9px}
 .mantine-ScrollArea-root:has(.v-progress) .mantine-Button-label{white-space:normal;line-height:1.25;
 text-align:left}
+.v-steps h3{margin-top:var(--gap-s)}
+@media (max-height:850px){.v-told span{display:none}.v-told b{font-size:var(--size-text);
+padding:3px 7px}.v-steps h3{margin:0 0 2px}.v-grid{gap:6px}}
 @media (max-width:36em){
+div:has(>div>.mantine-Tabs-root .v-guide){display:flex;flex-direction:column}
+div:has(>.mantine-Tabs-root .v-guide){order:-1}
+.v-told span{display:block}
 .mantine-Paper-root:has([data-autosize]){width:100vw!important;min-width:100vw}
 .mantine-ScrollArea-content>div[style*="20em"]{width:100%!important}
 }

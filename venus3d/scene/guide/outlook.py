@@ -9,7 +9,9 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from venus3d.scene.strip import STRIP_CENTRE
+from venus3d.engine.pose import Pose
+from venus3d.scene.shapes import LineShape, Shape
+from venus3d.scene.strip import STRIP_CENTRE, bounds_of
 
 _Point = tuple[float, float, float]
 _FOV_RAD = float(np.radians(42.0))
@@ -17,7 +19,7 @@ _FOV_RAD = float(np.radians(42.0))
 _LOOK_FROM, _LOOK_AT = (-0.60, -0.42, -0.33), (0.015, 0.04, 0.235)
 _NEAR_TARGET = 0.45
 """Up to this distance of the target, metres, the scene is seen from `_LOOK_FROM`."""
-_ROOMY_ASPECT = 0.85
+_ROOMY_ASPECT = 0.9
 """Width over height of a scene in which everything fits from there."""
 _PHONE_ASPECT = 0.55
 """A scene as narrow as this is a phone's, whose panels cover all but the upper part."""
@@ -38,6 +40,23 @@ class Outlook:
         self._fill = _ROOMY_ASPECT
         self.look(_LOOK_FROM, _LOOK_AT)
         server.on_client_connect(self._turn)
+
+    def follow(self, shapes: tuple[Shape, ...], target: int, before: object) -> object:
+        """Turn the tabs' cameras once when the strip comes, is another one, or goes, or when the
+        target, whose number that is, is far away.
+
+        Gives back what is looked at now: the `before` of the next call.
+        """
+        strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
+        goals = [s.pose for s in shapes if isinstance(s, LineShape) and s.name == "/target/board"]
+        back = steps_back(goals[0].distance_to(Pose.identity()) if goals else 0.0)
+        # Another pose of the same number is another strip.
+        now = (True, target, goals[0].vector().tobytes()) if strip else (False, back)
+        if now != before and strip:
+            self.look_at_strip(bounds_of(strip))
+        elif now != before:
+            self.look_at_scene(back)
+        return now
 
     def look_at_scene(self, back: float) -> None:
         """Every tab looks at camera, board and target, from `back` times as far away as usual."""

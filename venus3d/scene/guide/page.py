@@ -27,14 +27,16 @@ from venus3d.scene.guide.parameters_panel import ParametersPanel
 from venus3d.scene.guide.progress_panel import progress_html
 from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.help import HelpOverlay, add_commands
+from venus3d.scene.knowledge.panel import KnowledgePanel
 from venus3d.scene.picture import PICTURE_WIDTH
 from venus3d.scene.projections_panel import ProjectionsPanel
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import guide as say
+from venus3d.scene.texts.knowledge import TAB as KNOWN_TAB
 from venus3d.scene.tour import Tour, TourStep
 
-LEFT_WIDTH, _RIGHT_WIDTH = 480, 600
-_SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 360
+LEFT_WIDTH, _RIGHT_WIDTH = 480, 540
+_SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
 JPEG_QUALITY = 75
 PICTURE_LEGEND = (
     "<div class='v-steps'><div class='v-legend'>"
@@ -54,6 +56,9 @@ TOUR_KEY = "tour-guide"
 
 class Page:
     """All panels of one server. `act` and `ask` are called on viser's threads."""
+
+    knowledge: KnowledgePanel | None = None
+    """What is known, in a tab and in the scene; None where nobody asks."""
 
     def __init__(
         self,
@@ -101,7 +106,9 @@ class Page:
         self.diagnoses.visible = bool(self.diagnoses.content)
         self.progress.content = progress_html(snapshot)
         self.alternatives.show(snapshot)
-        self.projections.show(projections, state.step, theme, drawn_by)
+        target = None if snapshot is None else snapshot.target
+        steps = None if target is None else target.steps
+        self.projections.show(projections, steps, state.step, theme, drawn_by)
         phase = "startup" if snapshot is None else snapshot.phase
         # Once it has ended no target follows, so none is announced and none is drawn.
         ended = phase in ("converged", "finished")
@@ -149,7 +156,10 @@ class Page:
             self.alternatives = AlternativesPanel(gui, self._ask)
         with panel.add_tab(say.PARAMETERS_TAB, viser.Icon.CAMERA_COG):
             self._add_style()
-            self.parameters = ParametersPanel(gui, theme, self._ask)
+            self.parameters = ParametersPanel(gui, theme)
+        with panel.add_tab(KNOWN_TAB, viser.Icon.MAP_2):
+            self._add_style()
+            self.knowledge = KnowledgePanel(gui, self._ask)
         panel.dock_below(self.guidance_panel)
 
     def _make_right(self) -> None:
@@ -168,8 +178,8 @@ class Page:
         self.method = MethodPanel(gui, self._ask)
 
     def _make_commands(self, tour: bool) -> None:
-        panels = (self.controls, self.alternatives, self.parameters, self.method)
-        commands = tuple(command for panel in panels for command in panel.commands)
+        panels = (self.controls, self.alternatives, self.knowledge, self.method)
+        commands = tuple(command for panel in panels if panel for command in panel.commands)
         add_commands(self._server, commands)
         steps = [TourStep(*texts, marks) for texts, marks in zip(say.TOUR, _MARKS, strict=True)]
         self.tour = Tour(self._server, TOUR_KEY, steps, at_first=tour)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from html import escape
 
@@ -12,12 +11,8 @@ from viser import uplot
 from venus3d.engine.camera import PARAMETERS
 from venus3d.engine.pose import Array
 from venus3d.engine.snapshot import Forecast, Progress, Snapshot
-from venus3d.engine.words import PARAMETER_WORDS
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import guide as say
-
-_IN_PIXELS = 4
-"""The first four parameters are in pixels, the others have no unit."""
 
 
 def progress_html(snapshot: Snapshot | None) -> str:
@@ -26,12 +21,6 @@ def progress_html(snapshot: Snapshot | None) -> str:
         return f"<div class='v-progress'>{say.NOT_KNOWN_YET}</div>"
     parts = _summary(snapshot) + _outcome(snapshot) + _reason(snapshot)
     return f"<div class='v-progress'>{parts}</div>"
-
-
-def parameters_html(snapshot: Snapshot | None) -> str:
-    """The table of parameters."""
-    table = "" if snapshot is None else _table(snapshot)
-    return f"<div class='v-progress'>{table or say.NO_PARAMETERS}</div>"
 
 
 def _summary(snapshot: Snapshot) -> str:
@@ -117,39 +106,6 @@ def _reason(snapshot: Snapshot) -> str:
     reason = f"<div class='v-reason'>{escape(text)}{small}</div>"
     title = say.WHAT_FOR.format(number=target.number)
     return f"<h3 title='{escape(say.WHAT_FOR_HINT)}'>{title}</h3>{reason}"
-
-
-def _table(snapshot: Snapshot) -> str:
-    calibration = snapshot.calibration
-    if calibration is None:
-        return ""
-    settled = (False,) * 9
-    if snapshot.convergence is not None:
-        settled = snapshot.convergence.parameters
-    rows: list[str] = []
-    values, sigmas = calibration.camera.parameters, calibration.sigma
-    for index, name in enumerate(PARAMETERS):
-        if not calibration.free[index]:
-            mark, kind = say.NOT_ESTIMATED, ""
-        elif settled[index]:
-            mark, kind = say.SETTLED, " v-yes"
-        else:
-            mark, kind = say.IMPROVING, ""
-        amount = _value_text(values[index], sigmas[index], index)
-        rows.append(
-            f"<div class='v-row'><b>{name}</b><span class='v-word'>{PARAMETER_WORDS[index]}</span>"
-            f"<span class='v-mark{kind}'>{mark}</span><span class='v-value'>{amount}</span></div>"
-        )
-    return f"<h3 title='{escape(say.TABLE_HINT)}'>{say.TABLE_TITLE}</h3>" + "".join(rows)
-
-
-def _value_text(value: float, sigma: float, index: int) -> str:
-    unit = " px" if index < _IN_PIXELS else ""
-    if not sigma > 0:
-        return f"{value:.1f}{unit}" if index < _IN_PIXELS else f"{value:.4f}"
-    # Two figures of the sigma are all that it is worth.
-    places = min(max(1 - math.floor(math.log10(sigma)), 0), 6)
-    return f"{value:.{places}f} <i>± {sigma:.{places}f}{unit}</i>"
 
 
 def _short(value: float) -> str:

@@ -21,7 +21,6 @@ from venus3d.scene.describe import SceneOptions, describe
 from venus3d.scene.gizmo import BoardGizmo
 from venus3d.scene.guide import intents
 from venus3d.scene.guide.control_panel import Action, after_action
-from venus3d.scene.guide.outlook import steps_back
 from venus3d.scene.guide.page import Page
 from venus3d.scene.guide.picture_feed import Came, PictureFeed
 from venus3d.scene.guide.view_state import ViewState
@@ -30,8 +29,7 @@ from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_pi
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Picture, Tiles
 from venus3d.scene.server import start_server
-from venus3d.scene.shapes import LineShape, Shape
-from venus3d.scene.strip import bounds_of
+from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
 from venus3d.scene.view import SceneView
 
@@ -82,6 +80,8 @@ class Viewer:
         self._projections, self._tiles = projections, Tiles()
         self._scene = SceneView(self.server)
         self._page = self._make_page(dark=dark, simulated=draggable_board, tour=tour)
+        if self._page.knowledge is not None:
+            self._page.knowledge.on_change = self._touch
         self._gizmo = BoardGizmo(self.server, self._dragged) if draggable_board else None
         self._pictures = PictureFeed(self._draw_picture, self._guarded)
         self._thread = threading.Thread(
@@ -121,18 +121,22 @@ class Viewer:
         self._raise_failure()
         self._pictures.put(image, observation)
 
+    def keep_view(self, number: int, image: LivePicture) -> None:
+        """Keep the picture (BGR or grey) of the captured view of this number, to be looked at."""
+        if self._page.knowledge is not None:
+            self._page.knowledge.keep(number, image)
+            self._touch()
+
     def say(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
         """Show a sentence for some seconds."""
         with self._wake:
             self._note, self._note_until = text, time.monotonic() + seconds
-            self._changed = True
-            self._wake.notify_all()
+        self._touch()
 
     def saved(self, text: str) -> None:
         """Show a sentence on where the result is, for as long as the calibration has ended."""
-        with self._wake:
-            self._saved, self._changed = text, True
-            self._wake.notify_all()
+        self._saved = text
+        self._touch()
 
     def explain(self, commands: Sequence[Command]) -> None:
         """List commands that others have added to the page in its help, too."""
@@ -201,6 +205,11 @@ class Viewer:
             self._wake.notify_all()
             return self._state
 
+    def _touch(self) -> None:
+        with self._wake:
+            self._changed = True
+            self._wake.notify_all()
+
     # -- drawing ---------------------------------------------------------------------------------
 
     def _guarded(self, loop: Callable[[], None]) -> None:
@@ -236,11 +245,13 @@ class Viewer:
 
     @property
     def _is_moving(self) -> bool:
-        return self._state.playing or self._tiles.waiting
+        known = self._page.knowledge
+        searching = known is not None and known.is_moving
+        return self._state.playing or self._tiles.waiting or searching
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
-        sources = self._sources(snapshot, state)
-        shapes = None
+        sources, known = self._sources(snapshot, state), self._page.knowledge
+        shapes = drawn = None
         if snapshot is not None:
             options = SceneOptions(
                 step=state.step,
@@ -249,35 +260,29 @@ class Viewer:
                 sweep=state.sweep,
                 show_live=not state.playing,
             )
-            shapes = describe(snapshot, options)
+            drawn = shapes = describe(snapshot, options)
+            if known is not None:
+                drawn = known.put(snapshot, shapes, Theme(state.dark))
+                note = note or known.caption
             if not note and snapshot.phase in ("converged", "finished"):
                 note = self._saved
             if not note and snapshot.warnings:
                 note = snapshot.warnings[-1]
         drawn_by = "" if self._projections is None else self._projections.note
         with self.server.atomic():
-            if shapes is not None:
-                self._scene.draw(shapes, dark=state.dark)
+            if shapes is not None and drawn is not None:
+                self._scene.draw(drawn, dark=state.dark)
                 self._look(shapes, state)
+                if known is not None:
+                    known.bind(self._scene)
             self._page.show(snapshot, state, sources, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
-        """Turn the tabs' cameras once when the strip comes, is another one, or goes, or when the
-        target is far away."""
-        strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
-        goals = [s.pose for s in shapes if isinstance(s, LineShape) and s.name == "/target/board"]
-        back = steps_back(goals[0].distance_to(Pose.identity()) if goals else 0.0)
-        # Another pose of the same number is another strip.
-        shown = (True, state.target, goals[0].vector().tobytes()) if strip else (False, back)
-        if shown == self._looking_at:
-            return
-        self._looking_at = shown
-        if strip:
-            self._page.outlook.look_at_strip(bounds_of(strip))
-        else:
-            self._page.outlook.look_at_scene(back)
+        """Turn the tabs' cameras where it is needed."""
+        outlook = self._page.outlook
+        self._looking_at = outlook.follow(shapes, state.target, self._looking_at)
 
     def _sources(self, snapshot: Snapshot | None, state: ViewState) -> tuple[str, ...]:
         target = None if snapshot is None else snapshot.target
@@ -287,7 +292,7 @@ class Viewer:
         key = (id(target), state.dark)
         if key != self._tiles.key:
             pictures = self._projections.of(
-                target, snapshot.camera, snapshot.board, dark=state.dark
+                target, snapshot.camera, snapshot.board, dark=state.dark, header=False
             )
             self._tiles.expect(key, pictures)
         return self._tiles.sources()

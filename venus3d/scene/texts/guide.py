@@ -29,11 +29,11 @@ CHIP_HINT = "Step {number}, {title}: {fact}"
 # -- live picture and the four steps ---------------------------------------------------------------
 
 PICTURE_LEGEND = (
-    ("Thick outline", "where this step ends"),
+    ("Outline", "this step's end"),
     ("dashes", "the target"),
-    ("dots", "corners found"),
+    ("dots", "corners"),
 )
-TILES_TITLE = "The four steps from a frontal board, as the camera will see them"
+TILES_TITLE = "The four steps, as the camera will see them"
 TILES_HINT = (
     "Each picture shows the board after its step; all four in a row bring an upright board that "
     "faces the camera to the target. The marked one is the step you are on."
@@ -143,7 +143,6 @@ PROGRESS_TAB, PARAMETERS_TAB = "Progress", "Parameters"
 NOT_KNOWN_YET = (
     "The camera is not known yet. After the first view its parameters appear under “Parameters”."
 )
-NO_PARAMETERS = "After the first view the camera's parameters appear here."
 VIEWS_CAPTURED = "views captured"
 RMS, RMS_HINT = (
     "px rms, misfit of the corners",
@@ -173,17 +172,10 @@ SERVES = "Helps most: {names}."
 
 # -- the camera's parameters -----------------------------------------------------------------------
 
-TABLE_TITLE = "Camera parameters, value ± one sigma"
-TABLE_HINT = "In two of three cases the true value is within ± one sigma of the value given."
-NOT_ESTIMATED, SETTLED, IMPROVING = "not yet estimated", "✓ settled", "improving"
 TREND_TITLE = "Sigma over the views (first full set = 100 %)"
 TREND_HINT = "How the uncertainty of each parameter shrinks as views are added."
 TREND_KEYS = ("focal length", "centre", "distortion")
 TREND_VIEWS = "views"
-DROP_LABEL = "View"
-DROP_LABEL_HINT = "The captured views with their misfit; choose one to leave it out."
-DROP, DROP_HINT = "Leave this view out", "Calibrate again without the view chosen above."
-DROP_COMMAND = "Leave the chosen view out"
 
 # -- what makes the numbers doubtful ---------------------------------------------------------------
 

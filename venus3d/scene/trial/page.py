@@ -118,7 +118,9 @@ class TrialPage(Page):
         if steps:
             text = guidance_html(snapshot, state, theme, note)
             self.guidance.content = f"<div class='v-wide'>{text}</div>"
-            self.projections.show(projections, state.step, theme, drawn_by)
+            target = None if snapshot is None else snapshot.target
+            walk = None if target is None else target.steps
+            self.projections.show(projections, walk, state.step, theme, drawn_by)
         if moment is not None and result:
             self._show_result(moment, theme)
 
