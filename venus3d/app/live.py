@@ -18,13 +18,14 @@ from venus3d.app.eyes import Eyes
 from venus3d.app.headless import work_out
 from venus3d.app.watching import Watching
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
+from venus3d.engine.observation import Observation
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Outcome, Work
 from venus3d.scene.audience.audience import Audience
 from venus3d.scene.guide import intents
 from venus3d.scene.guide.viewer import Viewer
-from venus3d.sources.frame import Source
+from venus3d.sources.frame import Frame, Source
 from venus3d.sources.sim import Simulation
 
 
@@ -47,6 +48,7 @@ class LiveGuide(Watching):
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
         self._settled_at: tuple[str, int] = ("", 0)
+        self._frame: tuple[Observation, Frame] | None = None
 
     def run(self) -> Snapshot:
         """Guide until stopped, by `stop`, Ctrl-C or a termination signal.
@@ -80,6 +82,7 @@ class LiveGuide(Watching):
             session.use_board(self._eyes.detector.board)
             session.board_diagnoses = self._eyes.detector.diagnoses
             session.observe(observation)
+        self._keep_picture(observation)
         if not (self._think() or asked or observation is not None):
             return
         snapshot = session.snapshot()
@@ -95,6 +98,16 @@ class LiveGuide(Watching):
             except StorageError as error:
                 self._viewer.say(str(error))
         self._settled_at = state
+
+    def _keep_picture(self, observation: Observation | None) -> None:
+        """Hand on the picture of a view that was captured just now."""
+        work, before = self._session.pending, self._frame
+        if observation is not None:
+            self._frame = next((pair for pair in self._looked if pair[0] is observation), None)
+        for pair in (before, self._frame):
+            if work is not None and pair is not None and work.observations[-1] is pair[0]:
+                self._viewer.keep_view(work.numbers[-1], pair[1].image)
+                self._frame = None
 
     def _think(self) -> bool:
         """Hand pending work to its thread, take finished work back; whether any came back."""

@@ -44,6 +44,7 @@ class Watching(ABC):
         self._again, self._audience = again, audience
         self._frames: Latest[Frame] = Latest()
         self._observations: Latest[Observation] = Latest()
+        self._looked: tuple[tuple[Observation, Frame], ...] = ()
         self._stop = threading.Event()
         self._running = threading.Event()  # cleared while paused
         self._running.set()
@@ -117,7 +118,10 @@ class Watching(ABC):
     def _look(self) -> None:
         frame = self._frames.take(timeout=0.2)
         if frame is not None:
-            self._observations.put(self._eyes.look(frame))
+            seen = self._eyes.look(frame)
+            # Replaced as a whole, since another thread looks up in it which frame a view is of.
+            self._looked = (*self._looked[-2:], (seen, frame))
+            self._observations.put(seen)
 
 
 @contextmanager

@@ -109,9 +109,8 @@ class Viewer:
     def show(self, snapshot: Snapshot) -> None:
         """Show this moment; the newest wins. Raises what broke the drawing, if anything did."""
         self._raise_failure()
-        with self._wake:
-            self._snapshot, self._changed = snapshot, True
-            self._wake.notify_all()
+        self._snapshot = snapshot
+        self._touch()
         if self._state.paused:
             self._pictures.again()  # no frame comes that would bring the new outline
 
@@ -125,7 +124,6 @@ class Viewer:
         """Keep the picture (BGR or grey) of the captured view of this number, to be looked at."""
         if self._page.knowledge is not None:
             self._page.knowledge.keep(number, image)
-            self._touch()
 
     def say(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
         """Show a sentence for some seconds."""
@@ -154,8 +152,7 @@ class Viewer:
         if self._stop.is_set():
             return
         self._stop.set()
-        with self._wake:
-            self._wake.notify_all()
+        self._touch()
         self._thread.join(timeout=5)
         self._pictures.stop()
         self.server.stop()
@@ -246,8 +243,7 @@ class Viewer:
     @property
     def _is_moving(self) -> bool:
         known = self._page.knowledge
-        searching = known is not None and known.is_moving
-        return self._state.playing or self._tiles.waiting or searching
+        return self._state.playing or self._tiles.waiting or bool(known and known.is_moving)
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         sources, known = self._sources(snapshot, state), self._page.knowledge

@@ -57,12 +57,13 @@ class KnowledgePanel:
 
     def __init__(
         self,
-        server: viser.ViserServer,
+        gui: viser.GuiApi,
         ask: Callable[[Intent], None],
-        changed: Callable[[], None] = lambda: None,
     ) -> None:
-        """Make everything in the current panel; `changed` is called when there is more to draw."""
-        self._ask, self._changed = ask, changed
+        """Make everything in the current panel."""
+        self._ask = ask
+        self.on_change: Callable[[], None] = lambda: None
+        """Called on viser's threads when there is something else to draw."""
         self._lock = threading.Lock()
         self.state = KnowledgeState()
         self._pictures: dict[int, str] = {}
@@ -72,7 +73,7 @@ class KnowledgePanel:
         self._card: tuple[object, ...] = ()
         self._bound: set[str] = set()
         self._replay = SearchReplay()
-        self._make(server.gui)
+        self._make(gui)
 
     @property
     def commands(self) -> tuple[Command, ...]:
@@ -101,31 +102,20 @@ class KnowledgePanel:
         source = encoded(small_picture(image, _VIEW_PICTURE_WIDTH))
         with self._lock:
             self._pictures[number] = source
+        self.on_change()
 
-    def show(self, snapshot: Snapshot | None, theme: Theme) -> None:
-        """Put what is known at this moment on the tab."""
-        if snapshot is None:
-            return
+    def put(self, snapshot: Snapshot, shapes: tuple[Shape, ...], theme: Theme) -> tuple[Shape, ...]:
+        """Put what is known at this moment on the tab; the scene's shapes with what belongs there.
+
+        A search that is replayed takes the steps' place.
+        """
         self._snapshot, self._theme, state = snapshot, theme, self.state
-        chosen = state.view if state.topic == "misfit" else None
-        target = snapshot.target if state.topic == "after" else None
-        key = (snapshot.calibration, target and target.pose, state.topic, theme.dark, chosen)
-        if key != self._drawn:
-            self._drawn = key
-            self._map.content = map_html(
-                map_of(snapshot, state.topic, dark=theme.dark, chosen=chosen)
-            )
+        self._show_map(snapshot, state, theme)
         self._show_views(snapshot, state)
-
-    def scene(
-        self, snapshot: Snapshot, shapes: tuple[Shape, ...], *, dark: bool
-    ) -> tuple[Shape, ...]:
-        """The scene's shapes with what is known added; a replayed search takes the steps' place."""
-        state = self.state
         if state.ghosts and snapshot.views:
-            ghosts = ghost_shapes(snapshot.board, snapshot.views, state.view, dark)
+            ghosts = ghost_shapes(snapshot.board, snapshot.views, state.view, theme.dark)
             shapes = (*shapes, *ghosts)
-        return self._replay.of(snapshot, shapes, on=state.watching, dark=dark)
+        return self._replay.of(snapshot, shapes, on=state.watching, dark=theme.dark)
 
     def bind(self, scene: SceneView) -> None:
         """Let the captured views that have been drawn be clicked."""
@@ -162,6 +152,16 @@ class KnowledgePanel:
             visible=False,
         )
         self._drop.on_click(lambda _: self._leave_out(self.state.view))
+
+    def _show_map(self, snapshot: Snapshot, state: KnowledgeState, theme: Theme) -> None:
+        chosen = state.view if state.topic == "misfit" else None
+        # The scale of “now” is that of “next” as well.
+        target = snapshot.target if state.topic in ("error", "after") else None
+        key = (snapshot.calibration, target and target.pose, state.topic, theme.dark, chosen)
+        if key != self._drawn:
+            self._drawn = key
+            shown = map_of(snapshot, state.topic, dark=theme.dark, chosen=chosen)
+            self._map.content = map_html(shown)
 
     def _show_views(self, snapshot: Snapshot, state: KnowledgeState) -> None:
         numbers = [view.number for view in snapshot.views]
@@ -238,7 +238,7 @@ class KnowledgePanel:
     def _change(self, **changes: Any) -> None:
         with self._lock:
             self.state = replace(self.state, **changes)
-        self._changed()
+        self.on_change()
 
     def _pick_topic(self, label: str) -> None:
         self._change(topic=TOPICS[[*texts.TOPICS.values()].index(_bare(label))])

@@ -29,7 +29,8 @@ def parameters_html(snapshot: Snapshot | None) -> str:
         return f"<div class='v-progress'>{escape(texts.NO_PARAMETERS)}</div>"
     rows = "".join(_row(snapshot, index) for index in range(len(PARAMETERS)))
     hint = f"<div class='v-more'>{escape(texts.PARAMETERS_HINT)}</div>"
-    return f"{SHEET}<div class='v-progress'><h3>{escape(texts.PARAMETERS_TITLE)}</h3>{rows}{hint}</div>"
+    title = f"<h3 title='{escape(texts.SIGMA_HINT)}'>{escape(texts.PARAMETERS_TITLE)}</h3>"
+    return f"{SHEET}<div class='v-progress'>{title}{rows}{hint}</div>"
 
 
 def value_text(value: float, sigma: float, index: int) -> str:

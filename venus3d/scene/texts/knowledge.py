@@ -23,8 +23,8 @@ ERROR_TEXT = (
 )
 AFTER_TITLE = "How far off it may be after pose {number}"
 AFTER_TEXT = (
-    "The colours are those of “Now”. With one view at pose {number} the mean should fall from {before} "
-    "to {after} px."
+    "The colours are those of “Now”. With one view at pose {number} the mean should fall "
+    "from {before} to {after} px."
 )
 AFTER_NONE = "There is no next pose, so nothing is forecast."
 AFTER_UNKNOWN = "The views so far say too little to forecast what the next pose brings."
@@ -112,6 +112,7 @@ WATCH_HINT = "Replay slowly how the target was found, now and for each new targe
 
 NO_PARAMETERS = "After the first view the camera's nine numbers appear here."
 PARAMETERS_TITLE = "The camera's nine numbers, value ± one sigma"
+SIGMA_HINT = "In two of three cases the true value is within ± one sigma of the value given."
 SETTLED, IMPROVING, NOT_YET = "✓ settled", "improving", "not yet estimated"
 TREND_ALT = "its sigma from view to view, falling to {percent} %"
 PARAMETER_SENTENCES = (
