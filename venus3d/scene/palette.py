@@ -68,8 +68,8 @@ DARK = Ground(
     ghost=(150, 157, 168),
     target=(255, 255, 255),
     camera=(140, 148, 160),
-    warning=(255, 208, 84),
-    reached=(74, 222, 128),
+    warning=(255, 215, 70),
+    reached=(150, 232, 60),
 )
 LIGHT = Ground(
     background=(246, 247, 249),
@@ -78,8 +78,8 @@ LIGHT = Ground(
     ghost=(112, 120, 132),
     target=(20, 22, 26),
     camera=(96, 104, 116),
-    warning=(150, 82, 0),
-    reached=(14, 112, 52),
+    warning=(115, 92, 0),
+    reached=(40, 115, 0),
 )
 
 

@@ -64,7 +64,9 @@ class Theme:
     @property
     def tile(self) -> str:
         """The ground of a tile that stands out a little from the panel."""
-        return hex_of(mixed(ground(self.dark).background, ground(self.dark).text, 0.05))
+        if not self.dark:
+            return "#ffffff"
+        return hex_of(mixed(ground(True).background, ground(True).text, 0.05))
 
     @property
     def panel(self) -> str:

@@ -13,12 +13,12 @@ from html import escape
 import numpy as np
 
 from venus3d.engine.snapshot import Match
-from venus3d.scene.palette import hex_of
+from venus3d.scene.palette import DARK, LIGHT, hex_of
 from venus3d.scene.shapes import Colour
 from venus3d.scene.texts import audience as texts
 
-RIGHT_ON_DARK: Colour = (74, 222, 128)
-RIGHT_ON_LIGHT: Colour = (14, 112, 52)
+RIGHT_ON_DARK: Colour = DARK.reached
+RIGHT_ON_LIGHT: Colour = LIGHT.reached
 """Something is right: always with a tick or a word."""
 LARGEST_DEG, LARGEST_MM = 90.0, 300.0
 """The ends of the scales."""

@@ -11,12 +11,12 @@ import numpy as np
 
 from venus3d.engine.pose import Array
 from venus3d.engine.practice import Score
-from venus3d.scene.palette import STEP_STYLES, hex_of
+from venus3d.scene.palette import DARK, LIGHT, STEP_STYLES, hex_of
 from venus3d.scene.practice.moment import PracticeMoment
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import practice as say
 
-GOOD = {True: (70, 214, 136), False: (19, 115, 62)}
+GOOD = {True: DARK.reached, False: LIGHT.reached}
 """Within tolerance; always with a tick and a word."""
 _FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
 

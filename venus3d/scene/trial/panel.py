@@ -20,7 +20,7 @@ from venus3d.scene.trial.moment import HELPS, Help, HelpTimes, TrialMoment
 _HELP_COLOURS: dict[Help, int] = {"steps": 3, "axes": 2, "outline": 4}
 """Each help's colour in the plot, by the step that has it elsewhere."""
 
-_SHEET = """<style>
+SHEET = """<style>
 .v-card{flex-direction:row!important;align-items:center;gap:var(--gap-l);--u:min(.55cqw,1vh);
 padding:var(--gap-s) var(--gap-l) var(--gap-m)}
 .mantine-ScrollArea-root:has(.v-card) img{width:100%}
@@ -62,7 +62,7 @@ def side_html(moment: TrialMoment | None, note: str = "") -> str:
         what = say.ALL_DONE
     rows = "".join(_order_row(moment, number) for number in range(1, helps + 1))
     return (
-        f"{_SHEET}<div class='v-progress'><div class='v-who'>{escape(moment.participant)}</div>"
+        f"{SHEET}<div class='v-progress'><div class='v-who'>{escape(moment.participant)}</div>"
         f"<div class='v-what'>{escape(what)}</div>{_counters(moment)}"
         f"<h3>{say.ORDER_TITLE}</h3><div class='v-order'>{rows}</div>"
         f"<div class='v-remark'>{escape(note)}</div></div>"
@@ -114,7 +114,7 @@ def card_html(moment: TrialMoment | None, theme: Theme, *, seen: bool) -> str:
 
 def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
     return (
-        f"{_SHEET}<div class='v-wide'><div class='v-guide v-card' style='--step:{colour}'>"
+        f"{SHEET}<div class='v-wide'><div class='v-guide v-card' style='--step:{colour}'>"
         f"<span class='v-badge'>{badge}</span><div><b>{escape(headline)}</b>"
         f"<span class='v-say'>{escape(sentence)}</span></div></div></div>"
     )
@@ -143,7 +143,7 @@ def result_html(moment: TrialMoment, theme: Theme) -> str:
     rows = "".join(_time_row(times, theme) for times in moment.times)
     written = escape(say.WRITTEN.format(path=moment.written))
     return (
-        f"{_SHEET}<div class='v-wide'><div class='v-progress'><table class='v-times'>{head}{rows}"
+        f"{SHEET}<div class='v-wide'><div class='v-progress'><table class='v-times'>{head}{rows}"
         f"</table><div class='v-path'>{written}</div></div></div>"
     )
 
