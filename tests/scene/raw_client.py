@@ -34,6 +34,7 @@ class RawClient:
             subprotocols=[version],
             max_size=None,
             max_queue=1,
+            close_timeout=0.2,
             compression=None,
         )
 

@@ -146,6 +146,42 @@ def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() ->
         viewer.close()
 
 
+NONSENSE: tuple[dict[str, Any], ...] = (
+    {"position": ("a", "b", "c")},
+    {"position": (1, 2)},
+    {"position": (float("nan"), 0, 0)},
+    {"look_at": (1e300, 0, 0)},
+    {"position": (0, 0, 0), "look_at": (0, 0, 0)},
+    {"up_direction": (0, 0, 0)},
+    {"wxyz": (0, 0, 0, 0)},
+    {"fov": None},
+    {"image_width": -5},
+    {"image_height": 0},
+)
+
+
+def test_a_browser_that_says_nonsense_stops_nobody() -> None:
+    """Where it looks from is computed with: a string or a zero there must not end the program."""
+    audience = Audience("127.0.0.1", next(_PORTS))
+    try:
+        talkers = [RawClient(audience.port) for _ in NONSENSE]
+        for talker, said in zip(talkers, NONSENSE, strict=True):
+            talker.backlog()
+            talker.look(position=(1, 1, 1))  # astray: it is to be put back
+            talker.look(**{"position": (1, 1, 1)} | said)
+        for _ in range(40):  # it has half a second and more to break something
+            audience.pause(True)
+            time.sleep(0.02)
+        for talker in talkers:
+            talker.close()
+        with RawClient(audience.port) as client:
+            settled(lambda: texts.PAUSED[2] in str(buffer_of(audience.server)))
+            assert client.backlog()
+        assert audience._failure is None
+    finally:
+        audience.close()
+
+
 def test_pictures_do_not_queue_up_for_a_browser_that_is_slow() -> None:
     """Megabytes on their way would show it the past: it must skip pictures instead."""
     server = start_read_only_server("127.0.0.1", next(_PORTS))

@@ -9,8 +9,10 @@ import contextlib
 import errno
 import io
 import socket
+from collections.abc import Callable
 from typing import Any, TypeVar
 
+import numpy as np
 import viser
 
 # What a browser sends; viser has no public name for it.
@@ -22,8 +24,8 @@ from venus3d.scene.texts.common import PORT_TAKEN
 _PORTS_TRIED = 100
 _ON_ITS_WAY_BYTES = 131072
 """A browser behind a slow line skips pictures; megabytes on their way would come seconds late."""
-_HEARD = (messages.ViewerCameraMessage,)
-"""All that a read-only server hears of: each browser's own point of view and window."""
+_FARTHEST = 1e4
+"""No point of view and no window is larger, metres or pixels."""
 
 
 _Kind = TypeVar("_Kind", bound="LocalServer")
@@ -52,10 +54,10 @@ class ReadOnlyServer(LocalServer):
     def __init__(self, host: str, port: int, **options: Any) -> None:
         super().__init__(host, port, **options)
         websockets: Any = vars(self)["_websock_server"]
-        _narrow(websockets, ())
+        _narrow(websockets, lambda _: False)
 
         def welcome(connection: Any) -> None:
-            _narrow(connection, _HEARD)
+            _narrow(connection, _is_point_of_view)
             line = websockets._live_connections[connection.client_id].transport
             line.get_extra_info("socket").setsockopt(
                 socket.SOL_SOCKET, socket.SO_SNDBUF, _ON_ITS_WAY_BYTES
@@ -66,16 +68,36 @@ class ReadOnlyServer(LocalServer):
         websockets.disconnect_all_clients()
 
 
-def _narrow(door: Any, heard: tuple[type, ...]) -> None:
-    """Let one of viser's message handlers hear of these kinds of messages and of no others."""
+def _narrow(door: Any, hears: Callable[[object], bool]) -> None:
+    """Let one of viser's message handlers hear of these messages and of no others."""
     # Looked up first: should viser rename it, no page is served rather than an open one.
     dispatch = door._handle_incoming_message
 
     async def dispatch_heard(client_id: int, message: object) -> None:
-        if isinstance(message, heard):
+        if hears(message):
             await dispatch(client_id, message)
 
     door._handle_incoming_message = dispatch_heard
+
+
+def _is_point_of_view(message: object) -> bool:
+    """Whether a browser says where it looks from and how large it is, in numbers that can be.
+
+    Others would break what is computed from them, and so the page of all.
+    """
+    if not isinstance(message, messages.ViewerCameraMessage):
+        return False
+    m = message
+    try:
+        numbers = [*m.wxyz, *m.position, *m.look_at, *m.up_direction, m.fov, m.near, m.far]
+        numbers = np.array([*numbers, m.image_width, m.image_height], dtype=np.float64)
+    except (TypeError, ValueError):
+        return False
+    if numbers.shape != (18,) or not (np.abs(numbers) <= _FARTHEST).all():
+        return False
+    turn, position, look_at, up = np.split(numbers[:13], [4, 7, 10])
+    lengths = [float(np.linalg.norm(v)) for v in (turn, look_at - position, up)]
+    return min(lengths) > 1e-6 and bool((numbers[-2:] >= 1).all())
 
 
 def start_server(host: str, port: int) -> tuple[LocalServer, str]:

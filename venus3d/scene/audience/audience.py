@@ -16,7 +16,7 @@ from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.audience.lens import plain_plane, undistortion
 from venus3d.scene.audience.look import Look
 from venus3d.scene.audience.moment import Cue, Moment, achieved, moment_of
-from venus3d.scene.audience.overlay import lens_shapes
+from venus3d.scene.audience.overlay import LensOverlay
 from venus3d.scene.audience.page import AudiencePage
 from venus3d.scene.picture import LivePicture, annotate, small_picture
 from venus3d.scene.server import start_read_only_server
@@ -128,7 +128,7 @@ class Audience:
             raise self._failure
 
     def _loop(self) -> None:
-        dressed: Look | None = None
+        overlay, dressed = LensOverlay(), None
         praise: Moment | None = None
         until = 0.0
         while not self._stop.is_set():
@@ -154,7 +154,7 @@ class Audience:
                 if due or news is not None:
                     moment = praise or moment_of(snapshot, paused=self._paused)
                     self._page.show(moment, snapshot, dark=not look.light)
-                    self._scene.draw(lens_shapes(snapshot, look), dark=True)
+                    self._scene.draw(overlay.shapes(snapshot, look), dark=True)
             self._page.fit()
             self._stop.wait(max(0.0, now + self._period(_SCENE_PERIOD_S) - time.monotonic()))
 

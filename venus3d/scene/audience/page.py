@@ -6,6 +6,7 @@ moved away, it is put back. What is said is `moment`'s and `glance`'s.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
@@ -32,12 +33,13 @@ class AudiencePage:
     """The page for all who look. All methods but the callback belong to the drawing threads."""
 
     def __init__(self, server: ReadOnlyServer, on_window: Callable[[], None]) -> None:
-        """Lay everything out. `on_window` is called, on any thread, when a browser's window comes
-        or changes: `fit` is due then."""
-        self._server = server
+        """Lay everything out. `on_window` is called, on any thread, when a browser's window or the
+        picture's shape has changed: `fit` is due then, on the thread that calls `show`."""
+        self._server, self._on_window = server, on_window
         self._plane = plain_plane((16, 9))
         self._fitted: dict[int, tuple[float, Plane]] = {}
         self._image: Any = None
+        self._hung: Plane | None = None
         camera = server.initial_camera
         camera.position, camera.look_at, camera.up = _HERE, _AHEAD, _UP
         camera.near, camera.far = 0.01, 2 * _DISTANCE
@@ -79,27 +81,31 @@ class AudiencePage:
 
     def show_picture(self, rgb: NDArray[np.uint8], plane: Plane) -> None:
         """Show this picture (H, W, 3) RGB; it fills this plane."""
-        if self._image is not None and plane == self._plane:
+        if plane == self._hung:
             self._image.image = rgb
             return
         width, height = plane.right - plane.left, plane.bottom - plane.top
         centre = np.array([plane.left + plane.right, plane.top + plane.bottom, 2.0]) / 2
         with self._server.atomic():
-            # Made anew: the old picture must not be seen on the new plane for a moment.
-            self._image = self._server.scene.add_image(
-                "/picture",
-                rgb,
+            if self._image is None:
+                self._image = self._server.scene.add_image(
+                    "/picture",
+                    rgb,
+                    1.0,
+                    1.0,
+                    format="jpeg",
+                    jpeg_quality=JPEG_QUALITY,
+                    cast_shadow=False,
+                    receive_shadow=False,
+                )
+            self._image.render_width, self._image.render_height = (
                 _DISTANCE * width,
                 _DISTANCE * height,
-                format="jpeg",
-                jpeg_quality=JPEG_QUALITY,
-                cast_shadow=False,
-                receive_shadow=False,
-                position=_DISTANCE * centre,
             )
-            self._plane = plane
+            self._image.position, self._image.image = _DISTANCE * centre, rgb
+            self._plane = self._hung = plane
             self._server.initial_camera.fov = plane.fov_rad(_USUAL_ASPECT)
-        self.fit()
+        self._on_window()
 
     def fit(self) -> None:
         """Every browser sees the whole picture, whatever its window, from the real camera."""
@@ -114,7 +120,8 @@ class AudiencePage:
             if not astray and self._fitted.get(number) == (aspect, self._plane):
                 continue
             self._fitted[number] = (aspect, self._plane)
-            with client.atomic():
+            # A browser may say something else meanwhile; whatever it says stops nobody.
+            with contextlib.suppress(ValueError), client.atomic():
                 if astray:
                     camera.up_direction, camera.position, camera.look_at = _UP, _HERE, _AHEAD
                 camera.fov = self._plane.fov_rad(aspect)
