@@ -7,13 +7,10 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import numpy as np
-
 from venus3d.engine.board import Board
 from venus3d.engine.observation import View
 from venus3d.scene.board_shape import board_ghost, board_outline
 from venus3d.scene.knowledge.colours import colour_of, round_up
-from venus3d.scene.knowledge.topics import figure
 from venus3d.scene.palette import ground
 from venus3d.scene.shapes import LabelShape, Shape
 from venus3d.scene.texts import knowledge as texts
@@ -38,8 +35,9 @@ def ghost_shapes(
         colour = colour_of(view.rms_px, 0.0, high)
         opacity = _CHOSEN_OPACITY if marked else _OPACITY
         edge = colours.warning if marked else colour
-        text = texts.GHOST_LABEL.format(number=view.number, rms=figure(view.rms_px))
-        corner = view.pose.apply(board.outline[0] * np.array([0.9, 0.9, 1.0]))
+        # Not all at the same corner: boards of many views overlap.
+        corner = view.pose.apply(0.86 * board.outline[view.number % 4])
+        text = texts.GHOST_LABEL.format(number=view.number)
         shapes += [
             board_ghost(board, view.pose, f"{name}/sheet", colour, opacity),
             board_outline(board, view.pose, f"{name}/outline", edge, 3.5 if marked else 1.5),

@@ -24,8 +24,8 @@ white-space:normal}
 .v-param summary{display:grid;grid-template-columns:2.1em 1fr auto;column-gap:7px;
 align-items:baseline;cursor:pointer;list-style:none}
 .v-param summary::-webkit-details-marker{display:none}
-.v-param .v-value{grid-column:2/3}
-.v-param .v-spark{grid-column:3/4;justify-self:end;align-self:center}
+.v-row.v-param .v-value{grid-column:2/3}
+.v-row.v-param .v-spark{grid-column:3/4;justify-self:end;align-self:center}
 .v-spark polyline{fill:none;stroke:var(--soft);stroke-width:1.6}
 .v-spark circle{fill:var(--text)}
 .v-does{font-size:13px;line-height:1.35;padding:2px 0 5px 2.6em;color:var(--text)}

@@ -133,16 +133,15 @@ class KnowledgePanel:
             texts.TOPICS_LABEL, _topic_labels("error"), hint=texts.TOPICS_HINT
         )
         self._topics.on_click(lambda event: self._pick_topic(str(event.target.value)))
-        self._map = gui.add_html("")
         self._switches = gui.add_button_group(
             texts.SHOW_LABEL, _switch_labels(self.state), hint=texts.SHOW_HINT
         )
         self._switches.on_click(lambda event: self._pick_switch(str(event.target.value)))
-        self._legend = gui.add_html("", visible=False)
         self._views = gui.add_dropdown(
             texts.VIEWS_LABEL, [texts.NO_VIEW], hint=texts.VIEWS_HINT, visible=False
         )
         self._views.on_update(self._pick_view)
+        self._legend = gui.add_html("", visible=False)
         self._about = gui.add_html("", visible=False)
         self._drop = gui.add_button(
             texts.LEAVE_OUT,
@@ -152,6 +151,7 @@ class KnowledgePanel:
             visible=False,
         )
         self._drop.on_click(lambda _: self._leave_out(self.state.view))
+        self._map = gui.add_html("")
 
     def _show_map(self, snapshot: Snapshot, state: KnowledgeState, theme: Theme) -> None:
         chosen = state.view if state.topic == "misfit" else None

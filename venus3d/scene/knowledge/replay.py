@@ -29,6 +29,7 @@ from venus3d.engine.moves import Walk
 from venus3d.engine.pose import Array, Pose
 from venus3d.scene.board_shape import board_ghost, board_outline, outline_segments
 from venus3d.scene.knowledge.colours import colours_of
+from venus3d.scene.knowledge.topics import figure
 from venus3d.scene.palette import ground, mixed, step_colour
 from venus3d.scene.shapes import Colour, LabelShape, LineShape, PointShape, Shape
 from venus3d.scene.texts import knowledge as texts
@@ -113,7 +114,7 @@ def caption(walk: Walk, shown: int, number: int, *, in_px: bool) -> str:
 
 def _cost_text(cost: float, in_px: bool) -> str:
     value = float(np.sqrt(cost)) if in_px else cost
-    return (texts.SEARCH_PX if in_px else texts.SEARCH_COST).format(value=f"{value:.3g}")
+    return (texts.SEARCH_PX if in_px else texts.SEARCH_COST).format(value=figure(value))
 
 
 def _dots(stage: Stage, dark: bool) -> tuple[Array, NDArray[np.uint8], Array]:

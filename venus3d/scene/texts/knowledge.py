@@ -84,8 +84,8 @@ LEAVE_OUT_HINT = "Calibrate again without the view shown above. What would chang
 CLOSE_VIEW = "Close"
 CLOSE_VIEW_HINT = "Back to the page. The view stays in."
 
-GHOSTS_LEGEND = "Views in the scene (V): their colour is their misfit"
-GHOST_LABEL = "{number} · {rms} px"
+GHOSTS_LEGEND = "The views in the scene: their colour is their misfit. Click one to see it."
+GHOST_LABEL = "{number}"
 
 SEARCH_TITLE = "The search for pose {number}"
 SEARCH_BATCH = "{looked} poses looked at, best so far: {best}"
