@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import socket
+import subprocess
+import sys
+import time
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from tests.scene.raw_client import RawClient
 from venus3d.app.audience import open_audience, said_of
 from venus3d.engine.errors import VenusError
 from venus3d.options import GuideOptions
 from venus3d.options.audience import audience_address
 from venus3d.scene.audience.look import Look
+from venus3d.scene.texts import audience as texts
 
 _PORT = 8378
 
@@ -86,3 +94,36 @@ def test_who_can_look_is_told() -> None:
         assert "without a password" in said and "0.0.0.0" not in said
     finally:
         everybody.close()
+
+
+@pytest.mark.slow
+def test_the_program_shows_both_pages_the_same_calibration(tmp_path: Path) -> None:
+    """A picture, the steps and a captured view arrive at the second page; Ctrl-C ends both."""
+    words = "sim --autopilot --speed 4 --port 8376 --audience 8377 --audience-view lens --output"
+    program = subprocess.Popen(
+        [sys.executable, "-m", "venus3d", "guide", *words.split(), str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    try:
+        assert program.stdout is not None
+        assert any("http://localhost:8377" in line for line in program.stdout)
+        seen: set[str] = set()
+        deadline = time.monotonic() + 120
+        with RawClient(8377) as looking:
+            looking.look()
+            while seen < {"picture", "step", "captured", "3D"} and time.monotonic() < deadline:
+                for message in looking.window(timeout=60):
+                    html = str(message.get("updates", {}).get("content", ""))
+                    seen |= {"picture"} if "_data" in message.get("updates", {}) else set()
+                    seen |= {"step"} if "v-is-step" in html else set()
+                    seen |= {"captured"} if texts.CAPTURED[2] in html else set()
+                    seen |= {"3D"} if str(message.get("name")).startswith("/steps/") else set()
+        assert seen == {"picture", "step", "captured", "3D"}
+        program.send_signal(signal.SIGINT)
+        _, err = program.communicate(timeout=60)
+        assert "Traceback" not in err, err
+    finally:
+        program.kill()
