@@ -82,14 +82,13 @@ class Theme:
         )
         body = f"--mantine-color-body:{self.panel};--mantine-color-text:{self.good};"
         soft = f"--mantine-color-dimmed:{self.quiet};--mantine-color-placeholder:{self.quiet}"
-        return f"<style>{_ROOTS}{{{root}}}html:root:root:root{{{body}{soft}}}{_SHEET}</style>"
+        return f"<style>html:root:root:root{{{root};{body}{soft}}}{_SHEET}</style>"
 
 
-_ROOTS = ".v-guide,.v-progress,.v-steps,.v-keys,.v-tour"
 SIZES = (
     "--size-note:13px;--size-text:15px;--size-lead:18px;--size-figure:26px;"
-    "--u:min(1cqw,.62vh);"
-    "--size-say:calc(6.2*var(--u));--size-head:calc(8.8*var(--u));--size-amount:calc(13*var(--u));"
+    "--u:min(1cqw,.57vh);"
+    "--size-say:calc(6.2*var(--u));--size-head:calc(8.8*var(--u));--size-amount:calc(12*var(--u));"
     "--gap-s:4px;--gap-m:8px;--gap-l:14px;--round:7px"
 )
 """Letters: note, text, lead, figure at the desk; say, head, amount at two metres. Gaps: s, m, l."""
@@ -195,12 +194,18 @@ min-height:30px;padding:4px 9px}
 .mantine-ScrollArea-root:has(.v-progress) .mantine-Button-label{white-space:normal;line-height:1.25;
 text-align:left}
 .v-steps h3{margin-top:var(--gap-s)}
-@media (max-height:850px){.v-told span{display:none}.v-told b{font-size:var(--size-text);
+.mantine-Button-label{font-size:var(--size-note)}
+.mantine-Button-root[data-variant=outline]{--button-color:var(--text)!important;
+--button-bd:1px solid var(--soft)!important;padding-inline:4px}
+.mantine-Button-root[style*="gray"]{--button-bg:var(--tile)!important;
+--button-color:var(--text)!important;border:1px solid var(--soft)}
+[data-dock-tab][aria-selected=true] *{color:var(--text)!important}
+@media (max-height:850px){.v-picture{display:none}.v-told span{display:none}.v-told b{font-size:var(--size-text);
 padding:3px 7px}.v-steps h3{margin:0 0 2px}.v-grid{gap:6px}}
 @media (max-width:36em){
 div:has(>div>.mantine-Tabs-root .v-guide){display:flex;flex-direction:column}
 div:has(>.mantine-Tabs-root .v-guide){order:-1}
-.v-told span{display:block}
+.v-told span,.v-picture{display:block}
 .mantine-Paper-root:has([data-autosize]){width:100vw!important;min-width:100vw}
 .mantine-ScrollArea-content>div[style*="20em"]{width:100%!important}
 }

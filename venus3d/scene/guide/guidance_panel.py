@@ -74,14 +74,16 @@ def _step_card(snapshot: Snapshot, match: Match, state: ViewState, theme: Theme,
     amount = "" if is_right else remaining_text(match, state.step)
     colour = theme.steps[state.step - 1]
     chips = _chips(snapshot, state, theme)
-    picture = say.IN_THE_PICTURE.format(words=words.camera)
-    if words.camera == words.holder:
-        picture = ""
+    foot = ""
     if not state.playing and state.step != match.active_step:
-        picture = say.LOOKING_ELSEWHERE.format(shown=state.step, active=match.active_step)
+        foot = say.LOOKING_ELSEWHERE.format(shown=state.step, active=match.active_step)
+        foot = _second(foot)
+    elif words.camera != words.holder:
+        foot = escape(say.IN_THE_PICTURE.format(words=words.camera))
+        foot = f"<div class='v-picture'>{foot}</div>"
     title, number = step_style(state.step).title, str(state.step)
     return _card(
-        colour, number, title, words.holder, amount, chips, note, picture=picture, eyebrow=eyebrow
+        colour, number, title, words.holder, amount, chips, note, foot=foot, eyebrow=eyebrow
     )
 
 
@@ -101,19 +103,18 @@ def _card(
     below: str,
     note: str,
     *,
-    picture: str = "",
+    foot: str = "",
     eyebrow: str = "",
 ) -> str:
     left = f"<div class='v-amount'>{escape(amount)}<small>{say.TO_GO}</small></div>"
     left = left if amount else ""
     above = f"<small>{escape(eyebrow)}</small> " if eyebrow else ""
     said = f"<div class='v-note'>{escape(note)}</div>" if note else ""
-    foot = f"<div class='v-picture'>{escape(picture)}</div>" if picture and not note else ""
     return (
         f"<div class='v-guide' role='status' style='--step:{colour}'>"
         f"<div class='v-head'><span class='v-badge'>{escape(badge)}</span>"
         f"<span class='v-title'>{above}{escape(headline)}</span></div>{left}"
-        f"<div class='v-sentence'>{escape(sentence)}</div>{said}{below}{foot}</div>"
+        f"<div class='v-sentence'>{escape(sentence)}</div>{said}{below}{'' if note else foot}</div>"
     )
 
 

@@ -29,7 +29,7 @@ CHIP_HINT = "Step {number}, {title}: {fact}"
 # -- live picture and the four steps ---------------------------------------------------------------
 
 PICTURE_LEGEND = (
-    ("Outline", "this step's end"),
+    ("Outline", "step's end"),
     ("dashes", "the target"),
     ("dots", "corners"),
 )
@@ -65,14 +65,14 @@ ROWS = {
 """What stands before a row of buttons, and its hint."""
 AUTOPILOT_HINT = " Autopilot lets a simulated hand move the board."
 BUTTONS: dict[str, tuple[str, ...]] = {
-    "skip": ("Skip target K",),
-    "undo": ("Undo view U",),
+    "skip": ("Skip K",),
+    "undo": ("Undo U",),
     "finish": ("Finish",),
-    "previous": ("Previous P",),
+    "previous": ("Back P",),
     "play": ("Play L", "Stop L"),
     "next": ("Next N",),
     "follow": ("Follow F",),
-    "strip": ("Side by side T",),
+    "strip": ("Spread T",),
     "theme": ("Light B", "Dark B"),
     "pause": ("Pause ␣", "Go on ␣"),
     "autopilot": ("Autopilot O",),
