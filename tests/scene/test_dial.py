@@ -23,7 +23,7 @@ from venus3d.scene.audience.dial import (
     share,
     tick_html,
 )
-from venus3d.scene.audience.glance import glance_html
+from venus3d.scene.audience.glance import glance_html, picture_share
 from venus3d.scene.audience.moment import achieved, moment_of
 from venus3d.scene.palette import contrast, ground, step_colour
 from venus3d.scene.texts import audience as texts
@@ -115,6 +115,13 @@ def test_everything_can_be_told_from_its_ground(dark: bool) -> None:
     for number in (1, 2, 3, 4):
         assert contrast(step_colour(number, dark), paper) >= 4.5
     svg(tick_html())
+
+
+@pytest.mark.parametrize("aspect", [4 / 3, 3 / 2, 16 / 9, 2.0])
+def test_the_picture_has_half_of_a_wide_screen_whatever_its_shape(aspect: float) -> None:
+    wide, tall = picture_share(aspect)
+    assert wide * 16 / (tall * 9) == pytest.approx(aspect), "no margin inside its place"
+    assert wide * tall >= 0.5 and tall < 0.83, "and room is left for two lines of text"
 
 
 @pytest.fixture

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from html import escape
 
+import numpy as np
+
 from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.audience.dial import dial_html, right_colour, tick_html
 from venus3d.scene.audience.look import Look
@@ -16,8 +18,8 @@ from venus3d.scene.audience.moment import Moment
 from venus3d.scene.palette import ground, hex_of, mixed, step_colour
 from venus3d.scene.texts import audience as texts
 
-PICTURE_SHARE = 0.71
-"""Part of the screen's width and height that the picture has: 0.71 squared is half of the screen"""
+_SCREEN, _HALF = 16 / 9, 0.505
+"""The picture has a little more than half of a screen of this shape."""
 
 
 def glance_html(moment: Moment, snapshot: Snapshot | None, *, dark: bool) -> str:
@@ -49,8 +51,15 @@ def glance_html(moment: Moment, snapshot: Snapshot | None, *, dark: bool) -> str
     )
 
 
-def sheet(look: Look) -> str:
-    """The style sheet for this choice: colours, layout, mirror."""
+def picture_share(aspect: float) -> tuple[float, float]:
+    """The part of the screen's width and height that a picture of this width / height has."""
+    tall = float(np.sqrt(_HALF * _SCREEN / np.clip(aspect, 4 / 3, 2.0)))
+    return _HALF / tall, tall
+
+
+def sheet(look: Look, aspect: float = _SCREEN) -> str:
+    """The style sheet for this choice and pictures of this width / height: colours, layout,
+    mirror."""
     dark = not look.light
     neutral = ground(dark)
     line = mixed(neutral.background, neutral.text, 0.22)
@@ -58,8 +67,10 @@ def sheet(look: Look) -> str:
         f"--text:{hex_of(neutral.text)};--soft:{hex_of(neutral.quiet_text)};--line:{hex_of(line)};"
         f"--ink:{hex_of(neutral.background)};--right:{right_colour(dark=dark)}"
     )
+    wide, tall = picture_share(aspect)
+    share = f":root{{--wide:{100 * wide:.2f}vw;--tall:{100 * tall:.2f}vh}}"
     mirror = "canvas{transform:scaleX(-1)}" if look.mirror else ""
-    return f"<style>.v-audience,.v-hint{{{root}}}{_SHEET}{mirror}</style>"
+    return f"<style>{share}.v-audience,.v-hint{{{root}}}{_SHEET}{mirror}</style>"
 
 
 def _views(count: int) -> str:
@@ -78,19 +89,18 @@ def _chips(moment: Moment, dark: bool) -> str:
     return f"<div class='v-chips'>{''.join(cells)}</div>"
 
 
-_P = f"{100 * PICTURE_SHARE:.0f}"
-_SHEET = (
-    """
-body{overflow:hidden}.mantine-Notifications-root{display:none}
+_SHEET = """
+body{overflow:hidden}
+.mantine-Notifications-root{display:none}
 .mantine-Paper-root:has(.v-audience){visibility:hidden;box-shadow:none}
-div:has(>div>div>canvas):not(:has(.v-audience)){position:fixed!important;left:0;top:0;pointer-events:none!important;
-width:PPvw!important;height:PPvh!important}
+div:has(>div>div>canvas):not(:has(.v-audience)){position:fixed!important;left:0;top:0;
+pointer-events:none!important;width:var(--wide)!important;height:var(--tall)!important}
 .v-audience{visibility:visible;position:fixed;inset:0;pointer-events:none;color:var(--text);
 font-family:Inter,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif;
-font-variant-numeric:tabular-nums;--letter:max(5vh,min(7.6vh,4.3vw))}
+font-variant-numeric:tabular-nums;--letter:max(5vh,min(7.6vh,4.3vw,(100vh - var(--tall))/2.7))}
 .v-audience *{box-sizing:border-box}
-.v-side{position:absolute;left:PPvw;right:0;top:0;height:PPvh;padding:2vh 1.4vw 0;display:flex;
-flex-direction:column;align-items:center;gap:1.6vh}
+.v-side{position:absolute;left:var(--wide);right:0;top:0;height:var(--tall);
+padding:2vh 1.4vw 0;display:flex;flex-direction:column;align-items:center;gap:1.6vh}
 .v-top{display:flex;align-items:center;gap:1.2vw;font-size:max(5vh,min(7vh,3.6vw));
 font-weight:800;line-height:1;align-self:stretch}
 .v-top b{flex:none;width:1.5em;height:1.5em;border-radius:50%;background:var(--step);
@@ -113,7 +123,7 @@ place-items:center}
 .v-chip.v-on{background:var(--step);color:var(--ink)}
 .v-chip.v-done{border-color:var(--right);color:var(--right)}
 .v-views{font-size:3.4vh;font-weight:600;color:var(--soft)}
-.v-say{position:absolute;left:0;right:0;top:PPvh;bottom:0;padding:0 2vw;display:flex;
+.v-say{position:absolute;left:0;right:0;top:var(--tall);bottom:0;padding:0 2vw;display:flex;
 align-items:center;font-size:var(--letter);font-weight:700;line-height:1.16;letter-spacing:-.01em;
 text-wrap:balance;border-left:1.2vw solid var(--step)}
 .v-is-good .v-say{color:var(--right)}
@@ -133,4 +143,3 @@ div:has(>div>div>canvas):not(:has(.v-audience)){width:100vw!important;height:30v
 padding-top:1vh}
 .v-top{font-size:5vh}.v-chip{font-size:2.4vh}.v-views{font-size:2.4vh}.v-chips{gap:3vw}}
 """
-).replace("PP", _P)

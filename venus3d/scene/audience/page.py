@@ -39,6 +39,7 @@ class AudiencePage:
         self._plane = plain_plane((16, 9))
         self._fitted: dict[int, tuple[float, Plane]] = {}
         self._image: Any = None
+        self._aspect = self._shown_aspect = _USUAL_ASPECT
         self._hung: Plane | None = None
         camera = server.initial_camera
         camera.position, camera.look_at, camera.up = _HERE, _AHEAD, _UP
@@ -66,7 +67,8 @@ class AudiencePage:
         self._server.gui.configure_theme(
             dark_mode=not look.light, show_logo=False, show_share_button=False
         )
-        self._sheet.content = sheet(look)
+        self._look = look
+        self._sheet.content = sheet(look, self._aspect)
         self._hint.content = hint_html() if look.sound else ""
         self._hint.visible = look.sound
 
@@ -81,6 +83,7 @@ class AudiencePage:
 
     def show_picture(self, rgb: NDArray[np.uint8], plane: Plane) -> None:
         """Show this picture (H, W, 3) RGB; it fills this plane."""
+        self._aspect = rgb.shape[1] / rgb.shape[0]
         if plane == self._hung:
             self._image.image = rgb
             return
@@ -109,6 +112,9 @@ class AudiencePage:
 
     def fit(self) -> None:
         """Every browser sees the whole picture, whatever its window, from the real camera."""
+        if self._aspect != self._shown_aspect:
+            self._shown_aspect = self._aspect
+            self.dress(self._look)
         clients = self._server.get_clients()
         for number, client in clients.items():
             camera = client.camera
