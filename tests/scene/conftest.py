@@ -6,6 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.scene.guided import guided_session
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.settings import Settings
+from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.offscreen import Offscreen
 
 
@@ -32,3 +37,9 @@ def renderer(request: pytest.FixtureRequest) -> Offscreen:
     """Either of the two."""
     offscreen: Offscreen = request.getfixturevalue(request.param)
     return offscreen
+
+
+@pytest.fixture(scope="session")
+def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
+    """The same, with our own search."""
+    return guided_session(paper_camera, default_board, Settings())

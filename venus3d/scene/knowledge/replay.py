@@ -28,10 +28,11 @@ from venus3d.engine.board import Board
 from venus3d.engine.moves import Walk
 from venus3d.engine.pose import Array, Pose
 from venus3d.scene.board_shape import board_ghost, board_outline, outline_segments
+from venus3d.scene.guide.outlook import steps_back
 from venus3d.scene.knowledge.colours import colours_of
 from venus3d.scene.knowledge.topics import figure
 from venus3d.scene.palette import ground, mixed, step_colour
-from venus3d.scene.shapes import Colour, LabelShape, LineShape, PointShape, Shape
+from venus3d.scene.shapes import LabelShape, LineShape, PointShape, Shape
 from venus3d.scene.texts import knowledge as texts
 
 SECONDS, REST_SECONDS = 13.0, 4.0
@@ -39,7 +40,8 @@ SECONDS, REST_SECONDS = 13.0, 4.0
 _FAINT = 10  # boards of a batch that are outlined
 _DOT = 0.0035
 _AGED = 0.6  # of the ground's colour in dots of earlier batches
-_BOX, _SIDE = np.array([-0.14, 0.19, 0.10]), 0.14  # lowest corner and side of the box, metres
+# Lowest corner and side of the box, metres, seen from as near as usual.
+_BOX, _SIDE = np.array([-0.14, 0.19, 0.10]), 0.14
 _FURTHEST_M = 1.2
 
 
@@ -56,6 +58,11 @@ class Stage:
         """Whether all has been shown."""
         return self.shown == len(self.walk.moves)
 
+    @property
+    def back(self) -> float:
+        """So many times farther away than usual is looked from: the box is as much larger."""
+        return steps_back(float(np.linalg.norm(self.walk.end[3:])))
+
 
 def shown_after(walk: Walk, seconds: float) -> int:
     """How many moves are shown so long after the start; at least 1."""
@@ -67,25 +74,30 @@ def shown_after(walk: Walk, seconds: float) -> int:
 def search_shapes(walk: Walk, shown: int, board: Board, dark: bool) -> tuple[Shape, ...]:
     """The search after `shown` moves."""
     stage, colours = Stage(walk, shown), ground(dark)
-    moves = walk.moves[:shown]
+    moves, back = walk.moves[:shown], stage.back
     poses, colour, fresh = _dots(stage, dark)
     shapes: list[Shape] = [
-        PointShape("/search/places", poses[:, 3:], colour, _DOT),
-        PointShape("/search/angles", _in_box(poses), colour, 0.7 * _DOT),
+        PointShape("/search/places", poses[:, 3:], colour, back * _DOT),
+        PointShape("/search/angles", _in_box(poses, back), colour, 0.7 * back * _DOT),
         LineShape("/search/faint", _outlines(board, fresh), Pose.identity(), colours.ghost, 1.0),
-        *_box_shapes(dark),
+        *_box_shapes(dark, back),
     ]
     if not walk.is_batched:
         shapes += _walk_shapes(stage, board, dark)
     best = walk.end if stage.is_last else moves[-1].best_vector
     word = texts.SEARCH_CHOSEN if stage.is_last else texts.SEARCH_BEST
-    pose = Pose.from_vector(best)
+    pose, marked = Pose.from_vector(best), np.array([colours.warning], dtype=np.uint8)
     return (
         *shapes,
         board_ghost(board, pose, "/search/sheet", colours.warning, 0.35),
         board_outline(board, pose, "/search/best", colours.warning, 4.0),
         LabelShape("/search/best_label", word, pose.t, colours.text, in_projection=False),
-        PointShape("/search/best_angles", _in_box(best[None]), _rgb(colours.warning), 2.2 * _DOT),
+        PointShape(
+            "/search/best_angles",
+            _in_box(best[None], back),
+            marked,
+            2.2 * back * _DOT,
+        ),
     )
 
 
@@ -146,7 +158,7 @@ def _outlines(board: Board, poses: Array) -> Array:
     return np.concatenate([Pose.from_vector(pose).apply(edges) for pose in poses])
 
 
-def _in_box(poses: Array) -> Array:
+def _in_box(poses: Array, back: float) -> Array:
     """(N, 3) where pose vectors (N, 6) stand in the box, camera frame, metres."""
     share = np.stack(
         [
@@ -156,7 +168,7 @@ def _in_box(poses: Array) -> Array:
         ],
         axis=1,
     )
-    return _BOX + _SIDE * np.clip(share, 0.0, 1.0)
+    return back * (_BOX + _SIDE * np.clip(share, 0.0, 1.0))
 
 
 def _walk_shapes(stage: Stage, board: Board, dark: bool) -> list[Shape]:
@@ -175,7 +187,7 @@ def _walk_shapes(stage: Stage, board: Board, dark: bool) -> list[Shape]:
         ink, here = mixed(step_colour(1, dark), colours.text, 0.2), Pose.identity()
         shapes += [
             LineShape("/search/walk", _chain(path[:, 3:]), here, ink, 2.5),
-            LineShape("/search/walk_angles", _chain(_in_box(path)), here, ink, 2.5),
+            LineShape("/search/walk_angles", _chain(_in_box(path, stage.back)), here, ink, 2.5),
         ]
     return shapes
 
@@ -185,26 +197,22 @@ def _chain(points: Array) -> Array:
     return np.array([[a, b] for a, b in pairwise(points)])
 
 
-@lru_cache(maxsize=2)
-def _box_shapes(dark: bool) -> tuple[Shape, ...]:
+@lru_cache(maxsize=4)
+def _box_shapes(dark: bool, back: float) -> tuple[Shape, ...]:
     """The box's edges; three of them are its axes, each with its name at the end."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     edges = [(a, b) for a in corners for b in corners if np.sum(b - a) == 1 and np.sum(a != b) == 1]
     here, colours = Pose.identity(), ground(dark)
-    lines = _BOX + _SIDE * np.array(edges, dtype=np.float64)
+    lines = back * (_BOX + _SIDE * np.array(edges, dtype=np.float64))
     shapes: list[Shape] = [LineShape("/search/box", lines, here, colours.ghost, 1.0)]
     # The turns have their steps' colours, the distance that of the move.
     for index, (text, step) in enumerate(zip(texts.SEARCH_AXES, (2, 3, 1), strict=True)):
         name, colour, along = f"/search/axis_{index + 1}", step_colour(step, dark), np.eye(3)[index]
-        ends = _BOX + _SIDE * np.array([[0 * along, along]])
-        at = _BOX + 1.12 * _SIDE * along
+        ends = back * (_BOX + _SIDE * np.array([[0 * along, along]]))
+        at = back * (_BOX + 1.12 * _SIDE * along)
         shapes += [
             LineShape(f"{name}_line", ends, here, colour, 3.5),
             LabelShape(name, text, at, colour, in_projection=False),
         ]
-    at = _BOX + _SIDE * np.array([1.0, 1.25, 0.0])
+    at = back * (_BOX + _SIDE * np.array([0.0, 1.4, 0.0]))
     return (*shapes, LabelShape("/search/title", texts.SEARCH_BOX, at, colours.text, False))
-
-
-def _rgb(colour: Colour) -> NDArray[np.uint8]:
-    return np.array([colour], dtype=np.uint8)

@@ -98,7 +98,7 @@ SEARCH_COST = "cost {value}"
 SEARCH_CHOSEN = "the pose chosen"
 SEARCH_BEST = "best so far"
 SEARCH_NOTHING = "Nothing was searched for this pose: it follows from a rule, or from chance."
-SEARCH_BOX = "the same poses: turns ±90°, 0–1.2 m"
+SEARCH_BOX = "the same poses, ±90°, 0–1.2 m"
 SEARCH_AXES = ("turn about X", "turn about Y", "distance")
 
 NEXT_TOPIC = "Next map of what is known"
