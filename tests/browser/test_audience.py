@@ -185,9 +185,9 @@ def test_the_operator_chooses_for_all_who_look(
         acting.wait_for_selector(".v-guide")
         audience.show(guiding)
         wait_for_sentence(looking, "Swing")
-        looking.keyboard.press("m")
+        looking.keyboard.press("r")
         looking.mouse.click(300, 300)
-        acting.keyboard.press("v")
+        acting.keyboard.press("g")
         looking.wait_for_function("document.querySelector('.v-audience') !== null")
         for _ in range(100):
             if audience.look.lens:

@@ -53,10 +53,7 @@ def add_commands(host: Host, commands: Sequence[Command]) -> None:
 
     Raises `ValueError` if two of them have one key.
     """
-    keys = [key_name(c.hotkey, shift=c.shift) for c in commands if c.hotkey is not None]
-    twice = {key for key in keys if keys.count(key) > 1}
-    if twice:
-        raise ValueError(f"two commands for one key: {', '.join(sorted(twice))}")
+    _check_keys(commands)
     for command in commands:
         handle = host.gui.add_command(
             command.label,
@@ -65,6 +62,13 @@ def add_commands(host: Host, commands: Sequence[Command]) -> None:
             modifier="shift" if command.shift else None,
         )
         handle.on_trigger(lambda _, do=command.do: do())
+
+
+def _check_keys(commands: Sequence[Command]) -> None:
+    keys = [key_name(c.hotkey, shift=c.shift) for c in commands if c.hotkey is not None]
+    twice = {key for key in keys if keys.count(key) > 1}
+    if twice:
+        raise ValueError(f"two commands for one key: {', '.join(sorted(twice))}")
 
 
 class HelpOverlay:
@@ -83,7 +87,11 @@ class HelpOverlay:
         close.on_trigger(lambda event: _in_tab(event.client, self._close))
 
     def explain(self, commands: Sequence[Command]) -> None:
-        """Explain these as well from now on: others have added them to the page."""
+        """Explain these as well from now on: others have added them to the page.
+
+        Raises `ValueError` if two commands have one key.
+        """
+        _check_keys((*self._commands, *commands))
         self._commands += tuple(commands)
 
     def show(self, theme: Theme) -> None:

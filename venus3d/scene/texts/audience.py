@@ -43,8 +43,13 @@ SOUND_HINT = "Click here once: browsers stay silent until somebody has clicked."
 PANEL = "Second monitor"
 PANEL_HINT = "What the people at {url} see. They cannot change anything."
 CONTROLS = (
-    ("mirror", "Mirrored picture", "M", "For somebody who faces the camera: as in a mirror"),
-    ("lens", "Through the lens", "V", "The steps in 3D, standing in the live picture"),
+    ("mirror", "Mirrored picture", "R", "Reversed, for somebody who faces the camera"),
+    (
+        "lens",
+        "Through the lens",
+        "G",
+        "Through the glass: the 3D steps, standing in the live picture",
+    ),
     ("light", "Bright room", None, "Dark letters on a light ground"),
     ("sound", "Sounds", None, "A short tone when a step is right, two when a view is captured"),
 )
