@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
+import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -27,6 +31,50 @@ _FLAGS = (
     "--enable-unsafe-swiftshader",
 )
 _FIRST_PORT = int(os.environ.get("VENUS3D_TEST_PORT", "8250"))
+
+
+class Program:
+    """A command of ours that serves a page, in a process of its own."""
+
+    def __init__(self, *arguments: str) -> None:
+        """Run `venus3d` with these arguments until it says its page's address."""
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "venus3d", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        )
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            if found := re.search(r"http://\S+", line):
+                self.url = found.group()
+                return
+        raise AssertionError(self.process.communicate()[1])
+
+    def end(self) -> tuple[str, str]:
+        """Ctrl-C; what it said on both streams."""
+        self.process.send_signal(signal.SIGINT)
+        return self.process.communicate(timeout=60)
+
+    def kill(self) -> None:
+        """Without a chance to say or keep anything."""
+        self.process.kill()
+        self.process.wait()
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., Program]]:
+    """Starts programs; none outlives the test."""
+    started: list[Program] = []
+
+    def start_one(*arguments: str) -> Program:
+        started.append(Program(*arguments))
+        return started[-1]
+
+    yield start_one
+    for program in started:
+        program.kill()
 
 
 @pytest.fixture(scope="session")

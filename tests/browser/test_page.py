@@ -74,14 +74,21 @@ def test_page_shows_state_scene_projections_and_progress(
 
 
 def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snapshot) -> None:
-    """N, P and F change scene, text and marked projection together."""
+    """N, P and F change scene, text and marked projection together; no picture is sent again."""
     viewer.show(guiding)
     page = open_page()
     page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
     assert "/steps/3/arrow" in viewer.scene_names
+    page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
+    page.evaluate("document.querySelectorAll('.v-tile').forEach(e => e.kept = true)")
     press(page, "n")
     page.wait_for_selector(".v-title:has-text('Step 4 of 4')")
-    page.wait_for_selector("[data-marked='4']")
+    page.wait_for_selector("[data-marked='4']", state="attached")
+    assert page.evaluate("[...document.querySelectorAll('.v-tile')].every(e => e.kept)")
+    borders = page.evaluate(
+        "[...document.querySelectorAll('.v-tile')].map(e => getComputedStyle(e).borderTopColor)"
+    )
+    assert borders[3] not in borders[:3] and len(set(borders[:3])) == 1, "one is marked"
     assert "/steps/3/arrow" not in viewer.scene_names
     assert "/steps/4/after" in viewer.scene_names
     press(page, "p")

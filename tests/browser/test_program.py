@@ -7,54 +7,22 @@ and its result all the way back to every tab.
 from __future__ import annotations
 
 import json
-import os
 import re
-import signal
-import subprocess
-import sys
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import cv2
 import pytest
 
-from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS
+from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS, PICTURE_LEGEND, TOUR
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 _PATIENCE_MS = 120_000
 
 
-class Program:
-    """`venus3d guide` with its page's address."""
-
-    def __init__(self, output: Path, *arguments: str) -> None:
-        self.output = output
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "venus3d", "guide", *arguments, "--output", str(output)],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env={**os.environ, "PYTHONUNBUFFERED": "1"},
-        )
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
-            if found := re.search(r"http://\S+", line):
-                self.url = found.group()
-                return
-        raise AssertionError(self.process.communicate()[1])
-
-    def end(self) -> tuple[str, str]:
-        self.process.send_signal(signal.SIGINT)
-        return self.process.communicate(timeout=60)
-
-
-@pytest.fixture
-def simulated(tmp_path: Path) -> Iterator[Program]:
-    program = Program(tmp_path, "sim", "--autopilot", "--speed", "2", "--port", "8270")
-    yield program
-    program.process.kill()
+Start = Callable[..., Any]
 
 
 def views_on(page: Any) -> int:
@@ -73,9 +41,13 @@ def wait_for_views(page: Any, count: int) -> None:
 
 
 def test_keys_reach_the_calibration_and_every_tab_sees_it(
-    chromium: Any, simulated: Program
+    chromium: Any, start: Start, tmp_path: Path
 ) -> None:
     """C takes a view and U takes it back; a reload and a second tab show the same."""
+    simulated = start(
+        *("guide", "sim", "--autopilot", "--speed", "2", "--port", "8270", "--no-tour"),
+        *("--output", str(tmp_path)),
+    )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.goto(simulated.url)
     wait_for_views(page, 1)  # the autopilot has walked the first four steps by itself
@@ -98,74 +70,110 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
 
     out, err = simulated.end()
     assert simulated.process.returncode in (0, 130) and "Traceback" not in err, err
-    result = json.loads((simulated.output / "result.json").read_text())
+    result = json.loads((tmp_path / "result.json").read_text())
     assert result["views"] == before and f" in {before} view" in out
-    saved = cv2.FileStorage(str(simulated.output / "camera.yaml"), cv2.FILE_STORAGE_READ)
+    saved = cv2.FileStorage(str(tmp_path / "camera.yaml"), cv2.FILE_STORAGE_READ)
     matrix = saved.getNode("camera_matrix").mat()
     assert matrix[0, 0] == pytest.approx(result["intrinsics"]["fx"])
 
 
 def test_a_real_video_is_guided_and_captured_on_the_key(
-    chromium: Any, shared_data: Path, tmp_path: Path
+    chromium: Any, shared_data: Path, start: Start, tmp_path: Path
 ) -> None:
     """Nobody moves the camera of a recording: board, target and steps are shown all the same."""
     board = "--board.columns 12 --board.rows 8 --board.square-mm 18.0086 --board.marker-mm 13.9954"
-    program = Program(
-        tmp_path,
-        str(shared_data / "wpilib-charuco-12x8.mp4"),
-        *board.split(),
+    program = start(
+        *("guide", str(shared_data / "wpilib-charuco-12x8.mp4"), *board.split()),
         *("--board.dictionary", "DICT_5X5_1000", "--no-auto-capture", "--port", "8280"),
+        *("--no-tour", "--output", str(tmp_path)),
     )
-    try:
-        page = chromium.new_page(viewport={"width": 1280, "height": 720})
-        page.goto(program.url)
-        page.wait_for_selector(".v-title:has-text('Step')", timeout=_PATIENCE_MS)
-        page.wait_for_function(
-            "document.querySelectorAll('.v-tile img').length === 4", timeout=_PATIENCE_MS
-        )
-        assert views_on(page) == 0
-        page.keyboard.press("c")
-        wait_for_views(page, 1)
-        page.close()
-        _, err = program.end()
-        assert "Traceback" not in err, err
-    finally:
-        program.process.kill()
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page.goto(program.url)
+    page.wait_for_selector(".v-title:has-text('Step')", timeout=_PATIENCE_MS)
+    page.wait_for_function(
+        "document.querySelectorAll('.v-tile img').length === 4", timeout=_PATIENCE_MS
+    )
+    assert views_on(page) == 0
+    page.keyboard.press("c")
+    wait_for_views(page, 1)
+    page.close()
+    _, err = program.end()
+    assert "Traceback" not in err, err
 
 
 def test_another_pose_and_another_method_are_chosen_while_running(
-    chromium: Any, tmp_path: Path
+    chromium: Any, start: Start, tmp_path: Path
 ) -> None:
     """From the page to the session and back: another target; a refusal is said in a sentence."""
     # A slow hand, so that the target stands while we choose.
-    program = Program(
-        tmp_path, "sim", "--autopilot", "--speed", "0.3", "--seed", "1", "--port", "8272"
+    program = start(
+        *("guide", "sim", "--autopilot", "--speed", "0.3", "--seed", "1", "--port", "8272"),
+        *("--no-tour", "--output", str(tmp_path)),
     )
-    try:
-        page = chromium.new_page(viewport={"width": 1280, "height": 720})
-        page.set_default_timeout(_PATIENCE_MS)
-        page.goto(program.url)
-        page.get_by_text("nearly as good").wait_for()
-        before = page.inner_text(".v-reason")
-        page.keyboard.press("j")
-        page.wait_for_function(
-            "old => document.querySelector('.v-reason').innerText !== old", arg=before
-        )
-        assert "poses were looked at" in page.inner_text(".v-reason")
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page.set_default_timeout(_PATIENCE_MS)
+    page.goto(program.url)
+    page.get_by_text("nearly as good").wait_for()
+    before = page.inner_text(".v-reason")
+    page.keyboard.press("j")
+    page.wait_for_function(
+        "old => document.querySelector('.v-reason').innerText !== old", arg=before
+    )
+    assert "poses were looked at" in page.inner_text(".v-reason")
 
-        def pick(box: str, words: str) -> None:
-            page.get_by_role("combobox", name=box).click()
-            page.get_by_role("option", name=words, exact=True).click()
+    def pick(box: str, words: str) -> None:
+        page.get_by_role("combobox", name=box).click()
+        page.get_by_role("option", name=words, exact=True).click()
 
-        page.get_by_text("How the next pose is found").click()
-        pick("Method", METHOD_WORDS["random"])
-        page.wait_for_function(
-            "!document.querySelector('.v-reason').innerText.includes('looked at')"
-        )
-        pick("Makes small", COST_WORDS["sum-iod"])
-        page.wait_for_selector(".v-note:has-text('The method random does not search')")
-        page.close()
-        _, err = program.end()
-        assert "Traceback" not in err, err
-    finally:
-        program.process.kill()
+    page.get_by_text("How the next pose is found").click()
+    pick("Method", METHOD_WORDS["random"])
+    page.wait_for_function("!document.querySelector('.v-reason').innerText.includes('looked at')")
+    pick("Makes small", COST_WORDS["sum-iod"])
+    page.wait_for_selector(".v-note:has-text('The method random does not search')")
+    page.close()
+    _, err = program.end()
+    assert "Traceback" not in err, err
+
+
+def test_whoever_has_only_a_keyboard_calibrates(
+    chromium: Any, start: Start, tmp_path: Path
+) -> None:
+    """From the tour to the end without touching the mouse: the tour, help, the hand that moves the
+    board, the four steps until the view is captured, and Finish from the list of commands. After
+    the end nothing is offered that does nothing."""
+    program = start(
+        *("guide", "sim", "--speed", "2", "--port", "8274", "--output", str(tmp_path)),
+    )
+    context = chromium.new_context(viewport={"width": 1280, "height": 720})
+    page = context.new_page()
+    page.set_default_timeout(_PATIENCE_MS)
+    page.goto(program.url)
+    for number in range(1, len(TOUR) + 1):
+        page.wait_for_selector(f".v-tour[data-step='{number}']")
+        page.keyboard.press("Enter")
+    page.wait_for_selector(".v-tour", state="detached")
+    page.wait_for_selector(".v-title:has-text('Step')")
+    page.keyboard.press("h")
+    page.wait_for_selector(".v-keys:has-text('Capture this view')")
+    page.keyboard.press("Escape")
+    page.wait_for_selector(".v-keys", state="detached")
+    page.keyboard.press("o")
+    wait_for_views(page, 1)
+
+    page.reload()
+    page.wait_for_function(r"/[1-9]\d*\s+views captured/.test(document.body.innerText)")
+    assert page.locator(".v-tour").count() == 0, "who has seen the tour is not shown it again"
+    page.keyboard.press("Control+k")
+    page.keyboard.type("Finish")
+    page.wait_for_selector(
+        ".mantine-Spotlight-action[data-selected]:has-text('End the calibration')"
+    )
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".v-title:has-text('Finished')")
+    page.get_by_role("button", name="Capture this view").wait_for(state="detached")
+    for gone in ("Skip K", "Play L", "Finish"):
+        assert page.get_by_role("button", name=gone, exact=True).count() == 0, gone
+    assert not page.get_by_text(PICTURE_LEGEND[0][1]).is_visible()
+    context.close()
+    _, err = program.end()
+    assert "Traceback" not in err and (tmp_path / "result.json").exists(), err

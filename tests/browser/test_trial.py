@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
-import re
-import signal
-import subprocess
-import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -23,29 +19,12 @@ _PORT = int(os.environ.get("VENUS3D_TEST_PORT", "8250")) + 32
 class Trial:
     """`venus3d guide sim --trial` with the simulated hand, two poses a help."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
+    def __init__(self, start: Callable[..., Any], folder: Path) -> None:
         self.path = folder / "trial.csv"
-        self.process = subprocess.Popen(
-            [
-                *(sys.executable, "-m", "venus3d", "guide", "sim", "--trial"),
-                *("--participant", "Anna <A>", "--trial-poses", "2", "--camera-size", "640x360"),
-                *("--output", str(folder), "--port", str(_PORT), *arguments),
-            ],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        self.program = start(
+            *("guide", "sim", "--trial", "--participant", "Anna <A>", "--trial-poses", "2"),
+            *("--camera-size", "640x360", "--output", str(folder), "--port", str(_PORT)),
         )
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
-            if found := re.search(r"http://\S+", line):
-                self.url = found.group()
-                return
-        raise AssertionError(self.process.communicate()[1])
-
-    def end(self) -> tuple[str, str]:
-        self.process.send_signal(signal.SIGINT)
-        return self.process.communicate(timeout=60)
 
     @property
     def rows(self) -> list[dict[str, str]]:
@@ -54,17 +33,15 @@ class Trial:
 
 
 @pytest.fixture
-def trial(tmp_path: Path) -> Iterator[Trial]:
-    program = Trial(tmp_path)
-    yield program
-    program.process.kill()
+def trial(start: Callable[..., Any], tmp_path: Path) -> Trial:
+    return Trial(start, tmp_path)
 
 
 @pytest.fixture
 def page(chromium: Any, trial: Trial) -> Iterator[Any]:
     tab = chromium.new_page(viewport={"width": 1280, "height": 720})
     tab.set_default_timeout(_PATIENCE_MS)
-    tab.goto(trial.url)
+    tab.goto(trial.program.url)
     wait_for_next(tab, "the four steps")
     yield tab
     tab.close()
@@ -103,8 +80,8 @@ def test_each_help_shows_itself_and_nothing_of_the_others(page: Any, trial: Tria
     page.wait_for_selector(".v-times")
     assert str(trial.path) in page.inner_text(".v-path")
     assert not shown(page, "button:has-text('Start')")
-    out, err = trial.end()
-    assert trial.process.returncode == 0 and "Traceback" not in err, err
+    out, err = trial.program.end()
+    assert trial.program.process.returncode == 0 and "Traceback" not in err, err
     assert [(row["help"], row["pose"], row["outcome"]) for row in trial.rows] == [
         (help_, pose, "given up") for help_ in ("steps", "axes", "outline") for pose in "12"
     ]
@@ -113,7 +90,7 @@ def test_each_help_shows_itself_and_nothing_of_the_others(page: Any, trial: Tria
 
 
 def test_a_trial_that_is_broken_off_goes_on_and_the_times_stay(
-    page: Any, chromium: Any, trial: Trial, tmp_path: Path
+    page: Any, chromium: Any, start: Callable[..., Any], trial: Trial, tmp_path: Path
 ) -> None:
     """A pose stands in the file as soon as it is done with; reload and restart lose nothing."""
     page.keyboard.press("o")  # the simulated hand takes the board
@@ -123,16 +100,12 @@ def test_a_trial_that_is_broken_off_goes_on_and_the_times_stay(
     assert trial.rows[0]["hand"] == "autopilot" and float(trial.rows[0]["overlap"]) > 0.85
     page.reload()
     wait_for_next(page, "the axes")
-    trial.process.kill()
-    trial.process.wait()
-    again = Trial(tmp_path)
-    try:
-        tab = chromium.new_page(viewport={"width": 1280, "height": 720})
-        tab.set_default_timeout(_PATIENCE_MS)
-        tab.goto(again.url)
-        wait_for_next(tab, "the axes")
-        assert "Help 2 of 3" in tab.inner_text(".v-what")
-        tab.close()
-        assert "Not finished" in again.end()[0]
-    finally:
-        again.process.kill()
+    trial.program.kill()
+    again = Trial(start, tmp_path)
+    tab = chromium.new_page(viewport={"width": 1280, "height": 720})
+    tab.set_default_timeout(_PATIENCE_MS)
+    tab.goto(again.program.url)
+    wait_for_next(tab, "the axes")
+    assert "Help 2 of 3" in tab.inner_text(".v-what")
+    tab.close()
+    assert "Not finished" in again.program.end()[0]

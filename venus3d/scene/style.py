@@ -200,8 +200,8 @@ text-align:left}
 .mantine-Button-root[style*="gray"]{--button-bg:var(--tile)!important;
 --button-color:var(--text)!important;border:1px solid var(--soft)}
 [data-dock-tab][aria-selected=true] *{color:var(--text)!important}
-@media (max-height:850px){.v-picture{display:none}.v-told span{display:none}.v-told b{font-size:var(--size-text);
-padding:3px 7px}.v-steps h3{margin:0 0 2px}.v-grid{gap:6px}}
+@media (max-height:850px){.v-picture,.v-told span{display:none}
+.v-told b{font-size:var(--size-text);padding:3px 7px}.v-steps h3{margin:0 0 2px}.v-grid{gap:6px}}
 @media (max-width:36em){
 div:has(>div>.mantine-Tabs-root .v-guide){display:flex;flex-direction:column}
 div:has(>.mantine-Tabs-root .v-guide){order:-1}

@@ -79,9 +79,9 @@ class Viewer:
         self._failure: BaseException | None = None
         self._projections, self._tiles = projections, Tiles()
         self._scene = SceneView(self.server)
-        self._page = self._make_page(dark=dark, simulated=draggable_board, tour=tour)
-        if self._page.knowledge is not None:
-            self._page.knowledge.on_change = self._touch
+        self.page = self._make_page(dark=dark, simulated=draggable_board, tour=tour)
+        if self.page.knowledge is not None:
+            self.page.knowledge.on_change = self._touch
         self._gizmo = BoardGizmo(self.server, self._dragged) if draggable_board else None
         self._pictures = PictureFeed(self._draw_picture, self._guarded)
         self._thread = threading.Thread(
@@ -122,8 +122,8 @@ class Viewer:
 
     def keep_view(self, number: int, image: LivePicture) -> None:
         """Keep the picture (BGR or grey) of the captured view of this number, to be looked at."""
-        if self._page.knowledge is not None:
-            self._page.knowledge.keep(number, image)
+        if self.page.knowledge is not None:
+            self.page.knowledge.keep(number, image)
 
     def say(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
         """Show a sentence for some seconds."""
@@ -138,7 +138,7 @@ class Viewer:
 
     def explain(self, commands: Sequence[Command]) -> None:
         """List commands that others have added to the page in its help, too."""
-        self._page.help.explain(commands)
+        self.page.help.explain(commands)
 
     def drain_intents(self) -> list[intents.Intent]:
         """What people asked for since the last call, in order."""
@@ -242,11 +242,11 @@ class Viewer:
 
     @property
     def _is_moving(self) -> bool:
-        known = self._page.knowledge
+        known = self.page.knowledge
         return self._state.playing or self._tiles.waiting or bool(known and known.is_moving)
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
-        sources, known = self._sources(snapshot, state), self._page.knowledge
+        sources, known = self._sources(snapshot, state), self.page.knowledge
         shapes = drawn = None
         if snapshot is not None:
             options = SceneOptions(
@@ -271,13 +271,13 @@ class Viewer:
                 self._look(shapes, state)
                 if known is not None:
                     known.bind(self._scene)
-            self._page.show(snapshot, state, sources, note, drawn_by)
+            self.page.show(snapshot, state, sources, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         """Turn the tabs' cameras where it is needed."""
-        outlook = self._page.outlook
+        outlook = self.page.outlook
         self._looking_at = outlook.follow(shapes, state.target, self._looking_at)
 
     def _sources(self, snapshot: Snapshot | None, state: ViewState) -> tuple[str, ...]:
@@ -298,4 +298,4 @@ class Viewer:
         self._scene.set_picture(rgb)
         if snapshot is not None:
             self._draw_on(rgb, snapshot, self._state.seeing(snapshot))
-        self._page.show_picture(rgb)
+        self.page.show_picture(rgb)

@@ -73,9 +73,9 @@ class TrialViewer(Viewer):
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         if any(shape.name.startswith("/target/") for shape in shapes):
             super()._look(shapes, state)
-        elif isinstance(self._page, TrialPage) and self._looking_at != _BESIDE:
+        elif isinstance(self.page, TrialPage) and self._looking_at != _BESIDE:
             self._looking_at = _BESIDE
-            self._page.look_from_behind()
+            self.page.look_from_behind()
 
     def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
         moment, target = trial_of(snapshot), snapshot.target

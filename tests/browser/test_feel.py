@@ -1,0 +1,195 @@
+"""The page for those who do not know it yet: everything is explained, readable, and on a key.
+
+Contrast is read from what the browser has computed, viser's own widgets included.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.guide import intents
+from venus3d.scene.guide.control_panel import useful_in
+from venus3d.scene.guide.viewer import Viewer
+from venus3d.scene.projections import Projections
+from venus3d.scene.texts import guide as say
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+Open = Callable[[], Any]
+SEEN = Path(__file__).with_name("seen.js").read_text(encoding="utf-8")
+TABS = (say.PROGRESS_TAB, say.PARAMETERS_TAB)
+
+
+def until(condition: Callable[[], bool], what: str) -> None:
+    """Wait for something that another thread does; fails after half a minute."""
+    for _ in range(300):
+        if condition():
+            return
+        time.sleep(0.1)
+    pytest.fail(f"did not happen: {what}")
+
+
+def inputs_of(viewer: Viewer) -> Iterator[Any]:
+    """Every control that a person can change or press; viser tells of them nowhere else."""
+    gui: Any = viewer.server.gui
+    for handle in gui._gui_input_handle_from_uuid.values():
+        if hasattr(handle, "hint"):
+            yield handle
+
+
+def test_every_control_explains_itself(viewer: Viewer) -> None:
+    """What has no tooltip must be guessed at."""
+    controls = list(inputs_of(viewer))
+    assert len(controls) > 8, "the walk finds the page's controls"
+    silent = [c.label for c in controls if not c.hint or len(c.hint) < 15]
+    assert not silent, f"without a tooltip: {silent}"
+
+
+def test_every_button_is_a_command_too(viewer: Viewer) -> None:
+    """Whoever works by keyboard finds each action in the list of commands, explained."""
+    gui: Any = viewer.server.gui
+    commands = {c.label: c for c in gui._command_handle_from_uuid.values()}
+    assert all(c.description for c in commands.values())
+    for action in say.BUTTONS.keys() - {"help", "tour"}:
+        assert say.COMMANDS[action][0] in commands, action
+    for words in (*say.METHOD_WORDS.values(), *say.COST_WORDS.values()):
+        assert any(words in label for label in commands), words
+    assert {say.OTHER_COMMANDS[0], say.OTHER_COMMANDS[2]} <= commands.keys()
+    keys = [c.hotkey for c in commands.values() if c.hotkey not in (None, "escape")]
+    assert len(keys) == len(set(keys)), "two commands on one key"
+    assert not set("WASDQE") & set(keys), "these fly the browser's camera"
+
+
+def test_every_key_does_what_the_help_says(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """Each key of the page once, each by an effect that can be seen from outside."""
+    viewer.show(guiding)
+    page = open_page()
+    page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
+    asked: list[intents.Intent] = []
+
+    def asks(wanted: type) -> Callable[[], bool]:
+        def came() -> bool:
+            asked.extend(viewer.drain_intents())
+            return any(isinstance(intent, wanted) for intent in asked)
+
+        return came
+
+    def shows(selector: str, count: int = 1) -> Callable[[], bool]:
+        return lambda: page.locator(selector).count() == count
+
+    knowledge: Any = viewer.page.knowledge
+    before = knowledge.state
+    effects: dict[str, Callable[[], bool]] = {
+        "N": shows(".v-title:has-text('Step 4 of 4')"),
+        "P": shows(".v-title:has-text('Step 3 of 4')"),
+        "F": lambda: viewer.state.follow,
+        "L": lambda: viewer.state.playing,
+        "T": lambda: any(name.startswith("/strip/") for name in viewer.scene_names),
+        "B": shows("[data-mantine-color-scheme='light']"),
+        "C": asks(intents.Capture),
+        "K": asks(intents.SkipTarget),
+        "U": asks(intents.UndoView),
+        "J": asks(intents.ChooseAlternative),
+        "O": asks(intents.Autopilot),
+        "M": lambda: knowledge.state.topic != before.topic,
+        "V": lambda: knowledge.state.ghosts != before.ghosts,
+        "I": lambda: knowledge.state.view is not None,
+        "Y": lambda: knowledge.state.watching != before.watching,
+        "space": asks(intents.Pause),
+        "H": shows(".v-keys"),
+        "escape": shows(".v-keys", 0),
+    }
+    gui: Any = viewer.server.gui
+    keys = {c.hotkey for c in gui._command_handle_from_uuid.values() if c.hotkey}
+    assert keys == effects.keys(), "a key without a test, or a test without a key"
+    for key, effect in effects.items():
+        page.keyboard.press({"space": "Space", "escape": "Escape"}.get(key, key.lower()))
+        until(effect, f"the effect of {key}")
+
+
+@pytest.mark.parametrize("dark", [True, False], ids=["dark", "light"])
+def test_every_text_is_readable(
+    chromium: Any, projections: Projections, guiding: Snapshot, dark: bool
+) -> None:
+    """WCAG AA: 4.5, or 3 for large letters; none is smaller than 12 px."""
+    viewer = Viewer(port=8404, projections=projections, draggable_board=True, dark=dark, tour=True)
+    context = chromium.new_context(viewport={"width": 1280, "height": 720})
+    page = context.new_page()
+    page.set_default_timeout(60_000)
+
+    def judge(where: str) -> None:
+        seen = page.evaluate(SEEN)
+        assert len(seen) > 20, where
+        faint = [t for t in seen if t["ratio"] < (3.0 if t["large"] else 4.5)]
+        assert not faint, f"{where}: {faint}"
+        small = [t for t in seen if t["size"] < 12]
+        assert not small, f"{where}: {small}"
+
+    try:
+        viewer.show(guiding)
+        page.goto(viewer.url)
+        page.wait_for_selector(".v-tour")
+        page.wait_for_selector(".v-chip")
+        judge("the tour")
+        page.keyboard.press("Escape")
+        page.wait_for_selector(".v-tour", state="detached")
+        for tab in TABS:
+            page.get_by_role("tab", name=tab).click()
+            page.wait_for_selector(f"[role=tab][aria-selected=true]:has-text('{tab}')")
+            judge(tab)
+        page.keyboard.press("h")
+        page.wait_for_selector(".v-keys")
+        judge("the help")
+        page.keyboard.press("h")
+        viewer.show(replace(guiding, phase="converged", target=None, match=None))
+        page.wait_for_selector(".v-title:has-text('calibrated')")
+        judge("the end")
+    finally:
+        context.close()
+        viewer.close()
+
+
+def test_the_large_text_is_large_docked_and_whole(
+    chromium: Any, viewer: Viewer, guiding: Snapshot
+) -> None:
+    """At two metres: the headline has 40 px on a full screen. Nothing of it is cut off or scrolled
+    away in a small window, and it lies over nothing: the scene begins beside it."""
+    viewer.show(guiding)
+    page = chromium.new_page(viewport={"width": 1920, "height": 1080})
+    page.set_default_timeout(60_000)
+    page.goto(viewer.url)
+    page.wait_for_selector(".v-chip")
+    for width, height, least in ((1920, 1080, 40), (1280, 720, 34)):
+        page.set_viewport_size({"width": width, "height": height})
+        # The scene is drawn anew at the new size; then everything has its place.
+        page.wait_for_function(
+            "h => document.querySelector('canvas').clientHeight === h", arg=height
+        )
+        letters = "e => parseFloat(getComputedStyle(e).fontSize)"
+        assert page.eval_on_selector(".v-title", letters) >= least
+        chips = page.locator(".v-chips").bounding_box()
+        panel = page.locator("[data-dock-leaf]:has(.v-guide)").bounding_box()
+        scene = page.locator("canvas").first.bounding_box()
+        assert chips["y"] + chips["height"] <= panel["y"] + panel["height"], height
+        assert panel["x"] + panel["width"] <= scene["x"] + 1, height
+        capture = page.get_by_role("button", name="Capture this view").bounding_box()
+        assert capture["y"] + capture["height"] <= height
+    page.close()
+
+
+@pytest.mark.parametrize("phase", ["converged", "finished"])
+def test_at_the_end_only_what_makes_sense_is_offered(phase: Any) -> None:
+    """More views may be captured once it has settled; what the person has ended stays ended."""
+    makes_sense = useful_in(phase)
+    assert not any(makes_sense(a) for a in ("skip", "play", "next", "previous", "strip", "follow"))
+    assert makes_sense("capture") == makes_sense("finish") == (phase == "converged")
+    assert makes_sense("theme")
