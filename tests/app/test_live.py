@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 
+import numpy as np
 import pytest
 
 from venus3d.app.eyes import Eyes
@@ -17,6 +18,7 @@ from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
 from venus3d.engine.work import Settings
 from venus3d.scene.guide.viewer import Viewer
+from venus3d.scene.picture import LivePicture
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import PAPER_CAMERA, Simulation
 
@@ -120,3 +122,28 @@ def test_the_picture_goes_on_while_the_mathematics_is_at_work(
     live.stop()
     thread.join(_PATIENCE_S)
     assert not thread.is_alive() and not raised
+
+
+def test_the_picture_kept_of_a_view_is_the_one_it_was_measured_in(
+    camera: BreakingCamera, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The board moves on while a view is worked out: a later frame's corners are elsewhere."""
+    kept: dict[int, LivePicture] = {}
+
+    def keep(_: Viewer, number: int, image: LivePicture) -> None:
+        kept[number] = image.copy()
+
+    monkeypatch.setattr(Viewer, "keep_view", keep)
+    session, live = guide(camera, viewer, [])
+    thread, raised = in_background(live)
+    wait_for(lambda: len(session.snapshot().views) >= 3)
+    live.stop()
+    thread.join(_PATIENCE_S)
+    assert not thread.is_alive() and not raised
+    views = session.snapshot().views
+    assert len(views) >= 3 and set(kept) >= {view.number for view in views[:3]}
+    for view in views[:3]:
+        seen = Detector(camera.board, find_layout=False).detect(kept[view.number])
+        ids, here, there = np.intersect1d(seen.ids, view.observation.ids, return_indices=True)
+        assert len(ids) >= 30
+        np.testing.assert_allclose(seen.corners[here], view.observation.corners[there], atol=0.2)

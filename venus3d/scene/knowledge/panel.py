@@ -146,7 +146,6 @@ class KnowledgePanel:
         self._drop = gui.add_button(
             texts.LEAVE_OUT,
             icon=viser.Icon.TRASH,
-            color="gray",
             hint=texts.LEAVE_OUT_HINT,
             visible=False,
         )
@@ -228,9 +227,7 @@ class KnowledgePanel:
                     )
                     drop.on_click(lambda _: self._leave_out(number))
                     drop.on_click(lambda _: modal.close())
-                close = client.gui.add_button(
-                    texts.CLOSE_VIEW, color="gray", hint=texts.CLOSE_VIEW_HINT
-                )
+                close = client.gui.add_button(texts.CLOSE_VIEW, hint=texts.CLOSE_VIEW_HINT)
                 close.on_click(lambda _: modal.close())
 
     # -- what people do; on viser's threads ------------------------------------------------------
