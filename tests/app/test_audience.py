@@ -18,7 +18,10 @@ from venus3d.app.audience import open_audience, said_of
 from venus3d.engine.errors import VenusError
 from venus3d.options import GuideOptions
 from venus3d.options.audience import audience_address
+from venus3d.scene.audience.audience import Audience
+from venus3d.scene.audience.controls import AudienceControls
 from venus3d.scene.audience.look import Look
+from venus3d.scene.guide.viewer import Viewer
 from venus3d.scene.texts import audience as texts
 
 _PORT = 8378
@@ -94,6 +97,20 @@ def test_who_can_look_is_told() -> None:
         assert "without a password" in said and "0.0.0.0" not in said
     finally:
         everybody.close()
+
+
+def test_the_second_monitors_keys_are_nobody_elses_and_stand_in_the_help() -> None:
+    """A key that does two things at once was seen before this was checked."""
+    audience = Audience("127.0.0.1", _PORT)
+    viewer = Viewer(port=_PORT + 1, draggable_board=True)
+    try:
+        controls = AudienceControls(viewer.server, audience)
+        viewer.explain(controls.commands)  # raises for a key that the page has
+        with pytest.raises(ValueError, match="two commands for one key"):
+            viewer.explain(controls.commands)
+    finally:
+        viewer.close()
+        audience.close()
 
 
 @pytest.mark.slow
