@@ -136,9 +136,9 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
     chromium: Any, audience: Audience, frame: Array, guiding: Snapshot
 ) -> None:
     """Letters of a twentieth of the screen, half of it the picture; step, hold still, captured."""
+    audience.show_picture(frame)  # who comes later sees it, too
     page = opened(chromium, audience.url, 1280, 720)
     wait_for_sentence(page, texts.STARTING[2])
-    audience.show_picture(frame)
     audience.show(guiding)
     assert guiding.match is not None
     wait_for_sentence(page, guiding.match.steps[2].words.holder)

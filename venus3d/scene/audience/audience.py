@@ -51,7 +51,7 @@ class Audience:
         self._picture_came, self._stop = threading.Event(), threading.Event()
         self._failure: BaseException | None = None
         self._scene = SceneView(self.server)
-        self._page = AudiencePage(self.server, self._touch)
+        self._page = AudiencePage(self.server, self._came_or_changed)
         self._threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
             for name, loop in (("audience", self._loop), ("audience picture", self._picture_loop))
@@ -115,6 +115,10 @@ class Audience:
         with self._wake:
             self._changed = True
             self._wake.notify_all()
+
+    def _came_or_changed(self) -> None:
+        self._touch()
+        self._picture_came.set()  # who comes while no frame does sees the last one
 
     def _guarded(self, loop: Callable[[], None]) -> None:
         try:
