@@ -19,6 +19,7 @@ from venus3d.scene.knowledge.replay import (
     shown_after,
 )
 from venus3d.scene.knowledge.watching import SearchReplay
+from venus3d.scene.palette import contrast, ground
 from venus3d.scene.shapes import LineShape, MeshShape, PointShape, Shape
 
 
@@ -68,10 +69,14 @@ def test_search_shows_every_pose_looked_at_and_ends_on_the_target(guided: Snapsh
     best = shapes["/search/best"]
     assert isinstance(best, LineShape)
     np.testing.assert_allclose(best.pose.matrix, target.pose.matrix, atol=1e-9)
-    # The cheaper a pose, the brighter its dot.
+    # The cheaper a pose, the more its dot stands out against the ground.
     costs = np.concatenate([move.candidate_costs for move in walk.moves])
-    brightness = places.colours.astype(int).sum(axis=1)
-    assert brightness[np.argmin(costs)] > brightness[np.argmax(costs)] + 200
+    for dark in (True, False):
+        dots = named(search_shapes(walk, shown, guided.board, dark))["/search/places"]
+        assert isinstance(dots, PointShape)
+        cheap, dear = (dots.colours[i] for i in (np.argmin(costs), np.argmax(costs)))
+        paper = ground(dark).background
+        assert contrast(tuple(cheap.tolist()), paper) > 3 * contrast(tuple(dear.tolist()), paper)
 
 
 def test_annealing_is_a_line_through_the_poses_taken(

@@ -29,5 +29,6 @@ align-items:baseline;cursor:pointer;list-style:none}
 .v-spark polyline{fill:none;stroke:var(--soft);stroke-width:1.6}
 .v-spark circle{fill:var(--text)}
 .v-does{font-size:13px;line-height:1.35;padding:2px 0 5px 2.6em;color:var(--text)}
+.mantine-Modal-content .v-view h3:first-child{display:none}
 .mantine-Modal-content:has(.v-view){flex:0 1 520px}
 </style>"""

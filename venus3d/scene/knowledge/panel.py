@@ -186,8 +186,8 @@ class KnowledgePanel:
             self._about.content = "" if chosen is None else view_html(snapshot, chosen, picture)
             self._about.visible = chosen is not None
             self._drop.visible = chosen is not None and len(numbers) > 1
-            self._legend.content = _legend(snapshot)
-        self._legend.visible = state.ghosts and bool(numbers)
+        self._legend.content = _legend(snapshot, state, self._theme)
+        self._legend.visible = bool(self._legend.content)
         self._topics.options = _topic_labels(state.topic)
         self._switches.options = _switch_labels(state)
 
@@ -272,9 +272,16 @@ class KnowledgePanel:
             self._ask(DropView(number))
 
 
-def _legend(snapshot: Snapshot) -> str:
-    scale = scale_html(even_ticks(misfit_end_px(snapshot.views)), texts.PIXELS)
-    return f"<div class='v-progress v-known'><h3>{texts.GHOSTS_LEGEND}</h3>{scale}</div>"
+def _legend(snapshot: Snapshot, state: KnowledgeState, theme: Theme) -> str:
+    """What the colours mean of what stands in the scene; empty if nothing does."""
+    told = ""
+    if state.ghosts and snapshot.views:
+        ticks = even_ticks(misfit_end_px(snapshot.views))
+        told += f"<h3>{texts.GHOSTS_LEGEND}</h3>{scale_html(ticks, texts.PIXELS)}"
+    if state.watching:
+        dots = texts.SEARCH_LEGEND_DARK if theme.dark else texts.SEARCH_LEGEND_LIGHT
+        told += f"<h3>{dots}</h3>"
+    return f"<div class='v-progress v-known'>{told}</div>" if told else ""
 
 
 def _topic_labels(shown: Topic) -> tuple[str, ...]:

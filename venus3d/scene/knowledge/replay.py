@@ -1,8 +1,8 @@
 """A search, watched afterwards at a speed that a person can follow.
 
 Each pose looked at is a dot, twice: where the board's centre would be, and in a box of three axes,
-the turns about X and Y and the distance. The brighter a dot, the smaller the cost. A search in
-batches shows batch after batch; the annealing walks move by move, a line along what it took.
+the turns about X and Y and the distance. The more a dot stands out, the smaller the cost. A search
+in batches shows batch after batch; the annealing walks move by move, a line along what it took.
 
     /search/places, /search/angles            the dots in front of the camera, and in the box
     /search/faint                             outlines of a few of the newest poses
@@ -41,7 +41,7 @@ _FAINT = 10  # boards of a batch that are outlined
 _DOT = 0.0035
 _AGED = 0.6  # of the ground's colour in dots of earlier batches
 # Lowest corner and side of the box, metres, seen from as near as usual.
-_BOX, _SIDE = np.array([-0.14, 0.19, 0.10]), 0.14
+_BOX, _SIDE = np.array([-0.14, 0.17, 0.10]), 0.14
 _FURTHEST_M = 1.2
 
 
@@ -143,8 +143,9 @@ def _dots(stage: Stage, dark: bool) -> tuple[Array, NDArray[np.uint8], Array]:
     costs = np.log(np.concatenate([costs for _, costs in seen]))
     newest, worth = seen[-1]
     few = newest[np.argsort(worth)[:: max(1, len(worth) // _FAINT)][:_FAINT]]
-    # Small costs are bright.
-    colour = colours_of(-costs, -high, -low).astype(np.float64)
+    # Small costs stand out against the ground: bright on dark, dark on light.
+    ends = (-costs, -high, -low) if dark else (costs, low, high)
+    colour = colours_of(*ends).astype(np.float64)
     if stage.walk.is_batched and not stage.is_last:
         older = slice(0, len(costs) - len(worth))
         colour[older] += _AGED * (np.array(ground(dark).background) - colour[older])

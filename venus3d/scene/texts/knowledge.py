@@ -101,6 +101,9 @@ SEARCH_NOTHING = "Nothing was searched for this pose: it follows from a rule, or
 SEARCH_BOX = "the same poses, ±90°, 0–1.2 m"
 SEARCH_AXES = ("turn about X", "turn about Y", "distance")
 
+SEARCH_LEGEND_DARK = "The search: a dot is a pose looked at; bright dots promise a small error."
+SEARCH_LEGEND_LIGHT = "The search: a dot is a pose looked at; dark dots promise a small error."
+
 NEXT_TOPIC = "Next map of what is known"
 NEXT_TOPIC_HINT = "Error now, error after the next pose, corners seen, lens, misfit"
 TOGGLE_VIEWS = "Captured views in the scene"
