@@ -30,6 +30,8 @@ FLIGHT_SECONDS = 0.6
 _FILLED = 0.88  # of the window's half width or height: the rest is air
 _BESIDE_THE_PICTURE = 1.06
 _USUAL_ASPECT = 1.0
+# On a phone the panels are a sheet over the lower part of a narrow window.
+_PHONE, _COVERED_ON_A_PHONE = 0.62, 0.62
 # From what is looked at to the eye; screens have -y up, so none may be exactly upright.
 _DIRECTIONS: dict[Viewpoint, tuple[float, float, float]] = {
     "outside": (-0.56, -0.56, -0.61),
@@ -76,15 +78,19 @@ def view_along(forward: ArrayLike, points: Array, aspect: float) -> View:
     """The nearest view in this direction (3,) in which all of the points (N, 3) are seen.
 
     With the eye at e and the window's slope t, a point p is seen if |p_x - e_x| <= t (p_z - e_z).
-    The two bounds on e_x meet where e_z is largest; likewise for y, and the farther eye counts.
+    The two bounds on e_x meet where e_z is largest; likewise for y, where the slopes upwards and
+    downwards may differ, and the farther eye counts.
     """
     axes = _axes(np.asarray(forward, dtype=np.float64))
     local = points @ axes.T
-    slope = _FILLED * np.tan(FOV_RAD / 2) * np.array([aspect, 1.0])
-    above = (local[:, :2] - slope * local[:, 2:]).max(axis=0)
-    below = (local[:, :2] + slope * local[:, 2:]).min(axis=0)
-    depth = ((below - above) / (2 * slope)).min()
-    eye = np.append((above + below) / 2, depth)
+    slope = np.tan(FOV_RAD / 2) * np.array([aspect, 1.0])
+    ahead, back = _FILLED * slope, _FILLED * slope
+    if aspect < _PHONE:
+        ahead[1] = (1 - 2 * _COVERED_ON_A_PHONE) * slope[1]
+    low = (local[:, :2] - ahead * local[:, 2:]).max(axis=0)
+    high = (local[:, :2] + back * local[:, 2:]).min(axis=0)
+    depth = float(((high - low) / (ahead + back)).min())
+    eye = np.append((low + high + (ahead - back) * depth) / 2, depth)
     middle = np.append(eye[:2], max(depth + 0.05, float(local[:, 2].mean())))
     return View(eye @ axes, middle @ axes, FOV_RAD)
 
