@@ -1,0 +1,157 @@
+"""What a teaching page shows, by what people press; and what its scene holds then."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from venus3d.app.teach import PoseStudy
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.lessons.lesson import Lesson, LessonPage, Question
+from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.palette import ground
+from venus3d.scene.shapes import LabelShape
+from venus3d.scene.teach.controls import HOTKEYS, after_action
+from venus3d.scene.teach.pictures import TeachPictures
+from venus3d.scene.teach.stage import board_now, stage_shapes
+from venus3d.scene.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector
+
+BUSY = (False, False, False, False)
+REFUSED: Vector = (20.0, 10.0, 30.0, 190.0, -60.0, 420.0)
+PAGE = LessonPage("One", "Text", (10.0, 0.0, 0.0, 0.0, 0.0, 500.0), viewpoint="above")
+ASKING = replace(PAGE, question=Question("Which?", ("A", "B"), 2, "So."), arrangement="axes")
+LESSONS = (Lesson("a", "A", "", (PAGE, ASKING)), Lesson("b", "B", "", (PAGE,)))
+
+
+def later(state: TeachState, seconds: float) -> TeachState:
+    for _ in range(round(seconds / 0.05)):
+        state = state.after(0.05, BUSY)
+    return state
+
+
+def test_play_goes_through_all_steps_once_and_stops_at_the_pose() -> None:
+    state = TeachState().play(True)
+    seen: list[int] = []
+    for _ in range(400):
+        state = state.after(0.05, BUSY)
+        if not seen or seen[-1] != state.step:
+            seen.append(state.step)
+    assert seen == [1, 2, 3, 4]
+    assert not state.playing and state.at_rest
+    assert later(replace(TeachState(), loop=True).play(True), 5.0 * SECONDS_PER_STEP).way < 4
+    assert later(replace(TeachState(), loop=True).play(True), 40).playing
+
+
+def test_next_lets_one_step_happen_and_previous_goes_back() -> None:
+    state = later(TeachState().step_on(), 10)
+    assert (state.way, state.playing, state.step) == (1.0, False, 1)
+    state = later(state.step_on(), 10)
+    assert state.way == 2.0
+    assert state.step_back().way == 1.0
+    assert state.scrubbed(0.6).step_back().way == 2.0
+    assert TeachState().scrubbed(0.0).step_back().way == 0.0
+
+
+def test_an_idle_step_is_passed_quickly() -> None:
+    idle = (True, False, False, False)
+    state = TeachState().step_on().after(0.35 * SECONDS_PER_STEP / 2, idle)
+    assert state.way == 1.0
+
+
+def test_a_slider_shows_its_own_step_and_stops_the_animation() -> None:
+    moved = (*FREE_VECTOR[:1], 33.0, *FREE_VECTOR[2:])
+    state = TeachState().play(True).posed(moved)
+    assert (state.step, state.sweep, state.playing) == (3, 1.0, False)
+    assert state.posed((*moved[:4], 5.0, moved[5])).step == 1
+
+
+def test_lessons_set_the_page_and_turn_into_each_other() -> None:
+    state = TeachState(lessons=LESSONS).opened(0)
+    assert state.vector == PAGE.pose and state.viewpoint == "above"
+    state = state.turned(1)
+    assert state.arrangement == "axes" and state.answered(2).answer == 2
+    assert state.answered(3).answer is None, "there is no third answer"
+    state = state.answered(1).turned(1)
+    assert (state.lesson, state.page, state.answer) == (1, 0, None)
+    assert state.turned(1) == state, "the last page of all"
+    assert state.turned(-1).page == 1
+    assert state.opened(None).vector == FREE_VECTOR
+    assert TeachState().turned(1) == TeachState(), "no lessons"
+
+
+def test_every_hotkey_changes_something() -> None:
+    assert len(set(HOTKEYS.values())) == len(HOTKEYS)
+    assert not {"W", "A", "S", "D", "Q", "E", "H"} & set(HOTKEYS.values())
+    question = replace(ASKING, question=Question("?", ("A", "B", "C", "D", "E"), 1, ""))
+    lessons = (Lesson("a", "A", "", (PAGE, question, PAGE)), LESSONS[1])
+    state = TeachState(lessons=lessons).opened(0).turned(1).scrubbed(0.3)
+    state = replace(state, vector=FREE_VECTOR)
+    for action in HOTKEYS:
+        before = replace(state, viewpoint="camera") if action != "camera" else state
+        assert after_action(before, action) != before, action
+
+
+@pytest.fixture
+def study(paper_camera: Camera, default_board: Board) -> PoseStudy:
+    return PoseStudy(paper_camera, default_board)
+
+
+def test_the_board_goes_along_one_degree_of_freedom_at_a_time(study: PoseStudy) -> None:
+    moment = study(FREE_VECTOR)
+    for step, axis in ((2, "x"), (3, "y"), (4, "z")):
+        start = board_now(moment, TeachState(way=step - 1 + 1e-9))
+        half = board_now(moment, TeachState(way=step - 0.5))
+        wanted = Rotation.from_euler(axis, FREE_VECTOR[step - 2] / 2, degrees=True).as_matrix()
+        np.testing.assert_allclose(half.R @ start.R.T, wanted, atol=1e-6)
+        np.testing.assert_allclose(half.t, [0.06, -0.03, 0.52], atol=1e-9)
+    end = board_now(moment, TeachState())
+    whole = Rotation.from_euler("xyz", FREE_VECTOR[:3], degrees=True).as_matrix()
+    np.testing.assert_allclose(end.R, whole, atol=1e-12)
+
+
+def test_the_angle_counts_up_and_a_refused_target_says_so(study: PoseStudy) -> None:
+    moment = study(FREE_VECTOR)
+
+    def text(name: str, state: TeachState, vector: Vector = FREE_VECTOR) -> str:
+        shapes = stage_shapes(study(vector), state)
+        return next(s.text for s in shapes if isinstance(s, LabelShape) and s.name == name)
+
+    assert text("/steps/2/label", TeachState(way=1.5)) in ("+12°", "+13°")
+    assert text("/steps/3/label", TeachState(way=2.9)) == "−27°"
+    assert not moment.refusals
+    assert "refused" in text("/target/label", TeachState(), REFUSED)
+
+
+def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseStudy) -> None:
+    moment = study(FREE_VECTOR, "zyx")
+    angles = FREE_VECTOR[:3]
+    fixed = Rotation.from_euler("xyz", angles, degrees=True)
+    for arrangement, other in (
+        ("axes", Rotation.from_euler("XYZ", angles, degrees=True)),
+        ("order", Rotation.from_euler("zyx", angles[::-1], degrees=True)),
+    ):
+        apart = np.degrees((other * fixed.inv()).magnitude())
+        assert moment.apart_deg(arrangement) == pytest.approx(apart)  # type: ignore[arg-type]
+        state = replace(TeachState(way=2.5), arrangement=arrangement)  # type: ignore[arg-type]
+        names = {shape.name for shape in stage_shapes(moment, state)}
+        assert {"/compare/left/board", "/compare/right/board", "/compare/right/arc"} <= names
+
+
+def test_pictures_mark_what_is_refused_and_frame_the_step(
+    painter: Offscreen, study: PoseStudy
+) -> None:
+    pictures, warning = TeachPictures(painter), np.array(ground(True).warning)
+
+    def warned(vector: Vector) -> int:
+        picture = pictures.moment(study(vector), TeachState(), fine=False)
+        return int((np.abs(picture.astype(int) - warning).sum(axis=2) < 12).sum())
+
+    assert warned(FREE_VECTOR) == 0 and warned(REFUSED) > 2000
+    moment = study(FREE_VECTOR)
+    sheets = [pictures.sheet(moment, TeachState(way=w), fine=False) for w in (1.0, 2.0, 4.0)]
+    assert len({sheet.shape for sheet in sheets}) == 1
+    assert not np.array_equal(sheets[0], sheets[1]) and not np.array_equal(sheets[1], sheets[2])
