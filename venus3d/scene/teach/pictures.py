@@ -11,6 +11,7 @@ from concurrent.futures import Future
 import numpy as np
 from PIL import Image, ImageDraw
 
+from venus3d.engine.decomposition import Step
 from venus3d.engine.pose import Array
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground, mixed, step_colour, text_on
@@ -22,8 +23,8 @@ from venus3d.scene.teach.stage import moment_shapes
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.text import font, wrapped
 
-_QUICK, _FINE = (480, 1), (640, 2)  # width of the picture of the moment, supersampling
-_QUICK_TILE, _FINE_TILE = (320, 1), (480, 2)
+_QUICK, _FINE = (400, 1), (640, 2)  # width of the picture of the moment, supersampling
+_QUICK_TILE, _FINE_TILE = (240, 1), (480, 2)
 _FRAME = 5
 _GAP = 6
 
@@ -35,7 +36,7 @@ class TeachPictures:
         """Pictures come from this renderer; its owner closes it."""
         self._offscreen = offscreen
         self._projections = Projections(offscreen)
-        self._tiles: tuple[object, list[Picture]] = (None, [])
+        self._tiles: dict[tuple[object, ...], Picture] = {}
 
     def moment(self, moment: TeachMoment, state: TeachState, *, fine: bool) -> Picture:
         """What the camera sees now, RGB; a refused pose is marked."""
@@ -53,19 +54,26 @@ class TeachPictures:
 
     def sheet(self, moment: TeachMoment, state: TeachState, *, fine: bool) -> Picture:
         """The four steps two by two, the one shown now framed, RGB; tiles are kept."""
-        key = (id(moment), moment, state.dark, fine)
-        if key != self._tiles[0]:
-            width, supersample = _FINE_TILE if fine else _QUICK_TILE
-            camera = moment.camera
-            size = (width, round(width * camera.height / camera.width))
-            futures: list[Future[Picture]] = [
-                self._projections.of_step(
-                    step, camera, moment.board, size=size, dark=state.dark, supersample=supersample
-                )
-                for step in moment.steps
-            ]
-            self._tiles = (key, [future.result() for future in futures])
-        return _sheet(self._tiles[1], 0 if state.at_rest else state.step, state.dark)
+        width, supersample = _FINE_TILE if fine else _QUICK_TILE
+        camera = moment.camera
+        size = (width, round(width * camera.height / camera.width))
+        # A slider leaves the steps before its own as they are.
+        keys = [(step.number, *_places(step), state.dark, fine) for step in moment.steps]
+        futures: dict[tuple[object, ...], Future[Picture]] = {
+            key: self._projections.of_step(
+                step, camera, moment.board, size=size, dark=state.dark, supersample=supersample
+            )
+            for key, step in zip(keys, moment.steps, strict=True)
+            if key not in self._tiles
+        }
+        drawn = {key: future.result() for key, future in futures.items()}
+        self._tiles = {key: drawn[key] if key in drawn else self._tiles[key] for key in keys}
+        tiles = list(self._tiles.values())
+        return _sheet(tiles, 0 if state.at_rest else state.step, state.dark)
+
+
+def _places(step: Step) -> tuple[bytes, bytes, float]:
+    return step.before.matrix.tobytes(), step.after.matrix.tobytes(), step.angle_deg
 
 
 def _paper(dark: bool) -> Colour:
