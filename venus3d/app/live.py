@@ -144,7 +144,8 @@ class LiveGuide(Watching):
             case intents.UndoView():
                 session.undo()
             case intents.DropView(number):
-                session.drop(number)
+                if not session.drop(number):
+                    self._viewer.say("This calibration has ended; its views stay as they are.")
             case intents.ChooseAlternative(index, number):
                 self._choose(index, number)
             case intents.ChangeMethod(method, cost):
