@@ -12,7 +12,8 @@ import numpy as np
 
 from venus3d.engine.board import Board
 from venus3d.engine.decomposition import HOME_DISTANCE, Step
-from venus3d.engine.pose import Array, Pose
+from venus3d.engine.pose import Array, Axes, Pose
+from venus3d.engine.turns import Turns
 from venus3d.lessons.lesson import Arrangement
 from venus3d.scene.board_shape import board_ghost, board_outline, board_shape
 from venus3d.scene.describe import SceneOptions, still_shapes
@@ -21,7 +22,7 @@ from venus3d.scene.instruction import instruction_shapes, swept
 from venus3d.scene.palette import ground
 from venus3d.scene.shapes import LabelShape, LineShape, Shape
 from venus3d.scene.strip import bounds_of, strip_shapes
-from venus3d.scene.teach.comparison import column_shapes, comparison_points
+from venus3d.scene.teach.comparison import Side, column_shapes, comparison_points
 from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.texts import teach as texts
@@ -102,19 +103,24 @@ def _comparison(moment: TeachMoment, state: TeachState) -> list[Shape]:
     way = min(max(state.way - 1.0, 0.0), 3.0)  # the move is no turn
     own = state.arrangement == "axes"
     left, right = texts.COLUMNS[state.arrangement]
-    dark, board = state.dark, moment.board
-    right = right.format(order=moment.order.upper())
-    return [
-        *column_shapes(board, "left", moment.fixed, way, axes="fixed", title=left, dark=dark),
-        *column_shapes(
-            board,
-            "right",
+    readings: tuple[tuple[Turns, Axes, str], ...] = (
+        (moment.fixed, "fixed", left),
+        (
             moment.others(state.arrangement),
-            way,
-            axes="own" if own else "fixed",
-            title=right,
-            dark=dark,
+            "own" if own else "fixed",
+            right.format(order=" ".join(moment.order.upper())),
         ),
+    )
+    # Whoever faces the camera sees left and right swapped, and the words say left and right.
+    sides: tuple[Side, Side] = ("left", "right")
+    if state.viewpoint == "holder":
+        sides = ("right", "left")
+    return [
+        shape
+        for side, (turns, axes, title) in zip(sides, readings, strict=True)
+        for shape in column_shapes(
+            moment.board, side, turns, way, axes=axes, title=title, dark=state.dark
+        )
     ]
 
 
@@ -164,5 +170,5 @@ def points_of_interest(
 
 
 def _around(board: Board, centre: Array) -> Array:
-    reach = 0.62 * float(np.hypot(board.width, board.height))
+    reach = 0.72 * float(np.hypot(board.width, board.height))
     return centre + reach * np.concatenate([np.eye(3), -np.eye(3)])

@@ -165,6 +165,10 @@ class TeachViewer:
         except VenusError as error:
             self._page.say(client, str(error))
             return
+        except Exception:
+            # Our mistake: the tab must not wait for ever, and the traceback is still told.
+            self._page.say(client, texts.SAVING_FAILED)
+            raise
         (self._server if client is None else client).send_file_download(name, content)
         self._page.say(client, texts.SAVED.format(name=name))
 

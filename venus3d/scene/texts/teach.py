@@ -48,7 +48,7 @@ COMPARE_WHY = {
         "Both boards get the same three numbers. On the left, each turn is about an axis of the "
         "<b>camera</b>, which never moves. On the right, the axes are painted on the <b>board</b>: "
         "the first turn carries the other two axes along, so the later turns are about other lines "
-        "in space."
+        "in space. It ends like a board turned about fixed axes in the order Z, Y, X."
     ),
     "order": (
         "Both boards get the same three numbers about the same fixed axes; only the order differs. "
@@ -115,6 +115,7 @@ PAGE, PAGE_HINT = "More", "The pose that the page began with; brightness."
 SAVE, SAVE_HINT = "Save as", "A file to hand out: it works without this program and offline."
 SAVING = "Writing the {kind} file. This can take a minute."
 SAVED = "{name} is ready: your browser has taken it."
+SAVING_FAILED = "The file could not be made; the window that venus3d was started in says why."
 NOTHING_TO_SAVE = "Files cannot be written here."
 
 LABELS = {

@@ -1,0 +1,78 @@
+"""What the teaching page is given: poses worked out, and lessons in their order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from venus3d.app import teach
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.errors import VenusError
+from venus3d.options import TeachOptions
+
+OWN = """
+title = "Mine"
+summary = "Made by a teacher."
+[[page]]
+title = "One"
+text = "Text."
+pose = [10, 0, 0, 0, 0, 500]
+"""
+
+
+def test_a_pose_is_worked_out_in_degrees_and_millimetres(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    study = teach.PoseStudy(paper_camera, default_board)
+    for _ in range(20):
+        angles, place = rng.uniform(-60, 60, 3), rng.uniform([-200, -150, 350], [200, 150, 900])
+        a, b, c, x, y, z = (float(v) for v in (*angles, *place))
+        moment = study((a, b, c, x, y, z), "yxz")
+        rotation = Rotation.from_euler("xyz", angles, degrees=True)
+        pixels, _ = cv2.projectPoints(
+            default_board.outline,
+            rotation.as_rotvec(),
+            place / 1000,
+            paper_camera.K,
+            paper_camera.distortion,
+        )
+        ours = paper_camera.project(moment.pose.apply(default_board.outline))
+        np.testing.assert_allclose(ours, pixels.reshape(-1, 2), atol=1e-6)
+        outside = (pixels < 0).any() or (pixels.reshape(-1, 2) > [1279, 719]).any()
+        assert not outside or any(r.kind == "outside" for r in moment.refusals)
+        other = Rotation.from_euler("yxz", angles[[1, 0, 2]], degrees=True)
+        np.testing.assert_allclose(moment.reordered[2].after.R, other.as_matrix(), atol=1e-9)
+    assert study((20.0, 88.0, 0.0, 0.0, 0.0, 500.0)).locked
+    assert not np.isfinite(study((0.0, 0.0, 0.0, 0.0, 0.0, 500.0)).sigma_px), "a frontal board"
+
+
+def test_an_own_lesson_comes_first_and_a_wrong_name_is_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    served: dict[str, object] = {}
+
+    class ServedError(Exception):
+        pass
+
+    def viewer(*_: object, **options: object) -> None:
+        served.update(options)
+        raise ServedError
+
+    monkeypatch.setattr(teach, "TeachViewer", viewer)
+    own = tmp_path / "mine.toml"
+    own.write_text(OWN, encoding="utf-8")
+    for choice, title, number in ((str(own), "Mine", 0), ("gimbal-lock", "", None)):
+        with pytest.raises(ServedError):
+            teach.run_teach(TeachOptions(lesson=choice))
+        lessons = served["lessons"]
+        assert isinstance(lessons, tuple) and len(lessons) >= 6
+        chosen = lessons[served["lesson"]]  # type: ignore[index]
+        assert chosen.title == title or "gimbal" in chosen.name
+        assert number is None or served["lesson"] == number
+    with pytest.raises(VenusError, match="gimbal-lock"):
+        teach.run_teach(TeachOptions(lesson="gimbal-luck"))
