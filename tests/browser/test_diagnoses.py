@@ -28,7 +28,7 @@ def test_diagnoses_come_with_cause_and_cure_and_go(
     """At most two are told; the rest is counted. Nothing is left when there is nothing to say."""
     viewer.show(guiding)
     page = open_page()
-    page.wait_for_selector(".v-row")
+    page.wait_for_selector(".v-big")
     assert page.locator(".v-diagnoses").count() == 0
     viewer.show(replace(guiding, diagnoses=(PARALLEL, UNSEEN, DEPTH)))
     page.wait_for_selector("[data-kind='parallel-views']")

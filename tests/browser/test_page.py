@@ -14,7 +14,7 @@ import pytest
 from venus3d.engine.snapshot import Forecast, Snapshot
 from venus3d.scene.guide import intents
 from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS
+from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS, PARAMETERS_TAB
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -65,6 +65,8 @@ def test_page_shows_state_scene_projections_and_progress(
     page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
     assert marked_tile(page) == "3"
     assert guiding.target.reason in page.inner_text(".v-reason")
+    page.get_by_role("tab", name=PARAMETERS_TAB).click()
+    page.wait_for_selector(".v-row")
     assert page.locator(".v-row").count() == 9
     assert {"/camera/frustum", "/board/live", "/target/board", "/steps/3/arrow"} <= set(
         viewer.scene_names
