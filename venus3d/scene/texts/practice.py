@@ -64,7 +64,7 @@ NO_RESULTS = "Each pose that you reach is listed here, with its time and its way
 RESULTS_HEAD = ("level", "help", "time", "way")
 GAVE_UP = "given up"
 RESULTS_SUM = "{reached} of {all} reached, {median:.1f} s in the middle (median)"
-TIME_PLOT, WAY_PLOT = "seconds for each pose", "way, in times the shortest"
+TIME_PLOT, WAY_PLOT = "seconds", "× shortest way"
 POSE_AXIS = "pose"
 WRITTEN = "Written to {path}"
 
