@@ -129,6 +129,8 @@ class Hall:
 
     def _enter(self, client: viser.ClientHandle) -> None:
         number = client.client_id
+        if number not in self._server.get_clients():  # gone before anybody came to the door
+            return
         trainee = Trainee(self._course, number + 1)
         wishes: queue.SimpleQueue[Wish] = queue.SimpleQueue()
 
