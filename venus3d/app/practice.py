@@ -45,6 +45,7 @@ from venus3d.storage.practice import PracticeFile
 FILE = "practice.csv"
 _PERIOD_S = 1 / 30
 _PICTURE_ROOM = (480, 270)
+_SWITCH_S = 0.0002
 
 
 @dataclass(eq=False)
@@ -106,6 +107,9 @@ class Hall:
 
     def run(self) -> None:
         """Serve everybody until `close`."""
+        # Python lets go of its lock at each call of OpenGL; with the usual 5 ms until it is had
+        # back, a picture of hundreds of calls would take a second while others are moving.
+        sys.setswitchinterval(_SWITCH_S)
         while not self._stop.is_set():
             # Clocks run, views fly and windows change by themselves.
             busy = any(desk.page.is_moving for desk in self.desks)
@@ -114,7 +118,9 @@ class Hall:
             started = time.monotonic()
             for desk in self.desks:
                 self._serve(desk)
-            self._stop.wait(max(0.0, started + _PERIOD_S - time.monotonic()))
+            # With many trainees the pictures need their share of the time too.
+            taken = time.monotonic() - started
+            self._stop.wait(max(taken, _PERIOD_S - taken))
 
     def close(self) -> None:
         """Send everybody home and write what is still to be written. May be called twice."""
