@@ -188,7 +188,7 @@ font-weight:700;background:var(--tile);color:var(--text);font-size:var(--size-no
 .mantine-Modal-root:has(.v-tour) .mantine-Modal-overlay{background:rgba(0,0,0,.35)!important}
 .mantine-Modal-header:has(+ * .v-tour){display:none}
 .mantine-Modal-body:has(.v-tour){padding-top:18px}
-[data-dock-scroll]>div:has(.v-guide){max-height:max(330px,40vh)}
+[data-dock-scroll]>div:has(.v-guide:not(.v-card)){max-height:max(330px,40vh)}
 .mantine-ScrollArea-root:has(.v-progress) .mantine-Button-root{height:auto!important;
 min-height:30px;padding:4px 9px}
 .mantine-ScrollArea-root:has(.v-progress) .mantine-Button-label{white-space:normal;line-height:1.25;

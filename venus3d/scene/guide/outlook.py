@@ -23,6 +23,8 @@ _ROOMY_ASPECT = 0.9
 """Width over height of a scene in which everything fits from there."""
 _PHONE_ASPECT = 0.55
 """A scene as narrow as this is a phone's, whose panels cover all but the upper part."""
+_OTHER_SHAPE = 0.15
+"""A change of the aspect by more than this share turns the tab anew."""
 _PHONE_RAISED = 0.6
 """What is looked at stands so high above the middle there, in halves of the height."""
 
@@ -39,7 +41,7 @@ class Outlook:
         self._at: NDArray[np.float64] = np.array(_LOOK_AT)
         self._fill = _ROOMY_ASPECT
         self.look(_LOOK_FROM, _LOOK_AT)
-        server.on_client_connect(self._turn)
+        server.on_client_connect(self._follow)
 
     def follow(self, shapes: tuple[Shape, ...], target: int, before: object) -> object:
         """Turn the tabs' cameras once when the strip comes, is another one, or goes, or when the
@@ -86,15 +88,33 @@ class Outlook:
         for client in self._server.get_clients().values():
             self._turn(client)
 
+    def _follow(self, client: viser.ClientHandle) -> None:
+        # A page that is laid out otherwise, or a window of another size, needs another distance.
+        turned_at = 0.0
+
+        def fit() -> None:
+            nonlocal turned_at
+            aspect = _aspect(client)
+            if abs(aspect - turned_at) > _OTHER_SHAPE * aspect:
+                turned_at = aspect
+                self._turn(client)
+
+        fit()
+        client.camera.on_update(lambda _: fit())
+
     def _turn(self, client: viser.ClientHandle) -> None:
-        camera = client.camera
-        aspect = max(0.4, camera.image_width / max(camera.image_height, 1))
+        camera, aspect = client.camera, _aspect(client)
         offset = max(1.0, self._fill / aspect) * (self._from - self._at)
         low = np.zeros(3)
-        if aspect < _PHONE_ASPECT:
+        if aspect < _PHONE_ASPECT < self._fill:
             low[1] = _PHONE_RAISED * np.tan(_FOV_RAD / 2) * float(np.linalg.norm(offset))
         with client.atomic():
             camera.position, camera.look_at = self._at + offset + low, self._at + low
+
+
+def _aspect(client: viser.ClientHandle) -> float:
+    """Width over height of this tab's scene."""
+    return max(0.4, client.camera.image_width / max(client.camera.image_height, 1))
 
 
 def steps_back(distance: float) -> float:

@@ -49,6 +49,7 @@ _SIDE_WIDTH = 340
 _AROUND_THE_PICTURE = 230
 _SHARE_BESIDE_THE_SCENE = 0.68
 # The scene beside the picture is narrow: seen from behind the camera, left and right are as in it.
+_NARROW = 0.45  # width over height
 _BEHIND, _BEHIND_AT = (0.0, -1.1, -1.1), (0.0, 0.08, 0.55)
 _BESIDE = (False, 0.0)  # what `Viewer` remembers of it; it looks from no such distance itself
 
@@ -126,7 +127,7 @@ class TrialPage(Page):
 
     def look_from_behind(self) -> None:
         """Every tab looks over the camera's shoulder at the board."""
-        self.outlook.look(_BEHIND, _BEHIND_AT)
+        self.outlook.look(_BEHIND, _BEHIND_AT, fill=_NARROW)
 
     def _show_result(self, moment: TrialMoment, theme: Theme) -> None:
         self._result.content = result_html(moment, theme)
@@ -148,6 +149,9 @@ class TrialPage(Page):
             return
         self._layout = layout
         self._show_scene()
+        self.guidance_panel.visible = layout == "steps"
+        if layout == "steps":  # a hidden panel has no place, so it is given one each time
+            self.guidance_panel.dock_above(self.left_panel)
         self.left_panel.set_width(LEFT_WIDTH if layout == "steps" else _SIDE_WIDTH)
         for client in self._server.get_clients().values():
             client.gui.main_panel.set_width(self._right_width(client.camera.image_height))
@@ -212,7 +216,8 @@ class TrialPage(Page):
                 hint=say.GIVE_UP_HINT,
             )
             self._give_up.on_click(lambda _: self._act("skip"))
-        panel.dock_below(self.guidance_panel)
+        panel.dock_left()
+        panel.set_width(_SIDE_WIDTH)
 
     def _make_commands(self, tour: bool) -> None:
         commands = [
