@@ -10,12 +10,14 @@ SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
 PINS := pyproject.toml constraints.txt scripts/setup.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-all lint format clean
+.PHONY: help run test test-all lint format gallery pace clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 	@echo "make lint   ruff, pyright and the import directions only"
 	@echo "make test-all   make test, and the engine's tests on OpenCV 4"
+	@echo "make gallery   take the screenshots of docs/gallery.md anew"
+	@echo "make pace   measure how steadily the page is served"
 	@echo "make format   let ruff put the code in order"
 	@echo "make clean   remove what the other commands made"
 
@@ -34,6 +36,12 @@ lint: $(VENV)/.ready-test
 # The lowest OpenCV that pyproject.toml allows, so that the range is true at both ends.
 test-all: test .venv-opencv4/.ready
 	.venv-opencv4/bin/pytest tests/engine
+
+gallery: $(VENV)/.ready-test
+	$(BIN)/python scripts/gallery.py
+
+pace: $(VENV)/.ready-test
+	$(BIN)/python scripts/pace.py
 
 format: $(VENV)/.ready-test
 	$(BIN)/ruff check --fix .

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from contextlib import closing
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
+from venus3d.app.export import KINDS, Kind, exported, kind_of, lesson_of_pose
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.decomposition import decompose_vector, home_pose
@@ -18,7 +21,7 @@ from venus3d.lessons.reading import lesson_of, shipped_lessons
 from venus3d.options import TeachOptions
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.teach.moment import TeachMoment
-from venus3d.scene.teach.state import Vector
+from venus3d.scene.teach.state import TeachState, Vector
 from venus3d.scene.teach.viewer import TeachViewer
 from venus3d.sources.sim import PAPER_CAMERA
 from venus3d.storage.camera_yaml import read_camera_yaml
@@ -60,15 +63,18 @@ def run_teach(options: TeachOptions) -> None:
     board = options.board.board()
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     lessons, chosen = _lessons(options.lesson)
+    study = PoseStudy(camera, board)
     with closing(Offscreen()) as offscreen:
         viewer = TeachViewer(
-            PoseStudy(camera, board),
+            study,
             offscreen,
             camera,
             host=options.host,
             port=options.port,
             lessons=lessons,
             lesson=chosen,
+            save=partial(_saved, study, offscreen),
+            kinds=KINDS,
         )
         with closing(viewer):
             for note in viewer.notes:
@@ -76,6 +82,30 @@ def run_teach(options: TeachOptions) -> None:
             print(f"Lessons: {viewer.url}   (Ctrl-C ends it)", flush=True)
             while True:
                 viewer.wait(1.0)
+
+
+def _saved(
+    study: PoseStudy, offscreen: Offscreen, state: TeachState, kind: str
+) -> tuple[str, bytes]:
+    """Name and content of a file of what the page shows: the lesson, or the pose if none is open;
+    a picture is always of the pose."""
+    lesson = state.current_lesson
+    if lesson is None or kind == "png":
+        lesson = lesson_of_pose(state.vector)
+    files = exported(lesson, kind_of(Path(f"lesson.{kind}")), study, offscreen, dark=state.dark)
+    return f"venus3d-{lesson.name}.{kind}", files[0]
+
+
+def export_lesson(options: TeachOptions, kind: Kind) -> tuple[tuple[bytes, ...], str]:
+    """The chosen lesson's files of this kind, and why the painter drew them if OpenGL did not.
+
+    Raises `VenusError` for whatever the user can mend.
+    """
+    board = options.board.board()
+    camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
+    lesson = lesson_of(options.lesson)
+    with closing(Offscreen()) as offscreen:
+        return exported(lesson, kind, PoseStudy(camera, board), offscreen), offscreen.note
 
 
 def _lessons(choice: str) -> tuple[tuple[Lesson, ...], int | None]:

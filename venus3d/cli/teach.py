@@ -1,12 +1,33 @@
-"""`venus3d teach`."""
+"""`venus3d teach`: serve the lessons, or write one to a file."""
 
 from __future__ import annotations
 
-from venus3d.app.teach import run_teach
+from pathlib import Path
+
+from venus3d.app.export import kind_of
+from venus3d.app.teach import export_lesson, run_teach
+from venus3d.cli.report import tell
 from venus3d.options import TeachOptions
+from venus3d.storage.folder import prepare, write_bytes
 
 
 def teach(options: TeachOptions) -> None:
-    """Serve the page until Ctrl-C. Raises `VenusError` for a user's mistake."""
+    """Serve the page until Ctrl-C, or export. Raises `VenusError` for a user's mistake."""
     options.check()
-    run_teach(options)
+    if options.export is None:
+        run_teach(options)
+        return
+    kind = kind_of(options.export)
+    prepare(options.export.parent, "--export")
+    files, note = export_lesson(options, kind)
+    if note:
+        tell(note)
+    for path, content in zip(_names(options.export, len(files)), files, strict=True):
+        print(f"Written: {write_bytes(path, content)}")
+
+
+def _names(path: Path, count: int) -> list[Path]:
+    """One name as it is; several get numbers."""
+    if count == 1:
+        return [path]
+    return [path.with_name(f"{path.stem}-{n}{path.suffix}") for n in range(1, count + 1)]

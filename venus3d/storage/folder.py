@@ -9,10 +9,11 @@ from pathlib import Path
 from venus3d.engine.errors import StorageError
 
 
-def prepare(directory: Path) -> Path:
+def prepare(directory: Path, option: str = "--output") -> Path:
     """Make `directory`, with its parents, and make sure that files can be written into it.
 
-    Raises `StorageError` now rather than after an hour of calibrating.
+    Raises `StorageError`, which names the option to change, now rather than after an hour of
+    calibrating.
     """
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -22,7 +23,7 @@ def prepare(directory: Path) -> Path:
     except OSError as error:
         raise StorageError(
             f"Nothing can be written to {directory} ({_reason(error)}); "
-            "choose another folder with --output."
+            f"choose another folder with {option}."
         ) from error
     return directory
 

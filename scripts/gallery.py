@@ -1,0 +1,222 @@
+"""Screenshots of every page in a real browser, and docs/gallery.md that shows them: `make gallery`.
+
+Each shot starts the program as a person would, opens the page, presses keys, waits until the page
+says what it should, and takes the picture. Nothing is retouched.
+
+    python scripts/gallery.py [--only NAME ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+_ROOT = Path(__file__).resolve().parent.parent
+_FOLDER = _ROOT / "docs" / "gallery"
+_FLAGS = (
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
+_PATIENCE_MS = 120_000
+_SETTLE_MS = 3_000  # software rendering: textures and flights of the camera take their time
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One picture of the gallery."""
+
+    name: str
+    caption: str
+    command: tuple[str, ...]
+    """Arguments of venus3d."""
+    do: Callable[[Any], None] = lambda page: None
+    """What is done on the page before the picture is taken."""
+    size: tuple[int, int] = (1920, 1080)
+    address: str = r"Viewer: (http://\S+)"
+    """Which of the printed addresses is opened."""
+
+
+def press(page: Any, *keys: str) -> None:
+    """Press keys, one after the other."""
+    for key in keys:
+        page.keyboard.press(key)
+        page.wait_for_timeout(700)
+
+
+def says(page: Any, text: str) -> None:
+    """Wait until the page says this."""
+    page.wait_for_function(
+        "text => document.body.innerText.includes(text)", arg=text, timeout=_PATIENCE_MS
+    )
+
+
+def guided(page: Any, views: int = 3, *keys: str) -> None:
+    """Wait until so many views are captured and the next target is shown, then press keys."""
+    page.wait_for_function(
+        r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) >= n",
+        arg=views,
+        timeout=_PATIENCE_MS,
+    )
+    says(page, "Step ")
+    press(page, *keys)
+
+
+_PORT = "8460"
+_GUIDE = ("guide", "sim", "--autopilot", "--no-tour", "--port", _PORT)
+_AUDIENCE = (*_GUIDE, "--audience", "8461")
+_SECOND = r"Second monitor: (http://\S+)"
+_TEACH = ("teach", "--port", _PORT)
+_STILL_MS = 25_000  # until the simulated hand is on its way to a later target
+
+
+def later(page: Any) -> None:
+    """Some pictures later: the audience's page has no keys, so there is only waiting."""
+    page.wait_for_timeout(_STILL_MS)
+    says(page, "to go")
+
+
+SHOTS: tuple[Shot, ...] = (
+    Shot("guide", "Guide: the step to do now", _GUIDE, guided),
+    Shot("guide-light", "Guide in a bright room", _GUIDE, lambda page: guided(page, 3, "b")),
+    Shot("guide-strip", "Guide: the steps side by side", _GUIDE, lambda page: guided(page, 3, "t")),
+    Shot(
+        "uncertainty",
+        "Where in the image the camera is known, now and after the next view",
+        _GUIDE,
+        lambda page: guided(page, 3, "v", "m"),
+    ),
+    Shot(
+        "search",
+        "The search for the next pose, move by move",
+        _GUIDE,
+        lambda page: guided(page, 1, "y") or guided(page, 3),
+    ),
+    Shot("teach", "Teach: a lesson, the steps in place", (*_TEACH, "three-turns")),
+    Shot(
+        "teach-strip",
+        "Teach: the four steps side by side",
+        (*_TEACH, "four-steps-for-your-hands"),
+        lambda page: press(page, "t"),
+    ),
+    Shot("teach-own-axes", "Teach: the camera's axes and the board's own", (*_TEACH, "whose-axes")),
+    Shot("teach-tilt", "Teach: why tilted boards calibrate", (*_TEACH, "why-tilted-boards")),
+    Shot("practice", "Practice: a board of one's own", ("practice", "--port", _PORT)),
+    Shot(
+        "practice-outline",
+        "Practice with six degrees of freedom and an outline",
+        ("practice", "--port", _PORT),
+        lambda page: press(page, "6", "m", "m"),
+    ),
+    Shot("audience", "The second monitor", _AUDIENCE, later, address=_SECOND),
+    Shot(
+        "audience-light",
+        "The second monitor by day",
+        (*_AUDIENCE, "--audience-light"),
+        later,
+        address=_SECOND,
+    ),
+    Shot(
+        "audience-mirrored",
+        "The second monitor as a mirror",
+        (*_AUDIENCE, "--audience-mirror"),
+        later,
+        address=_SECOND,
+    ),
+    Shot(
+        "through-the-lens",
+        "Through the lens: the steps over the live picture",
+        (*_AUDIENCE, "--audience-view", "lens"),
+        later,
+        address=_SECOND,
+    ),
+    Shot("phone", "Guide on a phone", _GUIDE, guided, size=(420, 860)),
+)
+
+
+@contextmanager
+def running(command: tuple[str, ...], address: str) -> Iterator[str]:
+    """The program, and the page's address."""
+    with tempfile.TemporaryDirectory() as folder:
+        program = subprocess.Popen(
+            [sys.executable, "-m", "venus3d", *command],
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        )
+        try:
+            assert program.stdout is not None
+            yield next(
+                found.group(1) for line in program.stdout if (found := re.search(address, line))
+            )
+        finally:
+            program.terminate()
+            program.wait(timeout=30)
+
+
+def take(browser: Any, shot: Shot) -> Path:
+    """Take one picture."""
+    with running(shot.command, shot.address) as url:
+        width, height = shot.size
+        page = browser.new_page(viewport={"width": width, "height": height})
+        page.set_default_timeout(_PATIENCE_MS)
+        page.goto(url)
+        page.wait_for_selector("canvas")
+        page.wait_for_timeout(2 * _SETTLE_MS)
+        for notice in page.locator(".mantine-Notification-root button").all():
+            notice.click()  # the browser's word on its software renderer
+        shot.do(page)
+        page.wait_for_timeout(_SETTLE_MS)
+        path = _FOLDER / f"{shot.name}.jpg"
+        page.screenshot(path=path, type="jpeg", quality=88)
+        page.close()
+    return path
+
+
+def written(shots: tuple[Shot, ...]) -> str:
+    """The page of the documentation."""
+    lines = ["# Gallery", "", "Made by `make gallery` from the real pages in a real browser.", ""]
+    for shot in shots:
+        if not (_FOLDER / f"{shot.name}.jpg").is_file():
+            continue
+        command = " ".join(("venus3d", *shot.command))
+        lines += [f"## {shot.caption}", "", f"`{command}`", ""]
+        lines += [f"![{shot.caption}](gallery/{shot.name}.jpg)", ""]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Take the pictures and write the page."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--only", nargs="*", default=[shot.name for shot in SHOTS])
+    only = parser.parse_args().only
+    from playwright.sync_api import sync_playwright
+
+    names = ("chromium", "chromium-browser", "google-chrome")
+    path = next((found for name in names if (found := shutil.which(name))), None)
+    if path is None:
+        sys.exit("No Chromium on this machine: install the package 'chromium'.")
+    _FOLDER.mkdir(parents=True, exist_ok=True)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=list(_FLAGS))
+        for shot in SHOTS:
+            if shot.name in only:
+                print(f"Written: {take(browser, shot).relative_to(_ROOT)}", flush=True)
+        browser.close()
+    (_ROOT / "docs" / "gallery.md").write_text(written(SHOTS), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,198 @@
+"""A lesson as one HTML file that plays offline: texts, steps as the camera sees them, 3D scene.
+
+Everything is inside: viser's player once, a recording and four pictures for each page. Nothing is
+fetched from anywhere. Without JavaScript the first page's words and pictures still show.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+from markdown_it import MarkdownIt
+
+from venus3d.engine.decomposition import Steps
+from venus3d.lessons.lesson import Lesson, LessonPage, Question
+from venus3d.scene.palette import ground, hex_of, mixed, step_style, text_on
+from venus3d.scene.projections import Picture
+from venus3d.scene.projections_panel import encoded
+from venus3d.scene.texts import export as texts
+
+
+@dataclass(frozen=True, eq=False)
+class PageContent:
+    """What one page holds besides its words."""
+
+    steps: Steps
+    pictures: tuple[Picture, Picture, Picture, Picture]
+    """The four steps as the camera sees them, RGB."""
+    recording: str
+    """The scene, base64 (`scene3d`)."""
+
+
+def document(
+    lesson: Lesson, contents: Sequence[PageContent], player: str, *, dark: bool = False
+) -> str:
+    """The whole file's text; `contents` in the pages' order, `player` is viser's."""
+    pages = "".join(
+        _page(lesson, number, page, content, dark)
+        for number, (page, content) in enumerate(zip(lesson.pages, contents, strict=True))
+    )
+    recordings = [content.recording for content in contents]
+    script = _SCRIPT.replace("DARK", json.dumps(dark))
+    return (
+        "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
+        "<meta name='viewport' content='width=device-width,initial-scale=1'>"
+        f"<title>{escape(lesson.title)}</title><style>{_root(dark)}{_SHEET}</style></head><body>"
+        f"<header><h1>{escape(lesson.title)}</h1><p>{escape(lesson.summary)}</p></header>"
+        f"<main><div class='words'>{pages}</div><section class='scene'>"
+        f"<h3>{texts.SCENE_TITLE}</h3><iframe id='scene' title='{texts.SCENE_TITLE}'></iframe>"
+        f"<p class='hint'>{texts.SCENE_HINT}</p><noscript>{texts.NO_SCRIPT}</noscript></section>"
+        f"</main><footer>{texts.MADE_WITH}</footer>"
+        f"<script type='application/json' id='player'>{_inside(player)}</script>"
+        f"<script type='application/json' id='recordings'>{_inside(recordings)}</script>"
+        f"<script>{script}</script></body></html>"
+    )
+
+
+def _inside(value: object) -> str:
+    """JSON that cannot end the script element it stands in."""
+    return json.dumps(value).replace("</", "<\\/").replace("<!--", "<\\u0021--")
+
+
+def _page(lesson: Lesson, number: int, page: LessonPage, content: PageContent, dark: bool) -> str:
+    # A teacher's text is text: HTML in it is shown, not run.
+    text = MarkdownIt("commonmark", {"html": False}).disable("image").render(page.text)
+    count = texts.PAGE_OF.format(page=number + 1, pages=len(lesson.pages))
+    numbers = {
+        name: f"{value:+g}".replace("-", "−")
+        for name, value in zip(("xr", "yr", "zr", "xt", "yt", "zt"), page.pose, strict=True)
+    }
+    turn = (
+        f"<nav><button data-go='-1'>{texts.BACK}</button><span>{count}</span>"
+        f"<button data-go='1'>{texts.ON}</button></nav>"
+        if len(lesson.pages) > 1
+        else ""
+    )
+    steps = "".join(
+        _step(step_number, picture, content.steps[step_number - 1].words.camera, dark)
+        for step_number, picture in enumerate(content.pictures, start=1)
+    )
+    return (
+        f"<article data-page='{number}'{'' if number == 0 else ' hidden'}>{turn}"
+        f"<h2>{escape(page.title)}</h2>{text}<p class='pose'>{texts.POSE.format(**numbers)}</p>"
+        f"{_question(page.question)}"
+        f"<h3>{texts.STEPS_TITLE}</h3><div class='steps'>{steps}</div></article>"
+    )
+
+
+def _step(number: int, picture: Picture, words: str, dark: bool) -> str:
+    style = step_style(number)
+    colour = style.colour(dark)
+    alt = escape(texts.STEP_ALT.format(number=number, words=words), quote=True)
+    look = f"--step:{hex_of(colour)};--on:{hex_of(text_on(colour))}"
+    return (
+        f"<figure style='{look}'><figcaption><b>{number}</b><span><strong>{style.title}</strong>"
+        f"<br>{escape(words)}</span></figcaption><img alt=\"{alt}\" src='{encoded(picture)}'>"
+        "</figure>"
+    )
+
+
+def _question(question: Question | None) -> str:
+    if question is None:
+        return ""
+    answers = "".join(
+        f"<button data-answer='{int(number == question.right)}'>{escape(answer)}</button>"
+        for number, answer in enumerate(question.answers, start=1)
+    )
+    verdicts = (
+        f"<p hidden data-verdict='1'><b>✓ {texts.RIGHT}</b> {escape(question.why)}</p>"
+        f"<p hidden data-verdict='0'><b>✕ {texts.WRONG}</b> {escape(question.why)}</p>"
+    )
+    return (
+        f"<section class='question'><h3>{texts.QUESTION}</h3><p>{escape(question.text)}</p>"
+        f"{answers}<div aria-live='polite'>{verdicts}</div></section>"
+    )
+
+
+def _root(dark: bool) -> str:
+    colours = ground(dark)
+    line = hex_of(mixed(colours.background, colours.text, 0.2))
+    tile = hex_of(mixed(colours.background, colours.text, 0.05))
+    return (
+        f":root{{--bg:{hex_of(colours.background)};--text:{hex_of(colours.text)};"
+        f"--soft:{hex_of(colours.quiet_text)};--info:{hex_of(colours.warning)};"
+        f"--line:{line};--tile:{tile}}}"
+    )
+
+
+_SHEET = """
+*{box-sizing:border-box}[hidden]{display:none!important}
+body{margin:0;background:var(--bg);color:var(--text);font:17px/1.45 Inter,"Segoe UI",Roboto,
+"Helvetica Neue",Arial,sans-serif;min-height:100vh;display:flex;flex-direction:column}
+header{padding:14px 24px 4px}header h1{margin:0;font-size:28px;line-height:1.2}
+header p{margin:2px 0 0;color:var(--soft)}
+main{flex:1;display:grid;grid-template-columns:minmax(380px,5fr) 7fr;gap:24px;padding:10px 24px}
+h2{font-size:24px;line-height:1.2;margin:12px 0 6px}h3{font-size:15px;color:var(--soft);
+margin:14px 0 6px}p{margin:0 0 10px}
+nav{display:flex;align-items:center;justify-content:space-between;gap:12px;color:var(--soft)}
+button{font:inherit;color:var(--text);background:var(--tile);border:1px solid var(--soft);
+border-radius:7px;padding:5px 14px;cursor:pointer}button:disabled{opacity:.45;cursor:default}
+button:focus-visible{outline:3px solid var(--info)}
+.pose{color:var(--soft);font-variant-numeric:tabular-nums;font-size:15px}
+.question{border-left:4px solid var(--info);padding:0 0 4px 14px}
+.question button{display:block;width:100%;text-align:left;margin:0 0 6px}
+.steps{display:grid;grid-template-columns:1fr 1fr;gap:10px}
+figure{margin:0;border:2px solid var(--step);border-radius:8px;overflow:hidden;
+background:var(--tile);display:flex;flex-direction:column}
+figcaption{flex:1;display:flex;gap:9px;font-size:14px;line-height:1.3;padding:7px 9px}
+figcaption b{flex:none;width:28px;height:28px;border-radius:50%;background:var(--step);
+color:var(--on);display:grid;place-items:center}figcaption strong{font-size:15px}
+figure img{width:100%;display:block}
+.scene{display:flex;flex-direction:column;position:sticky;top:10px;height:calc(100vh - 130px);
+min-height:380px}.scene h3{margin-top:0}
+iframe{flex:1;width:100%;border:1px solid var(--line);border-radius:8px;background:var(--tile)}
+.hint,footer{color:var(--soft);font-size:14px}.hint{margin:6px 0 0}
+footer{padding:4px 24px 12px}
+@media(max-width:900px){main{grid-template-columns:1fr;padding:8px 14px}
+header{padding:12px 14px 2px}
+.scene{position:static;height:70vh;order:-1}.steps{grid-template-columns:1fr}}
+"""
+# The player reads its recording from a global when it starts, so each page gets a fresh frame.
+_SCRIPT = """
+const read = id => JSON.parse(document.getElementById(id).textContent);
+const player = read('player'), recordings = read('recordings');
+const pages = [...document.querySelectorAll('article')], frame = document.getElementById('scene');
+let shown = -1;
+function show(page) {
+  if (page < 0 || page >= pages.length || page === shown) return;
+  shown = page;
+  pages.forEach((element, i) => { element.hidden = i !== page; });
+  const given = '<script>window.__VISER_EMBED_DATA__="' + recordings[page] +
+    '";window.__VISER_EMBED_CONFIG__={darkMode:DARK};<' + '/script>';
+  const at = player.indexOf('</head>');
+  frame.srcdoc = player.slice(0, at) + given + player.slice(at);
+  document.querySelectorAll('button[data-go]').forEach(button => {
+    const to = page + Number(button.dataset.go);
+    button.disabled = to < 0 || to >= pages.length;
+  });
+}
+document.addEventListener('click', event => {
+  const button = event.target.closest('button');
+  if (!button) return;
+  if (button.dataset.go) { show(shown + Number(button.dataset.go)); scrollTo(0, 0); }
+  if (button.dataset.answer) {
+    const question = button.closest('.question');
+    question.querySelectorAll('[data-verdict]').forEach(verdict => {
+      verdict.hidden = verdict.dataset.verdict !== button.dataset.answer;
+    });
+  }
+});
+document.addEventListener('keydown', event => {
+  if (event.key === 'PageDown') { show(shown + 1); event.preventDefault(); }
+  if (event.key === 'PageUp') { show(shown - 1); event.preventDefault(); }
+});
+show(0);
+"""
