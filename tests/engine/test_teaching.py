@@ -12,13 +12,7 @@ from scipy.spatial.transform import Rotation
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.pose import Pose
-from venus3d.engine.teaching import (
-    NOISE_PX,
-    distortion_shift,
-    focal_sigma,
-    focal_words,
-    views_like,
-)
+from venus3d.engine.teaching import NOISE_PX, focal_sigma, focal_words, views_like
 
 TILTED = [30, 10, 5, 0.02, -0.01, 0.45]
 
@@ -94,17 +88,3 @@ def test_words_say_a_figure_or_that_there_is_none(paper_camera: Camera) -> None:
     assert "± 3.9 px of 1068 (0.4 %)" in focal_words(3.9, paper_camera)
     assert "± 125 px of 1068 (12 %)" in focal_words(125.0, paper_camera)
     assert "say nothing" in focal_words(float("inf"), paper_camera)
-
-
-def test_the_shift_is_opencvs(paper_camera: Camera) -> None:
-    points = np.array([[0.0, 0], [1279, 0], [640, 360], [100, 700]])
-    undistorted = cv2.undistortPoints(
-        points + distortion_shift(paper_camera, points),
-        paper_camera.K,
-        paper_camera.distortion,
-        P=paper_camera.K,
-        criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-12),
-    )
-    np.testing.assert_allclose(np.asarray(undistorted).reshape(-1, 2), points, atol=1e-4)
-    assert np.linalg.norm(distortion_shift(paper_camera, points)[0]) > 5
-    np.testing.assert_allclose(distortion_shift(paper_camera.without_distortion(), points), 0)

@@ -1,5 +1,4 @@
-"""What a lesson shows live: how well views like this one tell the focal length, and where the lens
-bends the picture.
+"""What a lesson shows live: how well views like this one tell the focal length.
 
 For understanding, not for guidance: the session asks `information` and `costs`.
 """
@@ -7,7 +6,6 @@ For understanding, not for guidance: the session asks `information` and `costs`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
@@ -68,17 +66,6 @@ def focal_words(sigma_px: float, camera: Camera, views: int = 4) -> str:
         f"{views} pictures like this tell the focal length to ± {sigma_px:.{sigma_px < 10:d}f} px "
         f"of {camera.fx:.0f} ({share:.{share < 10:d}f} %)."
     )
-
-
-def distortion_shift(camera: Camera, points: ArrayLike) -> Array:
-    """(N, 2) by how much the lens shifts points (N, 2) of an ideal picture, pixels.
-
-    An ideal picture is what the same camera would see through a perfect lens. NaN where this lens
-    brings nothing into the picture (beyond `Camera.radius_limit`).
-    """
-    pixels = np.asarray(points, dtype=np.float64)
-    xy = (pixels - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
-    return camera.project(np.concatenate([xy, np.ones((*xy.shape[:-1], 1))], axis=-1)) - pixels
 
 
 def _in_front(board: Board, R: Array, t: Array) -> bool:
