@@ -9,7 +9,7 @@ import numpy as np
 
 from venus3d.engine.board import Board
 from venus3d.engine.decomposition import Step
-from venus3d.engine.pose import Array
+from venus3d.engine.pose import Array, Pose
 from venus3d.scene.board_shape import board_outline, board_shape
 from venus3d.scene.instruction import instruction_shapes, swept
 from venus3d.scene.palette import ground, step_colour, step_style
@@ -43,7 +43,7 @@ def strip_shapes(
     for step, cell, box in zip(steps, cells, boxes, strict=True):
         width = box[1, 0] - box[0, 0]
         offset = np.array([left - box[0, 0], *(np.array(STRIP_CENTRE) - step.after.t)[1:]])
-        shapes += [_moved(shape, offset) for shape in cell]
+        shapes += [moved(shape, Pose(np.eye(3), offset)) for shape in cell]
         at = np.array([left + width / 2, caption_y, STRIP_CENTRE[2]])
         colour = step_colour(step.number, dark)
         shapes.append(LabelShape(f"/strip/{step.number}/caption", caption(step), at, colour))
@@ -84,9 +84,10 @@ def bounds_of(shapes: Sequence[Shape]) -> Array:
     return np.stack([everything.min(axis=0), everything.max(axis=0)])
 
 
-def _moved(shape: Shape, offset: Array) -> Shape:
+def moved(shape: Shape, by: Pose) -> Shape:
+    """The shape elsewhere; a frustum and points stay."""
     if isinstance(shape, LabelShape):
-        return replace(shape, position=shape.position + offset)
+        return replace(shape, position=by.apply(shape.position))
     if isinstance(shape, FrustumShape | PointShape):
         return shape
-    return replace(shape, pose=shape.pose.moved(offset))
+    return replace(shape, pose=by @ shape.pose)

@@ -25,7 +25,7 @@ def journey(moment: TeachMoment, state: TeachState, fps: float) -> tuple[TeachSt
 
     A pose with nothing to do stands still.
     """
-    idle = tuple(step.is_idle for step in moment.steps)
+    idle = moment.idle(state.arrangement)
     start = replace(state, way=0.0, focus=None, speed=1.0, loop=False)
     states = [start] * round(_BEFORE_S * fps)
     if not all(idle):

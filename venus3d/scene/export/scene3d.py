@@ -13,13 +13,13 @@ from pathlib import Path
 from venus3d.scene.export.journey import journey
 from venus3d.scene.server import LocalServer
 from venus3d.scene.teach.moment import TeachMoment
-from venus3d.scene.teach.stage import points_of_interest, stage_shapes
+from venus3d.scene.teach.stage import stage_shapes, stage_view
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.view import SceneView
-from venus3d.scene.viewpoints import view_from
 
 FPS = 15
-_ASPECT = 1.3  # of the scene in the document, about
+ASPECT = 1.3
+"""Width over height of the scene in the document, at least: a view cannot be told anew there."""
 
 
 def recorded(server: LocalServer, moment: TeachMoment, state: TeachState) -> str:
@@ -50,9 +50,7 @@ def player() -> str:
 
 
 def _look(server: LocalServer, moment: TeachMoment, state: TeachState) -> None:
-    shapes = stage_shapes(moment, state)
-    points = points_of_interest(moment, state.arrangement, shapes)
-    view = view_from(state.viewpoint, moment.camera, points, _ASPECT)
+    view = stage_view(moment, state, stage_shapes(moment, state), ASPECT)
     camera = server.initial_camera
     x, y, z = (float(value) for value in view.position)
     camera.position = (x, y, z)

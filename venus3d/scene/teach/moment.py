@@ -48,6 +48,14 @@ class TeachMoment:
         """The turns that are shown beside `fixed`."""
         return self.own if arrangement == "axes" else self.reordered
 
+    def idle(self, arrangement: Arrangement) -> tuple[bool, ...]:
+        """Which of the four steps show nothing, as this arrangement plays them."""
+        if arrangement not in ("axes", "order"):
+            return tuple(step.is_idle for step in self.steps)
+        both = zip(self.fixed, self.others(arrangement), strict=True)
+        # Two boards side by side do not move, they only turn.
+        return (True, *(max(abs(a.angle_deg), abs(b.angle_deg)) < 0.5 for a, b in both))
+
     def apart_deg(self, arrangement: Arrangement) -> float:
         """The one angle between the two results side by side, degrees."""
         return self.fixed[2].after.angle_to_deg(self.others(arrangement)[2].after)

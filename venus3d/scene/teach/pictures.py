@@ -49,7 +49,7 @@ class TeachPictures:
             background=_paper(state.dark),
             size=size,
             supersample=supersample,
-            finish=lambda picture: _marked(picture, moment, state.dark),
+            finish=lambda picture: marked(picture, moment, state.dark),
         ).result()
 
     def sheet(self, moment: TeachMoment, state: TeachState, *, fine: bool) -> Picture:
@@ -98,7 +98,7 @@ def _sheet(tiles: list[Picture], step: int, dark: bool) -> Picture:
     return sheet
 
 
-def _marked(picture: Picture, moment: TeachMoment, dark: bool) -> Picture:
+def marked(picture: Picture, moment: TeachMoment, dark: bool) -> Picture:
     """The picture with the corners that are to blame, and the worst reason, if it is refused."""
     if not moment.refusals:
         return picture

@@ -32,13 +32,16 @@ def _wrapped(body: str) -> str:
     return f"{_SHEET}<div class='v-progress'>{body}</div>" if body else ""
 
 
-def fit_html(moment: TeachMoment) -> str:
-    """Whether a person would be asked for this pose, and why not; gimbal lock."""
+def fit_html(moment: TeachMoment, *, live: bool = True) -> str:
+    """Whether a person would be asked for this pose, and why not; gimbal lock.
+
+    Args:
+        live: there are sliders to try it with.
+    """
     parts: list[str] = []
     if moment.locked:
-        parts.append(
-            f"<div class='v-refused'><b>{texts.LOCKED_TITLE}</b>{escape(texts.LOCKED)}</div>"
-        )
+        locked = f"{texts.LOCKED} {texts.LOCKED_TRY}" if live else texts.LOCKED
+        parts.append(f"<div class='v-refused'><b>{texts.LOCKED_TITLE}</b>{escape(locked)}</div>")
     if moment.refusals:
         lines = "".join(f"<p>{escape(r.text)}</p>" for r in moment.refusals[:_LISTED])
         left = len(moment.refusals) - _LISTED

@@ -26,6 +26,10 @@ from venus3d.scene.teach.comparison import Side, column_shapes, comparison_point
 from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.texts import teach as texts
+from venus3d.scene.viewpoints import View, view_along, view_from
+
+# Behind and above the camera, looking along its axis: left and right as in its picture.
+_ABREAST = {"strip": (0.0, 0.32, 1.0), "axes": (0.22, 0.5, 1.0), "order": (0.22, 0.5, 1.0)}
 
 
 def board_now(moment: TeachMoment, state: TeachState) -> Pose:
@@ -149,10 +153,20 @@ def moment_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
     return tuple(shapes)
 
 
-def points_of_interest(
+def stage_view(
+    moment: TeachMoment, state: TeachState, shapes: tuple[Shape, ...], aspect: float
+) -> View:
+    """Where the scene with these shapes is looked at from in a window of this shape."""
+    points = _points_of_interest(moment, state.arrangement, shapes)
+    if state.viewpoint == "outside" and state.arrangement in _ABREAST:
+        return view_along(_ABREAST[state.arrangement], points, aspect)
+    return view_from(state.viewpoint, moment.camera, points, aspect)
+
+
+def _points_of_interest(
     moment: TeachMoment, arrangement: Arrangement, shapes: tuple[Shape, ...]
 ) -> Array:
-    """(N, 3) what a view of this arrangement must hold, metres."""
+    # (N, 3) what a view of this arrangement must hold, metres.
     if arrangement in ("axes", "order"):
         return comparison_points(moment.board)
     if arrangement == "strip":

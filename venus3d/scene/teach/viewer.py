@@ -25,11 +25,11 @@ from venus3d.scene.teach.controls import after_action
 from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.page import TeachPage
 from venus3d.scene.teach.pictures import TeachPictures
-from venus3d.scene.teach.stage import points_of_interest, stage_shapes
+from venus3d.scene.teach.stage import stage_shapes, stage_view
 from venus3d.scene.teach.state import TeachState, Vector
 from venus3d.scene.texts import teach as texts
 from venus3d.scene.view import SceneView
-from venus3d.scene.viewpoints import Flight, View, view_along, view_from
+from venus3d.scene.viewpoints import Flight
 
 Study = Callable[[Vector, str], TeachMoment]
 """Takes a pose apart: what it is given are the six numbers, and the order of turns to compare."""
@@ -39,8 +39,6 @@ Save = Callable[[TeachState, str], tuple[str, bytes]]
 _PERIOD_S = 1 / 30
 _QUIET_S = 0.15
 """So long after the last change, pictures are drawn once more, fine."""
-# Behind and above the camera, looking along its axis: left and right as in its picture.
-_ABREAST = {"strip": (0.0, 0.32, 1.0), "axes": (0.22, 0.5, 1.0), "order": (0.22, 0.5, 1.0)}
 
 
 class TeachViewer:
@@ -73,7 +71,7 @@ class TeachViewer:
         self._server, note = start_server(host, port)
         self.host, self.port = host, self._server.get_port()
         self.notes: tuple[str, ...] = tuple(n for n in (note, offscreen.note) if n)
-        self._study, self._save, self._camera = study, save, camera
+        self._study, self._save = study, save
         self._pictures = TeachPictures(offscreen)
         self._wake = threading.Condition()
         self._state = TeachState(dark=dark, lessons=lessons).opened(lesson)
@@ -191,7 +189,7 @@ class TeachViewer:
                     self._wake.wait(timeout=_PERIOD_S if moving else 0.25)
                 now = time.monotonic()
                 if self._state.playing and self._studied is not None:
-                    idle = tuple(step.is_idle for step in self._studied[1].steps)
+                    idle = self._studied[1].idle(self._state.arrangement)
                     self._state = self._state.after(now - before, idle)
                 state, self._changed = self._state, False
             before = now
@@ -232,11 +230,7 @@ class TeachViewer:
         if looking == self._looking:
             return
         at_once, self._looking = self._looking is None, looking
-        points = points_of_interest(moment, state.arrangement, shapes)
-        view: Callable[[float], View] = partial(view_from, state.viewpoint, self._camera, points)
-        if state.viewpoint == "outside" and state.arrangement in _ABREAST:
-            view = partial(view_along, _ABREAST[state.arrangement], points)
-        self._flight.go(view, at_once=at_once)
+        self._flight.go(partial(stage_view, moment, state, shapes), at_once=at_once)
 
     def _picture_loop(self) -> None:
         shown: tuple[TeachMoment, TeachState] | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from html import escape
 
 from venus3d.engine.decomposition import Step
@@ -76,11 +77,34 @@ def _whole(step: Step) -> str:
     return "–" if step.is_idle else counted(step, 1.0)
 
 
+@dataclass(frozen=True)
+class Remark:
+    """What two boards side by side do now."""
+
+    headline: str
+    amount: str
+    sentence: str
+    turn: int | None = None
+    """1 ... 3: which turn goes on; None before the first and after the last."""
+    axis: int = 0
+    """0 ... 2: about which axis the left board turns."""
+
+
 def _comparison(moment: TeachMoment, state: TeachState, theme: Theme) -> str:
+    remark = comparison_remark(moment, state)
+    if remark.turn is None:
+        colour = theme.info if state.way > 1 else theme.good
+    else:
+        colour = theme.steps[remark.axis + 1]
+    return _now(colour, remark.headline, remark.amount, remark.sentence, "")
+
+
+def comparison_remark(moment: TeachMoment, state: TeachState) -> Remark:
+    """What to say of two boards that stand side by side."""
     step, sweep = state.place
     others = moment.others(state.arrangement)
     if step == 1:
-        return _now(theme.good, texts.COMPARE_START, "", texts.COMPARE_PROMPT, "")
+        return Remark(texts.COMPARE_START, "", texts.COMPARE_PROMPT)
     left, right = moment.fixed[step - 2], others[step - 2]
     names = left.axis.upper(), right.axis.upper()
     if step == 4 and sweep == 1.0:
@@ -88,7 +112,7 @@ def _comparison(moment: TeachMoment, state: TeachState, theme: Theme) -> str:
         same = apart < 0.05
         amount = texts.SAME if same else texts.APART.format(degrees=apart)
         sentence = texts.SAME_LABEL if same else texts.APART_LABEL
-        return _now(theme.info, texts.COMPARE_END, amount, sentence.capitalize() + ".", "")
+        return Remark(texts.COMPARE_END, amount, sentence.capitalize() + ".")
     text = texts.COMPARE_TURN if names[0] == names[1] else texts.COMPARE_TURN_TWO
     headline = text.format(number=step - 1, left=names[0], right=names[1])
     sentence = texts.COMPARE_SENTENCES[state.arrangement].format(
@@ -99,8 +123,7 @@ def _comparison(moment: TeachMoment, state: TeachState, theme: Theme) -> str:
         right=_degrees(right.angle_deg),
     )
     amount = _degrees(sweep * left.angle_deg) if names[0] == names[1] else ""
-    colour = theme.steps["xyz".index(left.axis) + 1]
-    return _now(colour, headline, amount, sentence, "")
+    return Remark(headline, amount, sentence, step - 1, "xyz".index(left.axis))
 
 
 def _degrees(angle: float) -> str:

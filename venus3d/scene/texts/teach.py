@@ -82,8 +82,9 @@ REFUSED_LABEL = "Target: refused"
 LOCKED_TITLE = "Gimbal lock"
 LOCKED = (
     "Y is near 90°: now turning about X and turning about Z do the same to the board. "
-    "Move the X and the Z slider and watch: one way of turning is lost."
+    "One way of turning is lost."
 )
+LOCKED_TRY = "Move the X and the Z slider and watch."
 
 # -- what happens now ------------------------------------------------------------------------------
 
