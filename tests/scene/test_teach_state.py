@@ -152,6 +152,27 @@ def test_pictures_mark_what_is_refused_and_frame_the_step(
 
     assert warned(FREE_VECTOR) == 0 and warned(REFUSED) > 2000
     moment = study(FREE_VECTOR)
-    sheets = [pictures.sheet(moment, TeachState(way=w), fine=False) for w in (1.0, 2.0, 4.0)]
-    assert len({sheet.shape for sheet in sheets}) == 1
+    drawn = [pictures.sheet(moment, TeachState(way=w), fine=False) for w in (1.0, 2.0, 4.0)]
+    sheets = [sheet for sheet in drawn if sheet is not None]
+    assert [sheet.shape for sheet in sheets] == [sheets[0].shape] * 3
     assert not np.array_equal(sheets[0], sheets[1]) and not np.array_equal(sheets[1], sheets[2])
+
+
+def test_a_fine_sheet_gives_way_to_a_hand_and_is_kept_when_there_is_none(
+    painter: Offscreen, study: PoseStudy
+) -> None:
+    """The hand on a slider once waited a quarter of a second for four fine tiles."""
+    pictures, moment = TeachPictures(painter), study(FREE_VECTOR)
+    asked: list[bool] = []
+
+    def until_the_second_tile() -> bool:
+        asked.append(True)
+        return len(asked) < 3
+
+    cut_short = pictures.sheet(moment, TeachState(), fine=True, wanted=until_the_second_tile)
+    assert cut_short is None and len(asked) == 3
+    quick = pictures.sheet(moment, TeachState(), fine=False)
+    fine = pictures.sheet(moment, TeachState(), fine=True)
+    later = pictures.sheet(moment, TeachState(way=1.0), fine=False)
+    assert quick is not None and fine is not None and later is not None
+    assert later.shape == fine.shape > quick.shape, "another frame around the same fine tiles"

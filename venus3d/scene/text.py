@@ -29,15 +29,19 @@ def font(size_px: int, bold: bool = False) -> Any:
     return ImageFont.load_default(size_px)
 
 
-def wrapped(text: str, face: Any, width_px: float) -> list[str]:
-    """The words of `text` in as few lines of this width as they need."""
+@lru_cache(maxsize=256)
+def wrapped(text: str, face: Any, width_px: float) -> tuple[str, ...]:
+    """The words of `text` in as few lines of this width as they need.
+
+    Measuring takes as long as a small picture's meshes; the same words come again and again.
+    """
     lines: list[str] = []
     for word in text.split():
         if lines and face.getlength(f"{lines[-1]} {word}") <= width_px:
             lines[-1] += f" {word}"
         else:
             lines.append(word)
-    return lines
+    return tuple(lines)
 
 
 def paint_labels(

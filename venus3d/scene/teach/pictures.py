@@ -6,7 +6,7 @@ decides when: `viewer` asks.
 
 from __future__ import annotations
 
-from concurrent.futures import Future
+from collections.abc import Callable
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -52,24 +52,38 @@ class TeachPictures:
             finish=lambda picture: marked(picture, moment, state.dark),
         ).result()
 
-    def sheet(self, moment: TeachMoment, state: TeachState, *, fine: bool) -> Picture:
-        """The four steps two by two, the one shown now framed, RGB; tiles are kept."""
+    def sheet(
+        self,
+        moment: TeachMoment,
+        state: TeachState,
+        *,
+        fine: bool,
+        wanted: Callable[[], bool] = lambda: True,
+    ) -> Picture | None:
+        """The four steps two by two, the one shown now framed, RGB; tiles are kept.
+
+        None if after one of the tiles the sheet is no longer `wanted`.
+        """
+        places = [(step.number, *_places(step), state.dark) for step in moment.steps]
+        # Fine ones that are there already are not made coarse because another one is framed.
+        fine = fine or all((*place, True) in self._tiles for place in places)
         width, supersample = _FINE_TILE if fine else _QUICK_TILE
         camera = moment.camera
         size = (width, round(width * camera.height / camera.width))
-        # A slider leaves the steps before its own as they are.
-        keys = [(step.number, *_places(step), state.dark, fine) for step in moment.steps]
-        futures: dict[tuple[object, ...], Future[Picture]] = {
-            key: self._projections.of_step(
-                step, camera, moment.board, size=size, dark=state.dark, supersample=supersample
-            )
-            for key, step in zip(keys, moment.steps, strict=True)
-            if key not in self._tiles
-        }
-        drawn = {key: future.result() for key, future in futures.items()}
-        self._tiles = {key: drawn[key] if key in drawn else self._tiles[key] for key in keys}
-        tiles = list(self._tiles.values())
-        return _sheet(tiles, 0 if state.at_rest else state.step, state.dark)
+        tiles: dict[tuple[object, ...], Picture] = {}
+        for step, place in zip(moment.steps, places, strict=True):
+            key = (*place, fine)
+            # A slider leaves the steps before its own as they are.
+            if key in self._tiles:
+                tiles[key] = self._tiles[key]
+            elif not wanted():
+                return None
+            else:
+                tiles[key] = self._projections.of_step(
+                    step, camera, moment.board, size=size, dark=state.dark, supersample=supersample
+                ).result()
+        self._tiles = tiles
+        return _sheet(list(tiles.values()), 0 if state.at_rest else state.step, state.dark)
 
 
 def _places(step: Step) -> tuple[bytes, bytes, float]:

@@ -37,7 +37,7 @@ Save = Callable[[TeachState, str], tuple[str, bytes]]
 """Makes a file of a kind from what is shown: its name and content. Raises `VenusError`."""
 
 _PERIOD_S = 1 / 30
-_QUIET_S = 0.15
+_QUIET_S = 0.25
 """So long after the last change, pictures are drawn once more, fine."""
 
 
@@ -234,6 +234,7 @@ class TeachViewer:
 
     def _picture_loop(self) -> None:
         shown: tuple[TeachMoment, TeachState] | None = None
+        sheet_of: tuple[TeachMoment, TeachState] | None = None
         fine = False
         while not self._stop.is_set():
             came = self._wanted_came.wait(timeout=None if fine or shown is None else _QUIET_S)
@@ -241,15 +242,20 @@ class TeachViewer:
             wanted = self._wanted
             if wanted is None or self._stop.is_set() or (fine and wanted is shown):
                 continue
-            # Quick while things move; once it is quiet the same again, fine.
+            # Quick while things move; once it is quiet the same again, fine, until they move again.
             fine = not came
-            moment, state = wanted
-            picture = self._pictures.moment(moment, state, fine=fine)
+            picture = self._pictures.moment(*wanted, fine=fine)
             self._page.show_moment(picture)
             self._scene.set_picture(picture)
-            if shown is None or fine or _sheet_differs(shown, wanted):
-                self._page.show_sheet(self._pictures.sheet(moment, state, fine=fine))
             shown = wanted
+            if fine or sheet_of is None or _sheet_differs(sheet_of, wanted):
+                sheet = self._pictures.sheet(*wanted, fine=fine, wanted=self._still(fine))
+                if sheet is not None:
+                    self._page.show_sheet(sheet)
+                    sheet_of = wanted
+
+    def _still(self, fine: bool) -> Callable[[], bool]:
+        return lambda: not (fine and self._wanted_came.is_set())
 
 
 def _sheet_differs(
