@@ -11,14 +11,21 @@ import re
 import av
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PIL import Image
+from PIL.GifImagePlugin import GifImageFile
 
 from venus3d.app.export import exported, kind_of, lesson_of_pose
 from venus3d.app.teach import PoseStudy
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import StorageError
+from venus3d.lessons.lesson import Lesson, LessonPage
+from venus3d.scene.export.journey import opened
+from venus3d.scene.export.pair import pair_picture
+from venus3d.scene.export.pose_line import pose_line
 from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.teach.state import Vector
 
 _POSE = (0.0, 0.0, 40.0, 0.0, 0.0, 500.0)
 
@@ -46,7 +53,8 @@ def test_a_film_moves_from_the_upright_board_to_the_target(
 def test_an_animated_picture_goes_round(study: PoseStudy, painter: Offscreen) -> None:
     (content,) = exported(lesson_of_pose(_POSE), "gif", study, painter)
     picture = Image.open(io.BytesIO(content))
-    assert picture.n_frames > 20 and picture.info["loop"] == 0
+    assert isinstance(picture, GifImageFile) and picture.n_frames > 20
+    assert picture.info["loop"] == 0
 
 
 def test_a_sheet_is_a4_at_300_dots(study: PoseStudy, painter: Offscreen) -> None:
@@ -63,6 +71,68 @@ def test_a_page_needs_nothing_from_outside(study: PoseStudy, painter: Offscreen)
     ours = page[: page.index("id='player'")]
     assert not re.search(r"(src|href)=['\"](?!data:)", ours)
     assert ours.count("<figure") == 4 and ours.count("data:image/jpeg;base64,") == 4
+
+
+def test_a_page_holds_what_its_words_speak_of(
+    paper_camera: Camera,
+    default_board: Board,
+    painter: Offscreen,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    # "The figure below", "the map shows", "the program says so": not only in the live lesson.
+    pages = (
+        LessonPage("Tilted", "See below.", (30, 0, 0, 0, 0, 500), show=("sigma",)),
+        LessonPage("Bent", "See the map.", (0, 0, 0, 0, 0, 500), show=("distortion",)),
+        LessonPage("Edge on", "Nobody is asked.", (0, 90, 0, 0, 0, 500)),
+        LessonPage("Two", "Compare.", (38, 38, 0, 0, 0, 560), arrangement="order", order="yxz"),
+    )
+    study = PoseStudy(paper_camera, default_board)
+    (content,) = exported(Lesson("all", "All", "", pages), "html", study, painter)
+    told = [part.split("</article>")[0] for part in content.decode("utf-8").split("<article")[1:]]
+    sigma = study(pages[0].pose).sigma_px
+    assert f"± {sigma:.{sigma < 10:d}f} px" in told[0] and "v-bar" in told[0]
+    assert "class='lens'" in told[1] and "class='lens'" not in told[0]
+    assert "not asked for this pose" in told[2] and "90°; more than 70°" in told[2]
+    assert "Gimbal lock" in told[2] and "slider" not in told[2]
+    assert "not asked for this pose" not in "".join((told[0], told[1], told[3]))
+    apart = study(pages[3].pose, "yxz").apart_deg("order")
+    assert f"{apart:.0f}° apart" in told[3] and "only the order differs" in told[3]
+    assert capfd.readouterr().out == ""  # whoever exports reads where the file is, and no more
+
+
+def test_boards_that_are_turned_alike_look_alike_side_by_side(
+    study: PoseStudy, painter: Offscreen
+) -> None:
+    # In one wide picture perspective would show the two from different sides.
+    def halves(angles: tuple[float, float, float]) -> list[NDArray[np.int_]]:
+        pose = (*angles, 0.0, 0.0, 500.0)
+        page = LessonPage("", "", pose, arrangement="order", order="yxz")
+        state = opened(Lesson("", "", "", (page,)), 0, dark=True)
+        picture = pair_picture(study(pose, "yxz"), state, painter, (640, 360))()
+        inside = picture[-300:-4, 4:-4].astype(int)  # neither titles nor the frame
+        return [inside[:, :310], inside[:, 320:630]]
+
+    left, right = halves((38, 0, 0))
+    assert left.std() > 20 and np.abs(left - right).mean() < 0.5
+    left, right = halves((38, 38, 0))
+    assert np.abs(left - right).mean() > 4
+
+
+@pytest.mark.parametrize(
+    ("vector", "line"),
+    [
+        ((0, 0, 0, 0, 0, 500), "is not turned; its centre is straight ahead and 500 mm away."),
+        ((0, 90, 0, 0, 0, 500), "turned by +90° about Y (swing); its centre is straight ahead"),
+        (
+            (25, -30, 20.5, 40, -20, 520),
+            "+25° about X (tilt), −30° about Y (swing) and +20.5° about Z (rotation); its centre "
+            "is 40 mm to the right, 20 mm up and 520 mm away.",
+        ),
+        ((0, 0, 0, -5, 8, 300), "5 mm to the left, 8 mm down and 300 mm away."),
+    ],
+)
+def test_a_pose_is_told_without_what_is_zero(vector: Vector, line: str) -> None:
+    assert line in pose_line(vector) and "+0" not in pose_line(vector)
 
 
 def test_an_unknown_ending_names_those_that_there_are() -> None:

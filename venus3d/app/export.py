@@ -75,8 +75,9 @@ def _html(lesson: Lesson, moments: list[TeachMoment], offscreen: Offscreen, dark
                 ).result()
                 for step in moment.steps
             )
-            recording = recorded(server, moment, opened(lesson, number, dark=dark))
-            contents.append(PageContent(moment.steps, (one, two, three, four), recording))
+            state = opened(lesson, number, dark=dark)
+            recording = recorded(server, moment, state)
+            contents.append(PageContent(moment, state, (one, two, three, four), recording))
     finally:
         server.stop()
     return document(lesson, contents, player(), dark=dark)

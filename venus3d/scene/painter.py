@@ -168,6 +168,8 @@ def _warped(
     # Texels are counted from their edges, OpenCV's pixels from their centres.
     source = texels / 2**halvings - 0.5
     H, _ = cv2.findHomography(source, pixels)
+    if H is None:  # exactly edge on, a picture has no area
+        return np.zeros((camera.height, camera.width, 4), np.uint8)
     rgba = cv2.cvtColor(picture, cv2.COLOR_RGB2RGBA)
     return np.asarray(
         cv2.warpPerspective(rgba, H, camera.image_size, flags=cv2.INTER_LINEAR), dtype=np.uint8

@@ -21,6 +21,7 @@ from venus3d.engine.snapshot import Target
 from venus3d.scene.describe import describe_step
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground, mixed, step_style, text_on
+from venus3d.scene.shapes import Colour
 from venus3d.scene.text import font, wrapped
 from venus3d.scene.texts.common import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
 
@@ -97,8 +98,17 @@ class Projections:
 
 def framed(picture: Picture, step: Step, dark: bool) -> Picture:
     """The picture under a header with the step's number, title and words."""
-    colours, style = ground(dark), step_style(step.number)
+    style = step_style(step.number)
     colour = style.colour(dark)
+    picture = headed(picture, str(step.number), colour, style.title, step.words.camera, dark)
+    return told(picture, step, dark)
+
+
+def headed(
+    picture: Picture, badge: str, colour: Colour, title: str, sentence: str, dark: bool
+) -> Picture:
+    """The picture in a frame of this colour, under a header with a badge and words."""
+    colours = ground(dark)
     height, width = picture.shape[:2]
     header = round(height * HEADER_SHARE)
     image = Image.new("RGB", (width, height + header), colours.background)
@@ -108,19 +118,21 @@ def framed(picture: Picture, step: Step, dark: bool) -> Picture:
     draw.rectangle((0, 0, side, header - 1), fill=colour)
     draw.text(
         (side / 2, header / 2),
-        str(step.number),
+        badge,
         fill=text_on(colour),
         font=font(round(header * 0.6), bold=True),
         anchor="mm",
     )
     left, room = side + round(0.02 * width), width - side - round(0.035 * width)
-    title = font(round(header * 0.31), bold=True)
-    draw.text((left, header * 0.01), style.title, fill=colour, font=title)
+    face = font(round(header * 0.31), bold=True)
+    if face.getlength(title) > room:
+        face = font(int(face.size * room / face.getlength(title)), bold=True)
+    draw.text((left, header * 0.01), title, fill=colour, font=face)
     words = font(round(header * 0.225))
-    for i, line in enumerate(wrapped(step.words.camera, words, room)[:2]):
+    for i, line in enumerate(wrapped(sentence, words, room)[:2]):
         draw.text((left, header * (0.41 + 0.27 * i)), line, fill=colours.text, font=words)
     draw.rectangle((0, header, width - 1, height + header - 1), outline=colour, width=2)
-    return told(np.asarray(image), step, dark)
+    return np.asarray(image)
 
 
 def told(picture: Picture, step: Step, dark: bool) -> Picture:

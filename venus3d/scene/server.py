@@ -42,6 +42,11 @@ class LocalServer(viser.ViserServer):
         """Refuse: a camera's picture stays on this machine."""
         return None
 
+    def stop(self) -> None:
+        """Serve no longer. viser would print a line, and what is printed is the command line's."""
+        with contextlib.redirect_stdout(io.StringIO()):
+            super().stop()
+
 
 class ReadOnlyServer(LocalServer):
     """A server that shows and does not listen: nothing that a browser sends changes anything.

@@ -13,19 +13,36 @@ from html import escape
 
 from markdown_it import MarkdownIt
 
-from venus3d.engine.decomposition import Steps
+from venus3d.engine.decomposition import Step
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
+from venus3d.scene.export.pose_line import pose_line
+from venus3d.scene.export.scene3d import ASPECT
+from venus3d.scene.knowledge.fields import (
+    distortion_magnification,
+    distortion_picture,
+    largest_shift_px,
+)
 from venus3d.scene.palette import ground, hex_of, mixed, step_style, text_on
 from venus3d.scene.projections import Picture
 from venus3d.scene.projections_panel import encoded
+from venus3d.scene.teach.moment import TeachMoment
+from venus3d.scene.teach.pose_words import fit_html, lens_html, sigma_html, why_html
+from venus3d.scene.teach.state import TeachState
 from venus3d.scene.texts import export as texts
+from venus3d.scene.texts import teach as teach_texts
+
+_LENS_WIDTH = 640
+_PLAYER_BAR_PX = 44
+"""Height of the player's own bar below the scene."""
 
 
 @dataclass(frozen=True, eq=False)
 class PageContent:
     """What one page holds besides its words."""
 
-    steps: Steps
+    moment: TeachMoment
+    state: TeachState
+    """The page as it is opened."""
     pictures: tuple[Picture, Picture, Picture, Picture]
     """The four steps as the camera sees them, RGB."""
     recording: str
@@ -41,11 +58,12 @@ def document(
         for number, (page, content) in enumerate(zip(lesson.pages, contents, strict=True))
     )
     recordings = [content.recording for content in contents]
+    sheet = _SHEET.replace("ASPECT", f"{ASPECT}").replace("BAR", f"{_PLAYER_BAR_PX}")
     script = _SCRIPT.replace("DARK", json.dumps(dark))
     return (
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
         "<meta name='viewport' content='width=device-width,initial-scale=1'>"
-        f"<title>{escape(lesson.title)}</title><style>{_root(dark)}{_SHEET}</style></head><body>"
+        f"<title>{escape(lesson.title)}</title><style>{_root(dark)}{sheet}</style></head><body>"
         f"<header><h1>{escape(lesson.title)}</h1><p>{escape(lesson.summary)}</p></header>"
         f"<main><div class='words'>{pages}</div><section class='scene'>"
         f"<h3>{texts.SCENE_TITLE}</h3><iframe id='scene' title='{texts.SCENE_TITLE}'></iframe>"
@@ -66,10 +84,6 @@ def _page(lesson: Lesson, number: int, page: LessonPage, content: PageContent, d
     # A teacher's text is text: HTML in it is shown, not run.
     text = MarkdownIt("commonmark", {"html": False}).disable("image").render(page.text)
     count = texts.PAGE_OF.format(page=number + 1, pages=len(lesson.pages))
-    numbers = {
-        name: f"{value:+g}".replace("-", "−")
-        for name, value in zip(("xr", "yr", "zr", "xt", "yt", "zt"), page.pose, strict=True)
-    }
     turn = (
         f"<nav><button data-go='-1'>{texts.BACK}</button><span>{count}</span>"
         f"<button data-go='1'>{texts.ON}</button></nav>"
@@ -77,25 +91,44 @@ def _page(lesson: Lesson, number: int, page: LessonPage, content: PageContent, d
         else ""
     )
     steps = "".join(
-        _step(step_number, picture, content.steps[step_number - 1].words.camera, dark)
-        for step_number, picture in enumerate(content.pictures, start=1)
+        _step(step, picture, dark)
+        for step, picture in zip(content.moment.steps, content.pictures, strict=True)
     )
     return (
         f"<article data-page='{number}'{'' if number == 0 else ' hidden'}>{turn}"
-        f"<h2>{escape(page.title)}</h2>{text}<p class='pose'>{texts.POSE.format(**numbers)}</p>"
-        f"{_question(page.question)}"
+        f"<h2>{escape(page.title)}</h2>{text}{_shown(page, content, dark)}"
+        f"{_question(page.question)}<h3>{texts.POSE_TITLE}</h3><p>{pose_line(page.pose)}</p>"
+        f"{fit_html(content.moment, live=False)}"
         f"<h3>{texts.STEPS_TITLE}</h3><div class='steps'>{steps}</div></article>"
     )
 
 
-def _step(number: int, picture: Picture, words: str, dark: bool) -> str:
-    style = step_style(number)
+def _shown(page: LessonPage, content: PageContent, dark: bool) -> str:
+    """What the text speaks of: the two boards, the focal length, the lens."""
+    moment, camera = content.moment, content.moment.camera
+    parts = [why_html(moment, content.state)]
+    if "sigma" in page.show:
+        parts.append(sigma_html(moment))
+    if "distortion" in page.show:
+        size = (_LENS_WIDTH, round(_LENS_WIDTH * camera.height / camera.width))
+        picture = encoded(distortion_picture(camera, size, dark))
+        legend = lens_html(distortion_magnification(camera), largest_shift_px(camera))
+        title = escape(teach_texts.LENS_TITLE)
+        parts.append(f"<h3>{title}</h3><img class='lens' alt=\"{title}\" src='{picture}'>{legend}")
+    return "".join(parts)
+
+
+def _step(step: Step, picture: Picture, dark: bool) -> str:
+    style, words = step_style(step.number), step.words.camera
     colour = style.colour(dark)
-    alt = escape(texts.STEP_ALT.format(number=number, words=words), quote=True)
+    alt = escape(texts.STEP_ALT.format(number=step.number, words=words), quote=True)
     look = f"--step:{hex_of(colour)};--on:{hex_of(text_on(colour))}"
+    held = f"<br><small>{escape(texts.HOLDER.format(words=step.words.holder))}</small>"
     return (
-        f"<figure style='{look}'><figcaption><b>{number}</b><span><strong>{style.title}</strong>"
-        f"<br>{escape(words)}</span></figcaption><img alt=\"{alt}\" src='{encoded(picture)}'>"
+        f"<figure style='{look}'><figcaption><b>{step.number}</b><span>"
+        f"<strong>{style.title}</strong><br>{escape(words)}"
+        f"{held if step.words.holder != words else ''}</span></figcaption>"
+        f"<img alt=\"{alt}\" src='{encoded(picture)}'>"
         "</figure>"
     )
 
@@ -141,7 +174,8 @@ nav{display:flex;align-items:center;justify-content:space-between;gap:12px;color
 button{font:inherit;color:var(--text);background:var(--tile);border:1px solid var(--soft);
 border-radius:7px;padding:5px 14px;cursor:pointer}button:disabled{opacity:.45;cursor:default}
 button:focus-visible{outline:3px solid var(--info)}
-.pose{color:var(--soft);font-variant-numeric:tabular-nums;font-size:15px}
+.lens{width:100%;display:block;border-radius:8px}small,.v-legend{color:var(--soft)}
+.v-legend{font-size:14px;margin-top:4px}
 .question{border-left:4px solid var(--info);padding:0 0 4px 14px}
 .question button{display:block;width:100%;text-align:left;margin:0 0 6px}
 .steps{display:grid;grid-template-columns:1fr 1fr;gap:10px}
@@ -151,14 +185,16 @@ figcaption{flex:1;display:flex;gap:9px;font-size:14px;line-height:1.3;padding:7p
 figcaption b{flex:none;width:28px;height:28px;border-radius:50%;background:var(--step);
 color:var(--on);display:grid;place-items:center}figcaption strong{font-size:15px}
 figure img{width:100%;display:block}
-.scene{display:flex;flex-direction:column;position:sticky;top:10px;height:calc(100vh - 130px);
-min-height:380px}.scene h3{margin-top:0}
-iframe{flex:1;width:100%;border:1px solid var(--line);border-radius:8px;background:var(--tile)}
+.scene{position:sticky;top:10px;align-self:start;container-type:inline-size}
+.scene h3{margin-top:0}
+iframe{display:block;width:100%;
+height:clamp(260px,calc(100vh - 190px),calc(100cqw/ASPECT + BARpx));
+border:1px solid var(--line);border-radius:8px;background:var(--tile)}
 .hint,footer{color:var(--soft);font-size:14px}.hint{margin:6px 0 0}
 footer{padding:4px 24px 12px}
 @media(max-width:900px){main{grid-template-columns:1fr;padding:8px 14px}
 header{padding:12px 14px 2px}
-.scene{position:static;height:70vh;order:-1}.steps{grid-template-columns:1fr}}
+.scene{position:static;order:-1}.steps{grid-template-columns:1fr}}
 """
 # The player reads its recording from a global when it starts, so each page gets a fresh frame.
 _SCRIPT = """
@@ -171,7 +207,9 @@ function show(page) {
   shown = page;
   pages.forEach((element, i) => { element.hidden = i !== page; });
   const given = '<script>window.__VISER_EMBED_DATA__="' + recordings[page] +
-    '";window.__VISER_EMBED_CONFIG__={darkMode:DARK};<' + '/script>';
+    '";window.__VISER_EMBED_CONFIG__={darkMode:DARK};<' + '/script><style>' +
+    // Orange is only that no graphics card helps. Errors are red and stay.
+    '.mantine-Notification-root[style*="orange"]{display:none}</style>';
   const at = player.indexOf('</head>');
   frame.srcdoc = player.slice(0, at) + given + player.slice(at);
   document.querySelectorAll('button[data-go]').forEach(button => {

@@ -1,4 +1,5 @@
-"""The way through the four steps as a film: what the camera sees, under the step's words.
+"""The way through the four steps as a film: what the camera sees, under the step's words; of a
+page that compares two readings, both boards.
 
 Pictures come from the offscreen renderer; PyAV writes MP4 (its wheels bring the encoder along,
 imageio's would be downloaded when first used), Pillow writes GIF. No files here: bytes.
@@ -7,7 +8,7 @@ imageio's would be downloaded when first used), Pillow writes GIF. No files here
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import av
@@ -16,13 +17,16 @@ from PIL import Image, ImageDraw
 
 from venus3d.lessons.lesson import Lesson
 from venus3d.scene.export.journey import journey, opened
+from venus3d.scene.export.pair import pair_picture
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground, mixed
-from venus3d.scene.projections import Picture, framed
+from venus3d.scene.projections import Picture, framed, headed
 from venus3d.scene.teach.moment import TeachMoment
+from venus3d.scene.teach.pictures import marked
 from venus3d.scene.teach.stage import moment_shapes, shown_step
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.text import font, wrapped
+from venus3d.scene.texts import export as texts
 
 MP4_FPS, GIF_FPS = 25, 10
 MP4_WIDTH, GIF_WIDTH = 1280, 640
@@ -47,11 +51,11 @@ def film(
     for number, moment in enumerate(moments):
         height = round(width * moment.camera.height / moment.camera.width)
         states = journey(moment, opened(lesson, number, dark=dark), fps)
-        first = _even(_picture(moment, states[0], offscreen, (width, height)).result())
+        first = _even(_picture(moment, states[0], offscreen, (width, height))())
         if lesson.title:
             card = _card(lesson, number, first.shape, dark)
             yield from [card] * round(_TITLE_S * fps)
-        waiting: list[Any] = []
+        waiting: list[Callable[[], Picture]] = []
         for before, state in zip((None, *states[:-1]), states, strict=True):
             # A board at rest is drawn once.
             same = before is not None and waiting and before.place == state.place
@@ -59,14 +63,15 @@ def film(
                 waiting[-1] if same else _picture(moment, state, offscreen, (width, height))
             )
             if len(waiting) > _AHEAD:
-                yield _even(waiting.pop(0).result())
-        yield from (_even(future.result()) for future in waiting)
+                yield _even(waiting.pop(0)())
+        yield from (_even(finished()) for finished in waiting)
 
 
 def _picture(
     moment: TeachMoment, state: TeachState, offscreen: Offscreen, size: tuple[int, int]
-) -> Any:
-    step = moment.steps[shown_step(moment, state) - 1]
+) -> Callable[[], Picture]:
+    if state.compares:
+        return pair_picture(moment, state, offscreen, size)
     colours = ground(state.dark)
     return offscreen.submit(
         moment.camera,
@@ -74,8 +79,22 @@ def _picture(
         background=mixed(colours.background, colours.text, 0.06),
         size=size,
         supersample=1,
-        finish=lambda picture: framed(picture, step, state.dark),
-    )
+        finish=lambda picture: _told(picture, moment, state),
+    ).result
+
+
+def _told(picture: Picture, moment: TeachMoment, state: TeachState) -> Picture:
+    """The picture under its header. A step with nothing to do leaves the word to the next."""
+    busy = [step for step in moment.steps if not step.is_idle]
+    if not busy:
+        text = ground(state.dark).text
+        return headed(picture, "0", text, texts.UPRIGHT, texts.UPRIGHT_WHERE, state.dark)
+    if state.way >= 4:
+        # Why a pose is refused is said where the board has come to it.
+        picture = marked(picture, moment, state.dark)
+    now = shown_step(moment, state)
+    step = next((step for step in busy if step.number >= now), busy[-1])
+    return framed(picture, step, state.dark)
 
 
 def _even(picture: Picture) -> Picture:

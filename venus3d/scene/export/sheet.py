@@ -8,10 +8,12 @@ from typing import Any
 from PIL import Image, ImageDraw
 
 from venus3d.engine.decomposition import HOME_DISTANCE
+from venus3d.scene.export.pose_line import pose_line
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground, step_style, text_on
 from venus3d.scene.projections import Picture, Projections
 from venus3d.scene.teach.moment import TeachMoment
+from venus3d.scene.teach.state import Vector
 from venus3d.scene.text import font, wrapped
 from venus3d.scene.texts import export as texts
 
@@ -24,7 +26,7 @@ _TOP = 430
 
 def sheet(
     moment: TeachMoment,
-    vector: tuple[float, float, float, float, float, float],
+    vector: Vector,
     title: str,
     offscreen: Offscreen,
 ) -> bytes:
@@ -41,16 +43,16 @@ def sheet(
     if heading.getlength(title) > room:
         heading = font(int(_TITLE * room / heading.getlength(title)), bold=True)
     draw.text((_MARGIN, _MARGIN - 30), title, fill=colours.text, font=heading)
-    numbers = texts.SHEET_POSE.format(
-        **{
-            name: f"{value:+g}".replace("-", "−")
-            for name, value in zip(("xr", "yr", "zr", "xt", "yt"), vector[:5], strict=True)
-        },
-        zt=f"{vector[5]:g}",
-    )
-    draw.text((_MARGIN, 265), numbers, fill=colours.text, font=font(_LINE))
-    start = texts.SHEET_START.format(millimetres=round(1000 * HOME_DISTANCE))
-    draw.text((_MARGIN, 340), start, fill=colours.quiet_text, font=font(_WORDS))
+    line = font(_LINE)
+    if line.getlength(pose_line(vector)) > room:
+        line = font(int(_LINE * room / line.getlength(pose_line(vector))))
+    draw.text((_MARGIN, 265), pose_line(vector), fill=colours.text, font=line)
+    # Whoever reads that a pose is refused need not be told how it is reached.
+    lowest = texts.SHEET_START.format(millimetres=round(1000 * HOME_DISTANCE))
+    if moment.refusals:
+        lowest = texts.SHEET_REFUSED.format(why=moment.refusals[0].text)
+    colour = colours.warning if moment.refusals else colours.quiet_text
+    draw.text((_MARGIN, 340), lowest, fill=colour, font=font(_WORDS))
     width = (room - _GAP) // 2
     height = (SIZE_PX[1] - _TOP - _MARGIN - _GAP) // 2
     words_tall = 3 * round(1.3 * _WORDS) + 140
@@ -67,7 +69,7 @@ def sheet(
     for step, picture in zip(moment.steps, pictures, strict=True):
         row, column = divmod(step.number - 1, 2)
         corner = (_MARGIN + column * (width + _GAP), _TOP + row * (height + _GAP))
-        words = (step.words.camera, texts.SHEET_HOLDER.format(words=step.words.holder))
+        words = (step.words.camera, texts.HOLDER.format(words=step.words.holder))
         if step.words.camera == step.words.holder:
             words = words[:1]
         _cell(draw, image, corner, (width, height), step.number, words, picture.result())

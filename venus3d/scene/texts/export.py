@@ -1,15 +1,12 @@
 """What exported files say."""
 
 MADE_WITH = "Made with venus3d"
-SHEET_POSE = (
-    "Turned {xr}° about X, {yr}° about Y, {zr}° about Z.  "
-    "Centre {xt} mm right, {yt} mm down, {zt} mm away."
-)
+SHEET_REFUSED = "A person is not asked for this pose. {why}"
 SHEET_START = (
     "From the upright board, {millimetres} mm in front of the camera. The turns are about the "
     "camera's axes."
 )
-SHEET_HOLDER = "With the board in your hands: {words}"
+HOLDER = "With the board in your hands: {words}"
 
 LESSON_LABEL = "Lesson"
 PAGE_OF = "Page {page} of {pages}"
@@ -19,11 +16,25 @@ SCENE_TITLE = "The way there"
 SCENE_HINT = (
     "Play, stop and go back and forth with the bar below the scene; turn it with the mouse."
 )
+POSE_TITLE = "The pose in six numbers"
 STEP_ALT = "Step {number}: {words}"
 QUESTION = "A question"
 RIGHT, WRONG = "Right.", "Not quite."
-POSE = "The pose: {xr} {yr} {zr}° turned, {xt} {yt} {zt} mm"
+NOT_TURNED = "The board is not turned;"
+TURNED = "The board is turned by {turns};"
+TURNS = ("{amount}° about X (tilt)", "{amount}° about Y (swing)", "{amount}° about Z (rotation)")
+PLACED = "its centre is {places}."
+AHEAD = "straight ahead"
+PLACES = (
+    ("{amount} mm to the right", "{amount} mm to the left"),
+    ("{amount} mm down", "{amount} mm up"),
+)
+AWAY = "{amount} mm away"
+AND = " and "
 NO_SCRIPT = "This page needs JavaScript for its moving scene; the pictures show the steps without."
 TARGET_TITLE = "A pose in four steps"
 TARGET_PAGE = "The pose"
 TARGET_TEXT = "Six numbers say where the board is and how it is turned; four steps bring it there."
+ALIKE, DIFFERENT = "=", "≠"  # on the badge of two boards
+UPRIGHT = "An upright board"
+UPRIGHT_WHERE = "Half a metre in front of the lens: from here, four steps lead to any pose."
