@@ -14,10 +14,10 @@ from venus3d.engine.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground
-from venus3d.scene.shapes import LabelShape
+from venus3d.scene.shapes import LabelShape, MeshShape
 from venus3d.scene.teach.controls import HOTKEYS, after_action
 from venus3d.scene.teach.pictures import TeachPictures
-from venus3d.scene.teach.stage import board_now, stage_shapes
+from venus3d.scene.teach.stage import board_now, moment_shapes, stage_shapes
 from venus3d.scene.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector
 
 BUSY = (False, False, False, False)
@@ -80,6 +80,9 @@ def test_lessons_set_the_page_and_turn_into_each_other() -> None:
     assert state.turned(1) == state, "the last page of all"
     assert state.turned(-1).page == 1
     assert state.opened(None).vector == FREE_VECTOR
+    swapped = state.opened(None).next_order()
+    assert swapped.arrangement == "order", "what it changes is shown first"
+    assert swapped.next_order().order != swapped.order
     assert TeachState().turned(1) == TeachState(), "no lessons"
 
 
@@ -124,6 +127,20 @@ def test_the_angle_counts_up_and_a_refused_target_says_so(study: PoseStudy) -> N
     assert text("/steps/3/label", TeachState(way=2.9)) == "−27°"
     assert not moment.refusals
     assert "refused" in text("/target/label", TeachState(), REFUSED)
+
+
+def test_the_sector_grows_with_the_board(study: PoseStudy) -> None:
+    moment = study(FREE_VECTOR)
+    for draw in (stage_shapes, moment_shapes):
+        for way in (1.02, 1.4, 1.8, 2.0):
+            (mesh,) = (
+                shape.mesh
+                for shape in draw(moment, TeachState(way=way))
+                if isinstance(shape, MeshShape) and shape.name == "/steps/2/sector"
+            )
+            rim = mesh.vertices[1:]
+            angles = np.degrees(np.arctan2(rim[:, 1], rim[:, 0]))
+            assert np.ptp(angles) == pytest.approx(abs(FREE_VECTOR[0]) * (way - 1), abs=0.51), way
 
 
 def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseStudy) -> None:

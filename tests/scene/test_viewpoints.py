@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 
 from venus3d.engine.camera import Camera
+from venus3d.engine.pose import Array
 from venus3d.lessons.lesson import VIEWPOINTS, Viewpoint
-from venus3d.scene.viewpoints import View, between, view_from
+from venus3d.scene.viewpoints import View, between, view_abreast, view_from
 
 
-def in_window(view: View, points: np.ndarray, aspect: float) -> np.ndarray:
+def in_window(view: View, points: Array, aspect: float) -> Array:
     """(N, 2) places in the window, -1 ... 1 to the right and down; OpenCV's projection."""
     f = 1 / np.tan(view.fov_rad / 2)
     K = np.array([[f / aspect, 0, 0], [0, f, 0], [0, 0, 1.0]])
     R = view.axes
     pixels, _ = cv2.projectPoints(points, cv2.Rodrigues(R)[0], -R @ view.position, K, None)
-    return pixels.reshape(-1, 2)
+    return np.asarray(pixels, np.float64).reshape(-1, 2)
 
 
 @pytest.mark.parametrize("viewpoint", ["outside", "holder", "above"])
@@ -59,7 +60,7 @@ def test_through_the_camera_the_window_holds_its_picture(
 def test_right_is_where_it_belongs(paper_camera: Camera) -> None:
     points = np.array([[0.1, 0, 0.5], [-0.1, 0, 0.5], [0, 0, 0.7], [0, -0.1, 0.5]])
 
-    def seen(viewpoint: Viewpoint) -> np.ndarray:
+    def seen(viewpoint: Viewpoint) -> Array:
         return in_window(view_from(viewpoint, paper_camera, points, 1.0), points, 1.0)
 
     for viewpoint in ("outside", "camera", "above"):
@@ -71,6 +72,24 @@ def test_right_is_where_it_belongs(paper_camera: Camera) -> None:
         up = seen(viewpoint)[3]
         assert up[1] < seen(viewpoint)[:2, 1].mean(), viewpoint
     assert seen("above")[2, 1] < seen("above")[0, 1], "farther from the camera is farther up"
+
+
+@pytest.mark.parametrize("viewpoint", VIEWPOINTS)
+@pytest.mark.parametrize("aspect", [0.48, 1.0, 2.0])
+def test_equal_boards_side_by_side_look_equal(viewpoint: Viewpoint, aspect: float) -> None:
+    """From nearby the one on the left shows its right side and looks like another pose."""
+    flat = np.array(
+        [[-0.126, -0.084, 0], [0.126, -0.084, 0], [0.126, 0.084, 0], [-0.126, 0.084, 0]]
+    )
+    board = flat @ cv2.Rodrigues(np.array([0.5, 0.4, 0.2]))[0].T
+    row = np.array([[[side * 0.185, 0, 0.6]] for side in (-1, 1)])
+    boards = (board + row).reshape(-1, 3).astype(np.float64)
+    view = view_abreast(viewpoint, boards, aspect)
+    left, right = in_window(view, boards, aspect).reshape(2, 4, 2) * [aspect, 1.0]
+    shift = (right - left).mean(axis=0)
+    assert np.abs(left + shift - right).max() < 0.06 * np.ptp(left, axis=0).max()
+    right_is = -1 if viewpoint == "holder" else 1
+    assert right_is * shift[0] > 0 and abs(shift[1]) < 0.02 * abs(shift[0]), "in a level row"
 
 
 def test_a_flight_begins_and_ends_at_its_views_and_keeps_its_distance(

@@ -125,7 +125,9 @@ def active_shapes(board: Board, camera: Camera, step: Step, options: SceneOption
             replace(shape, text=IN_ALL.format(length=shape.text))
             if isinstance(shape, LabelShape) and shape.name == f"{name}/label"
             else shape
-            for shape in instruction_shapes(board, camera, step, dark=options.dark)
+            for shape in instruction_shapes(
+                board, camera, step, dark=options.dark, sweep=options.sweep
+            )
         ),
     ]
 

@@ -57,8 +57,11 @@ def instruction_shapes(
     dark: bool,
     prefix: str = "/steps",
     for_camera: bool = False,
+    sweep: float = 1.0,
 ) -> list[Shape]:
     """Arrow and all that belongs to it; nothing for an idle step.
+
+    The sector grows with `sweep`, 0 ... 1, as the board goes; the rest says where it goes.
 
     The camera looks along the plane in which a board tilts or swings. With `for_camera` the arrow
     is made long enough to be read from there; the sector and the number tell the true angle.
@@ -69,7 +72,7 @@ def instruction_shapes(
     name = f"{prefix}/{step.number}"
     if step.axis is None:
         return _move_shapes(board, step, name, dark)
-    return _turn_shapes(board, camera, step, name, dark, for_camera)
+    return _turn_shapes(board, camera, step, name, dark, for_camera, sweep)
 
 
 def _move_shapes(board: Board, step: Step, name: str, dark: bool) -> list[Shape]:
@@ -118,7 +121,13 @@ def swept(step: Step, fraction: float) -> Pose:
 
 
 def _turn_shapes(
-    board: Board, camera: Camera | None, step: Step, name: str, dark: bool, for_camera: bool
+    board: Board,
+    camera: Camera | None,
+    step: Step,
+    name: str,
+    dark: bool,
+    for_camera: bool,
+    sweep: float,
 ) -> list[Shape]:
     assert step.axis is not None
     colour = step_colour(step.number, dark)
@@ -140,9 +149,11 @@ def _turn_shapes(
     seen = step.axis != "z"
     if seen:  # and an arc edge-on would run into its number
         degrees_at = degrees_at + 1.3 * outward
+    # In whole degrees on the way, so that a glide makes few meshes.
+    done = sector(angle if sweep >= 1 else float(round(sweep * angle)), radius)
     return [
         MeshShape(f"{name}/arrow", arrow, place.frame, colour, shaded=True),
-        MeshShape(f"{name}/sector", sector(angle, radius), place.frame, colour, 0.4),
+        MeshShape(f"{name}/sector", done, place.frame, colour, 0.4),
         LineShape(f"{name}/axis", place.axis_ends[None], Pose.identity(), colour, 2.0, seen),
         LabelShape(f"{name}/axis_label", step.axis.upper(), letter_at, colour, seen),
         LabelShape(f"{name}/label", f"{step.angle_deg:+.0f}°", degrees_at, colour),

@@ -66,7 +66,9 @@ def _cell(board: Board, step: Step, dark: bool, sweep: float) -> list[Shape]:
         board_shape(board, swept(step, sweep), f"{name}/board"),
         board_outline(board, step.after, f"{name}/outline", colour, 3.0),
         board_outline(board, step.before, f"{name}/before", ground(dark).ghost, 2.0),
-        *instruction_shapes(board, None, step, dark=dark, prefix="/strip", for_camera=True),
+        *instruction_shapes(
+            board, None, step, dark=dark, prefix="/strip", for_camera=True, sweep=sweep
+        ),
     ]
 
 

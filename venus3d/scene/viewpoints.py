@@ -5,6 +5,9 @@
     holder    behind the board, where the person with the board stands: left and right are swapped
     above     a map: the camera below, the board above it, right is right
 
+Things that stand side by side to be compared are looked at square to their row and from far away:
+equal things look equal then, wherever they stand.
+
 A view fits the points that must be seen into a window of any shape exactly. What is seen is left
 to others, and so is an overlay that must match the camera's picture to the pixel.
 """
@@ -25,7 +28,8 @@ from venus3d.engine.pose import Array
 from venus3d.lessons.lesson import Viewpoint
 
 FOV_RAD = float(np.radians(42.0))
-"""Vertical field of view of all views but the camera's own."""
+"""Vertical field of view of all views but the camera's own and those of things side by side."""
+_LONG_LENS_RAD = float(np.radians(9.0))
 FLIGHT_SECONDS = 0.6
 _FILLED = 0.88  # of the window's half width or height: the rest is air
 _BESIDE_THE_PICTURE = 1.06
@@ -37,6 +41,13 @@ _DIRECTIONS: dict[Viewpoint, tuple[float, float, float]] = {
     "outside": (-0.56, -0.56, -0.61),
     "camera": (0.0, 0.0, -1.0),
     "holder": (0.20, -0.62, 0.76),
+    "above": (0.0, -1.0, -0.06),
+}
+# For a row along x: none leans to a side. From a little above, so that the far axis is seen.
+_ABREAST: dict[Viewpoint, tuple[float, float, float]] = {
+    "outside": (0.0, -0.4, -1.0),
+    "camera": (0.0, 0.0, -1.0),
+    "holder": (0.0, -0.4, 1.0),
     "above": (0.0, -1.0, -0.06),
 }
 
@@ -74,7 +85,15 @@ def view_from(viewpoint: Viewpoint, camera: Camera, points: ArrayLike, aspect: f
     return view_along(-np.array(_DIRECTIONS[viewpoint]), seen, aspect)
 
 
-def view_along(forward: ArrayLike, points: Array, aspect: float) -> View:
+def view_abreast(viewpoint: Viewpoint, points: Array, aspect: float) -> View:
+    """The view of things in a row along x: like `view_from`, but level and through a long lens."""
+    fov_rad = _LONG_LENS_RAD / max(1.0, aspect)  # a wide window is no reason to be nearer
+    return view_along(-np.array(_ABREAST[viewpoint]), points, aspect, fov_rad=fov_rad)
+
+
+def view_along(
+    forward: ArrayLike, points: Array, aspect: float, *, fov_rad: float = FOV_RAD
+) -> View:
     """The nearest view in this direction (3,) in which all of the points (N, 3) are seen.
 
     With the eye at e and the window's slope t, a point p is seen if |p_x - e_x| <= t (p_z - e_z).
@@ -83,7 +102,7 @@ def view_along(forward: ArrayLike, points: Array, aspect: float) -> View:
     """
     axes = _axes(np.asarray(forward, dtype=np.float64))
     local = points @ axes.T
-    slope = np.tan(FOV_RAD / 2) * np.array([aspect, 1.0])
+    slope = np.tan(fov_rad / 2) * np.array([aspect, 1.0])
     ahead, back = _FILLED * slope, _FILLED * slope
     if aspect < _PHONE:
         ahead[1] = (1 - 2 * _COVERED_ON_A_PHONE) * slope[1]
@@ -92,7 +111,7 @@ def view_along(forward: ArrayLike, points: Array, aspect: float) -> View:
     depth = float(((high - low) / (ahead + back)).min())
     eye = np.append((low + high + (ahead - back) * depth) / 2, depth)
     middle = np.append(eye[:2], max(depth + 0.05, float(local[:, 2].mean())))
-    return View(eye @ axes, middle @ axes, FOV_RAD)
+    return View(eye @ axes, middle @ axes, fov_rad)
 
 
 def between(start: View, end: View, fraction: float) -> View:

@@ -112,9 +112,7 @@ def label_of(action: str, state: TeachState) -> str:
         return texts.LABELS["pause" if state.playing else "play"]
     if action == "theme":
         return texts.LABELS["theme" if state.dark else "theme dark"]
-    text = texts.LABELS[action].format(
-        speed=texts.SPEED_NAMES.get(state.speed, ""), order=state.order.upper()
-    )
+    text = texts.LABELS[action].format(speed=texts.SPEED_NAMES.get(state.speed, ""))
     on = {
         "loop": state.loop,
         "strip": state.arrangement == "strip",

@@ -26,10 +26,7 @@ from venus3d.scene.teach.comparison import Side, column_shapes, comparison_point
 from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.texts import teach as texts
-from venus3d.scene.viewpoints import View, view_along, view_from
-
-# Behind and above the camera, looking along its axis: left and right as in its picture.
-_ABREAST = {"strip": (0.0, 0.32, 1.0), "axes": (0.22, 0.5, 1.0), "order": (0.22, 0.5, 1.0)}
+from venus3d.scene.viewpoints import View, view_abreast, view_from
 
 
 def board_now(moment: TeachMoment, state: TeachState) -> Pose:
@@ -64,8 +61,9 @@ def stage_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
     if state.viewpoint == "camera":
         # From inside the camera its own picture and axes are in the way.
         hidden = (*hidden, "/camera/frustum", "/camera/ax")
+    grown = _grown_sector(moment, state)
     shapes = [
-        _adapted(shape, moment, state)
+        grown if grown and shape.name == grown.name else _adapted(shape, moment, state)
         for shape in still_shapes(camera, board, moment.steps, options)
         if not shape.name.startswith(hidden)
     ]
@@ -73,6 +71,17 @@ def stage_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
     if moment.refusals:
         shapes.append(_refused(moment, state.dark))
     return tuple(shapes)
+
+
+def _grown_sector(moment: TeachMoment, state: TeachState) -> Shape | None:
+    """The sector of a turn that is under way: what has been turned so far."""
+    step = moment.steps[state.step - 1]
+    if state.sweep == 1.0 or step.axis is None:
+        return None
+    shapes = instruction_shapes(
+        moment.board, moment.camera, step, dark=state.dark, sweep=state.sweep
+    )
+    return next((shape for shape in shapes if shape.name.endswith("/sector")), None)
 
 
 def _refused(moment: TeachMoment, dark: bool) -> Shape:
@@ -112,7 +121,7 @@ def _comparison(moment: TeachMoment, state: TeachState) -> list[Shape]:
         (
             moment.others(state.arrangement),
             "own" if own else "fixed",
-            right.format(order=" ".join(moment.order.upper())),
+            right.format(order=texts.ORDER_NAME.format(*moment.order.upper())),
         ),
     )
     # Whoever faces the camera sees left and right swapped, and the words say left and right.
@@ -147,7 +156,12 @@ def moment_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
             if isinstance(shape, LabelShape) and shape.name.endswith("/label")
             else shape
             for shape in instruction_shapes(
-                board, moment.camera, step, dark=state.dark, for_camera=True
+                board,
+                moment.camera,
+                step,
+                dark=state.dark,
+                for_camera=True,
+                sweep=state.sweep,
             )
         ]
     return tuple(shapes)
@@ -158,8 +172,8 @@ def stage_view(
 ) -> View:
     """Where the scene with these shapes is looked at from in a window of this shape."""
     points = _points_of_interest(moment, state.arrangement, shapes)
-    if state.viewpoint == "outside" and state.arrangement in _ABREAST:
-        return view_along(_ABREAST[state.arrangement], points, aspect)
+    if state.arrangement != "place":
+        return view_abreast(state.viewpoint, points, aspect)
     return view_from(state.viewpoint, moment.camera, points, aspect)
 
 

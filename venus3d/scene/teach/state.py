@@ -162,7 +162,9 @@ class TeachState:
         return replace(self, arrangement=wanted)
 
     def next_order(self) -> TeachState:
-        """Another order of turns beside "xyz"."""
+        """Another order of turns beside "xyz"; where none is shown, the comparison first."""
+        if self.arrangement != "order":
+            return self.arranged("order")
         others = ORDERS[1:]
         return replace(self, order=others[(others.index(self.order) + 1) % len(others)])
 

@@ -40,8 +40,9 @@ LENS_LEGEND = (
 
 COLUMNS = {
     "axes": ("About the camera's fixed axes", "About the board's own axes"),
-    "order": ("Order X Y Z", "Order {order}"),
+    "order": ("First X, then Y, then Z", "{order}"),
 }
+ORDER_NAME = "First {}, then {}, then {}"
 COMPARE_TITLES = {"axes": "Fixed axes or the board's own", "order": "The order of turns"}
 COMPARE_WHY = {
     "axes": (
@@ -131,9 +132,9 @@ LABELS = {
     "holder": "Holder  M",
     "above": "Above  V",
     "strip": "Side by side  T",
-    "axes": "Own axes  X",
-    "order": "Order  R",
-    "other order": "{order}  Y",
+    "axes": "Two kinds of axes  X",
+    "order": "Two orders  R",
+    "other order": "Other order  Y",
     "reset": "Pose again  0",
     "theme": "Light  B",
     "theme dark": "Dark  B",
@@ -156,7 +157,10 @@ COMMANDS = {
     "strip": ("Steps side by side", "Spread the four steps out, or put them back"),
     "axes": ("Fixed axes or own axes", "The same numbers read in two ways"),
     "order": ("Order of turns", "The same turns in two orders"),
-    "other order": ("Another order", "Compare with the next of the other five orders"),
+    "other order": (
+        "Another order",
+        "Compare X, Y, Z with the next of the other five orders of turns",
+    ),
     "on": ("Next page", "The next page of the lesson, or the first lesson"),
     "back": ("Previous page", "The page before"),
     "lesson": ("Next lesson", "Open the next lesson"),
