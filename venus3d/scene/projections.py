@@ -22,7 +22,7 @@ from venus3d.scene.describe import describe_step
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground, mixed, step_style, text_on
 from venus3d.scene.shapes import Colour
-from venus3d.scene.text import font, wrapped
+from venus3d.scene.text import fitting_font, font, wrapped
 from venus3d.scene.texts.common import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
 
 Picture = NDArray[np.uint8]
@@ -124,9 +124,7 @@ def headed(
         anchor="mm",
     )
     left, room = side + round(0.02 * width), width - side - round(0.035 * width)
-    face = font(round(header * 0.31), bold=True)
-    if face.getlength(title) > room:
-        face = font(int(face.size * room / face.getlength(title)), bold=True)
+    face = fitting_font(title, round(header * 0.31), room, bold=True)
     draw.text((left, header * 0.01), title, fill=colour, font=face)
     words = font(round(header * 0.225))
     for i, line in enumerate(wrapped(sentence, words, room)[:2]):

@@ -29,6 +29,12 @@ def font(size_px: int, bold: bool = False) -> Any:
     return ImageFont.load_default(size_px)
 
 
+def fitting_font(text: str, size_px: int, width_px: float, bold: bool = False) -> Any:
+    """`font` of this size, or of the largest one in which `text` is no wider than this."""
+    length = font(size_px, bold).getlength(text)
+    return font(min(size_px, int(size_px * width_px / max(length, 1))), bold)
+
+
 @lru_cache(maxsize=256)
 def wrapped(text: str, face: Any, width_px: float) -> tuple[str, ...]:
     """The words of `text` in as few lines of this width as they need.
@@ -53,7 +59,7 @@ def paint_labels(
     """
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image)
-    size = int(np.clip(image.height / 13, 11, 26))
+    size = int(np.clip(image.height / 13, 11, 44))
     face, stroke = font(size, bold=True), max(1, size // 8)
     taken: list[tuple[float, float, float, float]] = []
     for label in labels:

@@ -15,7 +15,7 @@ from markdown_it import MarkdownIt
 
 from venus3d.engine.decomposition import Step
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
-from venus3d.scene.export.pose_line import pose_line
+from venus3d.scene.export.pose_line import for_hands, pose_line
 from venus3d.scene.export.scene3d import ASPECT
 from venus3d.scene.knowledge.fields import (
     distortion_magnification,
@@ -123,11 +123,11 @@ def _step(step: Step, picture: Picture, dark: bool) -> str:
     colour = style.colour(dark)
     alt = escape(texts.STEP_ALT.format(number=step.number, words=words), quote=True)
     look = f"--step:{hex_of(colour)};--on:{hex_of(text_on(colour))}"
-    held = f"<br><small>{escape(texts.HOLDER.format(words=step.words.holder))}</small>"
+    held = f"<br><small>{escape(for_hands(step.words))}</small>"
     return (
         f"<figure style='{look}'><figcaption><b>{step.number}</b><span>"
         f"<strong>{style.title}</strong><br>{escape(words)}"
-        f"{held if step.words.holder != words else ''}</span></figcaption>"
+        f"{held}</span></figcaption>"
         f"<img alt=\"{alt}\" src='{encoded(picture)}'>"
         "</figure>"
     )

@@ -1,7 +1,8 @@
-"""A pose in one sentence, without what is zero."""
+"""What files say of a pose and of a step: plain sentences, without what is zero."""
 
 from __future__ import annotations
 
+from venus3d.engine.words import Words
 from venus3d.scene.teach.state import Vector
 from venus3d.scene.texts import export as texts
 
@@ -21,6 +22,13 @@ def pose_line(vector: Vector) -> str:
     places = [*(places or [texts.AHEAD]), texts.AWAY.format(amount=f"{vector[5]:g}")]
     turned = texts.TURNED.format(turns=_listed(turns)) if turns else texts.NOT_TURNED
     return f"{turned} {texts.PLACED.format(places=_listed(places))}"
+
+
+def for_hands(words: Words) -> str:
+    """An instruction for the person who holds the board; empty if it is the same for both sides."""
+    if words.holder == words.camera:
+        return ""
+    return texts.HOLDER.format(words=words.holder[0].lower() + words.holder[1:])
 
 
 def _listed(parts: list[str]) -> str:

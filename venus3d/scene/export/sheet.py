@@ -8,20 +8,22 @@ from typing import Any
 from PIL import Image, ImageDraw
 
 from venus3d.engine.decomposition import HOME_DISTANCE
-from venus3d.scene.export.pose_line import pose_line
+from venus3d.scene.export.pose_line import for_hands, pose_line
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground, step_style, text_on
 from venus3d.scene.projections import Picture, Projections
 from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.state import Vector
-from venus3d.scene.text import font, wrapped
+from venus3d.scene.text import fitting_font, font, wrapped
 from venus3d.scene.texts import export as texts
 
 DPI = 300
 SIZE_PX = (3508, 2480)
 _MARGIN, _GAP = 150, 70
-_TITLE, _LINE, _WORDS = 110, 58, 52
+_TITLE, _LINE, _WORDS = 110, 50, 46
+_LINES = 4  # of words, above a picture
 _TOP = 430
+_ROOM = SIZE_PX[0] - 2 * _MARGIN
 
 
 def sheet(
@@ -35,27 +37,12 @@ def sheet(
     Args:
         vector: the pose in degrees and millimetres, as a person typed it.
     """
-    colours = ground(False)
     image = Image.new("RGB", SIZE_PX, (255, 255, 255))
     draw = ImageDraw.Draw(image)
-    room = SIZE_PX[0] - 2 * _MARGIN
-    heading = font(_TITLE, bold=True)
-    if heading.getlength(title) > room:
-        heading = font(int(_TITLE * room / heading.getlength(title)), bold=True)
-    draw.text((_MARGIN, _MARGIN - 30), title, fill=colours.text, font=heading)
-    line = font(_LINE)
-    if line.getlength(pose_line(vector)) > room:
-        line = font(int(_LINE * room / line.getlength(pose_line(vector))))
-    draw.text((_MARGIN, 265), pose_line(vector), fill=colours.text, font=line)
-    # Whoever reads that a pose is refused need not be told how it is reached.
-    lowest = texts.SHEET_START.format(millimetres=round(1000 * HOME_DISTANCE))
-    if moment.refusals:
-        lowest = texts.SHEET_REFUSED.format(why=moment.refusals[0].text)
-    colour = colours.warning if moment.refusals else colours.quiet_text
-    draw.text((_MARGIN, 340), lowest, fill=colour, font=font(_WORDS))
-    width = (room - _GAP) // 2
+    _heading(draw, moment, vector, title)
+    width = (_ROOM - _GAP) // 2
     height = (SIZE_PX[1] - _TOP - _MARGIN - _GAP) // 2
-    words_tall = 3 * round(1.3 * _WORDS) + 140
+    words_tall = _LINES * round(1.3 * _WORDS) + 130
     camera = moment.camera
     picture_height = min(height - words_tall, round(width * camera.height / camera.width))
     size = (round(picture_height * camera.width / camera.height), picture_height)
@@ -69,15 +56,28 @@ def sheet(
     for step, picture in zip(moment.steps, pictures, strict=True):
         row, column = divmod(step.number - 1, 2)
         corner = (_MARGIN + column * (width + _GAP), _TOP + row * (height + _GAP))
-        words = (step.words.camera, texts.HOLDER.format(words=step.words.holder))
-        if step.words.camera == step.words.holder:
-            words = words[:1]
+        words = tuple(text for text in (step.words.camera, for_hands(step.words)) if text)
         _cell(draw, image, corner, (width, height), step.number, words, picture.result())
     foot = (SIZE_PX[0] - _MARGIN, SIZE_PX[1] - 60)
-    draw.text(foot, texts.MADE_WITH, fill=colours.quiet_text, font=font(40), anchor="rs")
+    draw.text(foot, texts.MADE_WITH, fill=ground(False).quiet_text, font=font(40), anchor="rs")
     buffer = io.BytesIO()
     image.save(buffer, "PNG", dpi=(DPI, DPI))
     return buffer.getvalue()
+
+
+def _heading(draw: Any, moment: TeachMoment, vector: Vector, title: str) -> None:
+    colours, line = ground(False), pose_line(vector)
+    face = fitting_font(title, _TITLE, _ROOM, bold=True)
+    draw.text((_MARGIN, _MARGIN - 30), title, fill=colours.text, font=face)
+    face = fitting_font(line, _LINE, _ROOM)
+    draw.text((_MARGIN, 270), line, fill=colours.text, font=face)
+    line, colour = texts.SHEET_START, colours.quiet_text
+    if moment.refusals:
+        # Whoever reads that a pose is refused need not be told how it is reached.
+        line, colour = texts.SHEET_REFUSED, colours.warning
+    why = moment.refusals[0].text if moment.refusals else ""
+    line = line.format(millimetres=round(1000 * HOME_DISTANCE), why=why)
+    draw.text((_MARGIN, 345), line, fill=colour, font=fitting_font(line, _WORDS, _ROOM))
 
 
 def _cell(
@@ -100,7 +100,7 @@ def _cell(
     draw.text((x + 130, y + 50), style.title, fill=style.on_light, font=title, anchor="lm")
     face, line = font(_WORDS), round(1.3 * _WORDS)
     lines = [part for text in words for part in wrapped(text, face, size[0] - 60)]
-    for i, text in enumerate(lines[:3]):
-        draw.text((x + 30, y + 112 + i * line), text, fill=colours.text, font=face)
+    for i, text in enumerate(lines[:_LINES]):
+        draw.text((x + 30, y + 110 + i * line), text, fill=colours.text, font=face)
     left = x + (size[0] - picture.shape[1]) // 2
     image.paste(Image.fromarray(picture), (left, y + size[1] - picture.shape[0] - 8))

@@ -6,7 +6,7 @@ SHEET_START = (
     "From the upright board, {millimetres} mm in front of the camera. The turns are about the "
     "camera's axes."
 )
-HOLDER = "With the board in your hands: {words}"
+HOLDER = "For your hands: {words}"
 
 LESSON_LABEL = "Lesson"
 PAGE_OF = "Page {page} of {pages}"
