@@ -70,7 +70,8 @@ def on_screen(viewer: Viewer, page: Any, point: np.ndarray) -> tuple[float, floa
 
 
 def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided: Snapshot) -> None:
-    """M turns the maps over; a captured view is clicked in the scene, says what if, and goes."""
+    """M turns the maps over; a captured view is clicked in the scene, is put away by Esc, says what
+    if, and goes."""
     # Nothing else stands in the way of the click.
     alone = replace(guided, target=None, match=None, pose=None)
     viewer.keep_view(2, np.full((720, 1280, 3), (40, 90, 160), np.uint8))
@@ -96,8 +97,12 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
     until(lambda: "/views/2/sheet" in viewer.scene_names, "the views stand in the scene")
     page.wait_for_timeout(1000)  # viser's picture follows its messages by a frame or two
     view = guided.views[1]
-    page.mouse.click(*on_screen(viewer, page, view.pose.t))
-    page.wait_for_selector(".mantine-Modal-content .v-view")
+    for again in (True, False):
+        page.mouse.click(*on_screen(viewer, page, view.pose.t))
+        page.wait_for_selector(".mantine-Modal-content .v-view")
+        if again:
+            page.keyboard.press("Escape")
+            page.wait_for_selector(".mantine-Modal-content", state="detached")
     card = page.locator(".mantine-Modal-content .v-view")
     number = int(card.get_attribute("data-view"))
     left = known.without(number)

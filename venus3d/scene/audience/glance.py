@@ -1,8 +1,9 @@
 """The second monitor's HTML: one sentence, the dial and the four steps around the picture.
 
 The layout is CSS's alone: the picture keeps the upper left corner (viser's canvas is put there),
-more than half of a wide screen; the dial stands to its right, the sentence below it. A tall screen,
-a phone's, has one above the other. All letters are sized by the screen's height.
+more than half of a wide screen; the dial stands to its right, the sentence below it. On a tall
+screen, a phone's, the picture has the whole width and the rest stands below it. All letters are
+sized by the screen's height.
 """
 
 from __future__ import annotations
@@ -68,7 +69,10 @@ def sheet(look: Look, aspect: float = _SCREEN) -> str:
         f"--ink:{hex_of(neutral.background)};--right:{right_colour(dark=dark)}"
     )
     wide, tall = picture_share(aspect)
-    share = f":root{{--wide:{100 * wide:.2f}vw;--tall:{100 * tall:.2f}vh}}"
+    share = (
+        f":root{{--wide:{100 * wide:.2f}vw;--tall:{100 * tall:.2f}vh}}@media (orientation:portrait)"
+        f"{{:root{{--wide:100vw;--tall:min(50vh,{100 / aspect:.2f}vw)}}}}"
+    )
     mirror = "canvas{transform:scaleX(-1)}" if look.mirror else ""
     return f"<style>{share}.v-audience,.v-hint{{{root}}}{_SHEET}{mirror}</style>"
 
@@ -136,10 +140,9 @@ cursor:pointer}
 .v-hint input{position:absolute;opacity:0}
 .v-hint:has(:checked){display:none}
 @media (orientation:portrait){
-div:has(>div>div>canvas):not(:has(.v-audience)){width:100vw!important;height:30vh!important}
-.v-audience{--letter:5vh}
-.v-side{left:0;top:30vh;height:38vh;padding:1.4vh 4vw 0;gap:1vh}
-.v-say{top:69vh;padding:0 4vw;align-items:flex-start;border-left:0;border-top:1vh solid var(--step);
-padding-top:1vh}
+.v-audience{--letter:5vh;--beside:calc(.56*(100vh - var(--tall)))}
+.v-side{left:0;top:var(--tall);height:var(--beside);padding:1.4vh 4vw 0;gap:1vh}
+.v-say{top:calc(var(--tall) + var(--beside) + 1vh);padding:0 4vw;align-items:flex-start;
+border-left:0;border-top:1vh solid var(--step);padding-top:1vh}
 .v-top{font-size:5vh}.v-chip{font-size:2.4vh}.v-views{font-size:2.4vh}.v-chips{gap:3vw}}
 """

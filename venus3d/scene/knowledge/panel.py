@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import viser
@@ -28,6 +29,7 @@ from venus3d.scene.knowledge.topics import (
     scale_html,
 )
 from venus3d.scene.knowledge.view_card import view_html
+from venus3d.scene.knowledge.view_window import ViewWindow
 from venus3d.scene.knowledge.watching import SearchReplay
 from venus3d.scene.picture import LivePicture, small_picture
 from venus3d.scene.projections_panel import encoded
@@ -129,6 +131,7 @@ class KnowledgePanel:
 
     def _make(self, gui: viser.GuiApi) -> None:
         gui.add_html(SHEET)
+        self._window = ViewWindow(gui)
         self._topics = gui.add_button_group(
             texts.TOPICS_LABEL, _topic_labels("error"), hint=texts.TOPICS_HINT
         )
@@ -216,19 +219,8 @@ class KnowledgePanel:
         html = view_html(snapshot, number, self._pictures.get(number, ""))
         if not html:
             return
-        with client.atomic():
-            modal = client.gui.add_modal(texts.VIEW_TITLE.format(number=number))
-            with modal:
-                client.gui.add_html(self._theme.sheet + SHEET)
-                client.gui.add_html(html)
-                if len(snapshot.views) > 1:
-                    drop = client.gui.add_button(
-                        texts.LEAVE_OUT, icon=viser.Icon.TRASH, hint=texts.LEAVE_OUT_HINT
-                    )
-                    drop.on_click(lambda _: self._leave_out(number))
-                    drop.on_click(lambda _: modal.close())
-                close = client.gui.add_button(texts.CLOSE_VIEW, hint=texts.CLOSE_VIEW_HINT)
-                close.on_click(lambda _: modal.close())
+        drop = partial(self._leave_out, number) if len(snapshot.views) > 1 else None
+        self._window.open(client, number, self._theme.sheet + SHEET + html, drop)
 
     # -- what people do; on viser's threads ------------------------------------------------------
 
