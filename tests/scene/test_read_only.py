@@ -177,7 +177,7 @@ def test_a_browser_that_says_nonsense_stops_nobody() -> None:
         with RawClient(audience.port) as client:
             settled(lambda: texts.PAUSED[2] in str(buffer_of(audience.server)))
             assert client.backlog()
-        assert audience._failure is None
+        audience._threads.raise_failure()  # pyright: ignore[reportPrivateUsage]
     finally:
         audience.close()
 

@@ -22,6 +22,7 @@ from venus3d.engine.errors import VenusError
 from venus3d.scene.texts.common import PORT_TAKEN
 
 _PORTS_TRIED = 100
+_EVERYWHERE = ("0.0.0.0", "::", "")
 _ON_ITS_WAY_BYTES = 131072
 """A browser behind a slow line skips pictures; megabytes on their way would come seconds late."""
 _FARTHEST = 1e4
@@ -37,6 +38,12 @@ class AddressError(VenusError):
 
 class LocalServer(viser.ViserServer):
     """viser's server without the public tunnel that any client could otherwise ask for."""
+
+    @property
+    def url(self) -> str:
+        """The page's address on this machine."""
+        host = self.get_host()
+        return f"http://{'localhost' if host in _EVERYWHERE else host}:{self.get_port()}"
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse: a camera's picture stays on this machine."""

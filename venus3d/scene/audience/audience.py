@@ -18,6 +18,7 @@ from venus3d.scene.audience.look import Look
 from venus3d.scene.audience.moment import Cue, Moment, achieved, moment_of
 from venus3d.scene.audience.overlay import LensOverlay
 from venus3d.scene.audience.page import AudiencePage
+from venus3d.scene.drawing import DrawingThreads
 from venus3d.scene.picture import LivePicture, annotate, small_picture
 from venus3d.scene.server import start_read_only_server
 from venus3d.scene.style import Theme
@@ -48,22 +49,16 @@ class Audience:
         self._picture: tuple[LivePicture, Observation | None] | None = None
         self._paused, self._changed = False, True
         self._wake = threading.Condition()
-        self._picture_came, self._stop = threading.Event(), threading.Event()
-        self._failure: BaseException | None = None
+        self._picture_came = threading.Event()
         self._scene = SceneView(self.server)
         self._page = AudiencePage(self.server, self._came_or_changed)
-        self._threads = [
-            threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
-            for name, loop in (("audience", self._loop), ("audience picture", self._picture_loop))
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._threads = DrawingThreads(audience=self._loop, audience_picture=self._picture_loop)
+        self._threads.start()
 
     @property
     def url(self) -> str:
         """The page's address on this machine."""
-        host = "localhost" if self.host in ("0.0.0.0", "::", "") else self.host
-        return f"http://{host}:{self.port}"
+        return self.server.url
 
     @property
     def look(self) -> Look:
@@ -79,7 +74,7 @@ class Audience:
 
     def show(self, snapshot: Snapshot) -> None:
         """Show this moment; the newest wins. Raises what broke the drawing, if anything did."""
-        self._raise_failure()
+        self._threads.raise_failure()
         with self._wake:
             # What was achieved is seen here, since not every snapshot is drawn.
             self._achieved = achieved(self._snapshot, snapshot) or self._achieved
@@ -89,7 +84,7 @@ class Audience:
     def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
         """Show this live picture (BGR or grey), with the corners of `observation`, or by default
         of the newest snapshot; the newest wins."""
-        self._raise_failure()
+        self._threads.raise_failure()
         self._picture = (image, observation)
         self._picture_came.set()
 
@@ -100,14 +95,8 @@ class Audience:
 
     def close(self) -> None:
         """Stop drawing and serving. May be called twice."""
-        if self._stop.is_set():
-            return
-        self._stop.set()
-        self._picture_came.set()
-        self._touch()
-        for thread in self._threads:
-            thread.join(timeout=5)
-        self.server.stop()
+        if self._threads.end(self._came_or_changed):
+            self.server.stop()
 
     # -- drawing ---------------------------------------------------------------------------------
 
@@ -120,22 +109,11 @@ class Audience:
         self._touch()
         self._picture_came.set()  # who comes while no frame does sees the last one
 
-    def _guarded(self, loop: Callable[[], None]) -> None:
-        try:
-            loop()
-        except BaseException as error:  # raised in the thread that feeds us
-            if not self._stop.is_set():
-                self._failure = error
-
-    def _raise_failure(self) -> None:
-        if self._failure is not None:
-            raise self._failure
-
     def _loop(self) -> None:
         overlay, dressed = LensOverlay(), None
         praise: Moment | None = None
         until = 0.0
-        while not self._stop.is_set():
+        while not self._threads.stop.is_set():
             with self._wake:
                 if not self._changed:
                     self._wake.wait(timeout=0.5)
@@ -160,21 +138,25 @@ class Audience:
                     self._page.show(moment, snapshot, dark=not look.light)
                     self._scene.draw(overlay.shapes(snapshot, look), dark=True)
             self._page.fit()
-            self._stop.wait(max(0.0, now + self._period(_SCENE_PERIOD_S) - time.monotonic()))
+            self._threads.stop.wait(
+                max(0.0, now + self._period(_SCENE_PERIOD_S) - time.monotonic())
+            )
 
     def _period(self, least: float) -> float:
         return max(least, self._page.watched / _SENT_PER_S)
 
     def _picture_loop(self) -> None:
-        while not self._stop.is_set():
+        while not self._threads.stop.is_set():
             self._picture_came.wait()
             self._picture_came.clear()
             started, came = time.monotonic(), self._picture
-            if came is None or self._stop.is_set():
+            if came is None or self._threads.stop.is_set():
                 continue
             if self._page.watched:
                 self._draw_picture(*came)
-            self._stop.wait(max(0.0, started + self._period(_PICTURE_PERIOD_S) - time.monotonic()))
+            self._threads.stop.wait(
+                max(0.0, started + self._period(_PICTURE_PERIOD_S) - time.monotonic())
+            )
 
     def _draw_picture(self, image: LivePicture, observation: Observation | None) -> None:
         rgb, snapshot = small_picture(image, PICTURE_WIDTH), self._snapshot

@@ -18,6 +18,7 @@ import numpy as np
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import VenusError
 from venus3d.lessons.lesson import Lesson
+from venus3d.scene.drawing import DrawingThreads
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.server import start_server
 from venus3d.scene.shapes import Shape
@@ -81,8 +82,6 @@ class TeachViewer:
         self._wanted_came = threading.Event()
         self._drawn: TeachState | None = None
         self._looking: tuple[object, ...] | None = None
-        self._stop, self._closed = threading.Event(), False
-        self._failure: BaseException | None = None
         self._scene = SceneView(self._server)
         self._flight = Flight(self._server)
         self._page = TeachPage(
@@ -95,18 +94,13 @@ class TeachViewer:
             kinds=kinds,
             aspect=camera.width / camera.height,
         )
-        self._threads = [
-            threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
-            for name, loop in (("scene", self._scene_loop), ("pictures", self._picture_loop))
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._threads = DrawingThreads(scene=self._scene_loop, pictures=self._picture_loop)
+        self._threads.start()
 
     @property
     def url(self) -> str:
         """The page's address on this machine."""
-        host = "localhost" if self.host in ("0.0.0.0", "::", "") else self.host
-        return f"http://{host}:{self.port}"
+        return self._server.url
 
     @property
     def state(self) -> TeachState:
@@ -127,22 +121,12 @@ class TeachViewer:
 
     def wait(self, seconds: float) -> None:
         """Wait while the page lives; raises what broke the drawing, if anything did."""
-        self._stop.wait(seconds)
-        if self._failure is not None:
-            raise self._failure
+        self._threads.wait(seconds)
 
     def close(self) -> None:
         """Stop drawing and serving. May be called twice."""
-        if self._closed:
-            return
-        self._closed = True
-        self._stop.set()
-        self._wanted_came.set()
-        with self._wake:
-            self._wake.notify_all()
-        for thread in self._threads:
-            thread.join(timeout=5)
-        self._server.stop()
+        if self._threads.end(self._rouse):
+            self._server.stop()
 
     # -- what people do; on viser's threads -------------------------------------------------------
 
@@ -157,7 +141,8 @@ class TeachViewer:
         if self._save is None:
             self._page.say(client, texts.NOTHING_TO_SAVE)
             return
-        self._page.say(client, texts.SAVING.format(kind=texts.SAVE_LABELS[kind]))
+        label = texts.SAVE_LABELS[kind]
+        unsay = self._page.say(client, texts.SAVING.format(kind=label), busy=True)
         try:
             name, content = self._save(self._state, kind)
         except VenusError as error:
@@ -167,22 +152,22 @@ class TeachViewer:
             # Our mistake: the tab must not wait for ever, and the traceback is still told.
             self._page.say(client, texts.SAVING_FAILED)
             raise
-        (self._server if client is None else client).send_file_download(name, content)
-        self._page.say(client, texts.SAVED.format(name=name))
+        finally:
+            unsay()
+        receiver = self._server if client is None else client
+        receiver.send_file_download(name, content, save_immediately=True)
+        self._page.say(client, texts.SAVED.format(name=name), seconds=8.0)
 
     # -- drawing ----------------------------------------------------------------------------------
 
-    def _guarded(self, loop: Callable[[], None]) -> None:
-        try:
-            loop()
-        except BaseException as error:  # raised in the thread that waits for us
-            if not self._stop.is_set():
-                self._failure = error
-                self._stop.set()
+    def _rouse(self) -> None:
+        self._wanted_came.set()
+        with self._wake:
+            self._wake.notify_all()
 
     def _scene_loop(self) -> None:
         before = time.monotonic()
-        while not self._stop.is_set():
+        while not self._threads.stop.is_set():
             with self._wake:
                 moving = self._state.playing or self._flight.is_due
                 if not self._changed:
@@ -198,7 +183,7 @@ class TeachViewer:
                 self._drawn = state
             if self._flight.is_due:
                 self._flight.advance()
-            self._stop.wait(max(0.0, now + _PERIOD_S - time.monotonic()))
+            self._threads.stop.wait(max(0.0, now + _PERIOD_S - time.monotonic()))
 
     def _moment_of(self, state: TeachState) -> TeachMoment:
         key = (state.vector, state.order)
@@ -236,11 +221,11 @@ class TeachViewer:
         shown: tuple[TeachMoment, TeachState] | None = None
         sheet_of: tuple[TeachMoment, TeachState] | None = None
         fine = False
-        while not self._stop.is_set():
+        while not self._threads.stop.is_set():
             came = self._wanted_came.wait(timeout=None if fine or shown is None else _QUIET_S)
             self._wanted_came.clear()
             wanted = self._wanted
-            if wanted is None or self._stop.is_set() or (fine and wanted is shown):
+            if wanted is None or self._threads.stop.is_set() or (fine and wanted is shown):
                 continue
             # Quick while things move; once it is quiet the same again, fine, until they move again.
             fine = not came
