@@ -11,6 +11,7 @@ import pytest
 from venus3d.app.teach import PoseStudy
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
+from venus3d.engine.errors import StorageError
 from venus3d.lessons.reading import shipped_lessons
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.teach.controls import HOTKEYS, after_action
@@ -28,6 +29,8 @@ def teaching(paper_camera: Camera, default_board: Board) -> Iterator[TeachViewer
 
     def save(state: TeachState, kind: str) -> tuple[str, bytes]:
         saved.append(kind)
+        if kind == "gif":
+            raise StorageError("No film today; come again tomorrow.")
         return f"pose.{kind}", b"content"
 
     with Offscreen("painter") as offscreen:
@@ -38,7 +41,7 @@ def teaching(paper_camera: Camera, default_board: Board) -> Iterator[TeachViewer
             port=PORT,
             lessons=shipped_lessons(),
             save=save,
-            kinds=("html",),
+            kinds=("html", "gif"),
         )
         yield viewer
         viewer.close()
@@ -146,5 +149,10 @@ def test_lessons_switch_and_answers_are_judged(teaching: TeachViewer, page: Any)
 def test_a_file_goes_to_the_tab_that_asked(page: Any) -> None:
     with page.expect_download() as download:
         page.locator("button", has_text=texts.SAVE_LABELS["html"]).click()
-        page.locator("a", has_text="pose.html").click()
     assert download.value.suggested_filename == "pose.html"
+
+
+def test_a_file_that_cannot_be_made_is_told_and_nothing_seems_to_go_on(page: Any) -> None:
+    page.locator("button", has_text=texts.SAVE_LABELS["gif"]).click()
+    page.wait_for_selector("text=No film today; come again tomorrow.")
+    page.wait_for_selector("text=the file is being made", state="detached")

@@ -105,11 +105,32 @@ class TeachPage:
         """The four steps in one picture, RGB."""
         self.sheet.image = picture
 
-    def say(self, client: viser.ClientHandle | None, text: str) -> None:
-        """Tell one tab, or all, a sentence."""
+    def say(
+        self,
+        client: viser.ClientHandle | None,
+        text: str,
+        *,
+        seconds: float | None = None,
+        busy: bool = False,
+    ) -> Callable[[], None]:
+        """Tell one tab, or all, a sentence, for some seconds or until it is closed.
+
+        Args:
+            busy: with a mark that turns: something is going on.
+
+        Returns what takes it back.
+        """
         clients = self._server.get_clients().values() if client is None else (client,)
-        for one in clients:
-            one.add_notification(texts.SAVE, text, auto_close_seconds=8.0)
+        notes = [
+            one.add_notification(texts.SAVE, text, loading=busy, auto_close_seconds=seconds)
+            for one in clients
+        ]
+
+        def unsay() -> None:
+            for note in notes:
+                note.remove()
+
+        return unsay
 
     def _make_right(self, act: Act, on_way: Callable[[float], object], aspect: float) -> None:
         gui = self._gui

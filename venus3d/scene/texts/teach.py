@@ -115,8 +115,8 @@ SHOW, SHOW_HINT = (
 )
 PAGE, PAGE_HINT = "More", "The pose that the page began with; brightness."
 SAVE, SAVE_HINT = "Save as", "A file to hand out: it works without this program and offline."
-SAVING = "Writing the {kind} file. This can take a minute."
-SAVED = "{name} is ready: your browser has taken it."
+SAVING = "{kind}: the file is being made. This can take a minute; go on as you like."
+SAVED = "{name} is done: it is among your browser's downloads."
 SAVING_FAILED = "The file could not be made; the window that venus3d was started in says why."
 NOTHING_TO_SAVE = "Files cannot be written here."
 
