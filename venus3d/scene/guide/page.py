@@ -16,6 +16,7 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.dressing import Dressing, fit_width
 from venus3d.scene.guide.alternatives_panel import AlternativesPanel
 from venus3d.scene.guide.control_panel import Action, ControlPanel
 from venus3d.scene.guide.diagnosis_panel import diagnoses_html
@@ -72,18 +73,16 @@ class Page:
     ) -> None:
         """Lay everything out; with `tour`, a browser that is new here is shown around."""
         self._server, self._gui = server, server.gui
-        self._dark: bool | None = None
-        self._styles: list[Any] = []
+        self._dressing = Dressing(server.gui)
         self._act, self._ask, self._simulated = act, ask, simulated
         self.outlook = Outlook(server)
         theme = Theme(dark)
-        self._set_theme(theme)
         self._make_guidance()
         self._make_left(theme)
         self._make_right()
         self._make_commands(tour)
-        self._set_theme(theme, force=True)
-        server.on_client_connect(self._fit)
+        self._set_theme(theme)
+        fit_width(server, self._gui.main_panel, lambda height: self._right_width(height))
 
     def show_picture(self, rgb: NDArray[np.uint8]) -> None:
         """The live picture (H, W, 3) RGB."""
@@ -123,24 +122,10 @@ class Page:
         """Width of the right panel in a window of this height, pixels."""
         return _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
 
-    def _fit(self, client: viser.ClientHandle) -> None:
-        # Only this client's own window: another one may be on a large screen.
-        shown = _RIGHT_WIDTH
-
-        def fit() -> None:
-            nonlocal shown
-            wanted = self._right_width(client.camera.image_height)
-            if wanted != shown:
-                shown = wanted
-                client.gui.main_panel.set_width(wanted)
-
-        fit()
-        client.camera.on_update(lambda _: fit())  # also told when the window changes its size
-
     def _make_guidance(self) -> None:
         panel = self.guidance_panel = self._gui.add_panel()
         with panel.add_tab(say.GUIDANCE_TAB, viser.Icon.HAND_MOVE):
-            self._add_style()
+            self._dressing.add()
             self.guidance = self._gui.add_html("")
         panel.dock_left()
         panel.set_width(LEFT_WIDTH)
@@ -150,15 +135,15 @@ class Page:
         gui = self._gui
         panel = self.left_panel = gui.add_panel()
         with panel.add_tab(say.PROGRESS_TAB, viser.Icon.CHART_LINE):
-            self._add_style()
+            self._dressing.add()
             self.diagnoses = gui.add_html("", visible=False)
             self.progress = gui.add_html("")
             self.alternatives = AlternativesPanel(gui, self._ask)
         with panel.add_tab(say.PARAMETERS_TAB, viser.Icon.CAMERA_COG):
-            self._add_style()
+            self._dressing.add()
             self.parameters = ParametersPanel(gui, theme)
         with panel.add_tab(KNOWN_TAB, viser.Icon.MAP_2):
-            self._add_style()
+            self._dressing.add()
             self.knowledge = KnowledgePanel(gui, self._ask)
         panel.dock_below(self.guidance_panel)
 
@@ -166,7 +151,7 @@ class Page:
         gui = self._gui
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_RIGHT_WIDTH)
-        self._add_style()
+        self._dressing.add()
         blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
         self._legend = gui.add_html(PICTURE_LEGEND)
@@ -190,23 +175,8 @@ class Page:
             helps = event.target.value == say.BUTTONS["help"][0]
             (self.help.toggle if helps else self.tour.start)(event.client)
 
-    def _add_style(self) -> None:
-        # A panel that is folded takes its style sheet along, so each has its own.
-        self._styles.append(self._gui.add_html(""))
-
-    def _set_theme(self, theme: Theme, *, force: bool = False) -> None:
-        if theme.dark == self._dark and not force:
-            return
-        self._dark = theme.dark
-        self._gui.configure_theme(
-            dark_mode=theme.dark,
-            show_logo=False,
-            show_share_button=False,
-            brand_color=theme.brand,
-        )
-        for style in self._styles:
-            style.content = theme.sheet
-        if self._styles:
+    def _set_theme(self, theme: Theme) -> None:
+        if self._dressing.show(theme):
             self._recolour(theme)
 
     def _recolour(self, theme: Theme) -> None:

@@ -25,6 +25,7 @@ from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.pose_words import (
     fit_html,
     lens_html,
+    lesson_markdown,
     question_html,
     sigma_html,
     why_html,
@@ -101,10 +102,10 @@ class LessonPanel:
         if self._choice.value != title:
             self._choice.value = title
         if lesson is None or page is None:
-            self._text.content = f"## {texts.FREE_TITLE}\n\n{texts.FREE_TEXT}"
+            self._text.content = lesson_markdown(texts.FREE_TITLE, "", texts.FREE_TEXT)
         else:
             where = texts.PAGE_OF.format(page=state.page + 1, pages=len(lesson.pages))
-            self._text.content = f"## {page.title}\n\n*{where}*\n\n{page.text.strip()}"
+            self._text.content = lesson_markdown(page.title, where, page.text.strip())
 
     def _show_answers(self, state: TeachState) -> None:
         if not self._changed("answers", (state.lesson, state.page, state.answer)):

@@ -15,6 +15,7 @@ import numpy as np
 import viser
 
 from venus3d.lessons.lesson import Lesson
+from venus3d.scene.dressing import Dressing, fit_width
 from venus3d.scene.projections import Picture
 from venus3d.scene.style import Theme
 from venus3d.scene.teach.controls import (
@@ -34,8 +35,7 @@ from venus3d.scene.teach.words import card_html
 from venus3d.scene.texts import teach as texts
 
 # (lowest height of the window, width on the left, width on the right), pixels
-_WIDTHS = ((900, 400, 500), (0, 400, 340))
-_BRAND = {True: (150, 163, 184), False: (70, 82, 102)}
+_WIDTHS = ((900, 520, 500), (0, 400, 340))
 _JPEG_QUALITY = 82
 MARKS = tuple(zip((0, 25, 50, 75, 100), texts.WAY_MARKS, strict=True))
 
@@ -63,12 +63,11 @@ class TeachPage:
             aspect: the camera picture's width over its height.
         """
         self._server, self._gui = server, server.gui
-        self._styles: list[Any] = []
-        self._dark: bool | None = None
+        self._dressing = Dressing(server.gui)
         self._make_right(act, on_way, aspect)
         panel = self._left = self._gui.add_panel()
         with panel.add_tab(texts.LESSON_TAB, viser.Icon.SCHOOL):
-            self._add_style()
+            self._dressing.add()
             self.lesson = LessonPanel(self._gui, act, lessons, on_pose, on_lesson)
             for label, row, hint in (
                 (texts.TEMPO, TEMPO_ROW, texts.TEMPO_HINT),
@@ -78,14 +77,14 @@ class TeachPage:
             if kinds:
                 self._make_saving(act, kinds)
         panel.dock_left()
-        panel.set_width(_WIDTHS[0][1])
         self._help = make_commands(server, act, kinds)
-        server.on_client_connect(self._fit)
+        fit_width(server, panel, lambda height: _widths(height)[0])
+        fit_width(server, self._gui.main_panel, lambda height: _widths(height)[1])
 
     def show(self, moment: TeachMoment, state: TeachState) -> None:
         """Put one moment on the page."""
         theme = Theme(state.dark)
-        self._set_theme(theme)
+        self._dressing.show(theme)
         self._help.show(theme)
         self.lesson.show(moment, state, theme)
         card = card_html(moment, state, theme)
@@ -135,8 +134,7 @@ class TeachPage:
     def _make_right(self, act: Act, on_way: Callable[[float], object], aspect: float) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
-        gui.main_panel.set_width(_WIDTHS[0][2])
-        self._add_style()
+        self._dressing.add()
         self._heading(texts.PICTURE_TITLE)
         blank = np.full((round(480 / aspect), 480, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
@@ -169,34 +167,7 @@ class TeachPage:
     def _heading(self, text: str) -> None:
         self._gui.add_html(f"<div class='v-progress'><div class='v-head2'>{text}</div></div>")
 
-    def _add_style(self) -> None:
-        # A panel that is folded takes its style sheet along, so each has its own.
-        self._styles.append(self._gui.add_html(""))
 
-    def _set_theme(self, theme: Theme) -> None:
-        if theme.dark == self._dark:
-            return
-        self._dark = theme.dark
-        self._gui.configure_theme(
-            dark_mode=theme.dark,
-            show_logo=False,
-            show_share_button=False,
-            brand_color=_BRAND[theme.dark],
-        )
-        for style in self._styles:
-            style.content = theme.sheet
-
-    def _fit(self, client: viser.ClientHandle) -> None:
-        # Only the main panel can be told to one tab alone.
-        shown = _WIDTHS[0][2]
-
-        def fit(_: object = None) -> None:
-            nonlocal shown
-            height = client.camera.image_height
-            wanted = next(right for low, _, right in _WIDTHS if height >= low)
-            if wanted != shown:
-                shown = wanted
-                client.gui.main_panel.set_width(wanted)
-
-        fit()
-        client.camera.on_update(fit)
+def _widths(height: int) -> tuple[int, int]:
+    """Of the left and of the right panel in a window of this height, pixels."""
+    return next((left, right) for low, left, right in _WIDTHS if height >= low)

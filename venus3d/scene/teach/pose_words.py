@@ -13,6 +13,13 @@ from venus3d.scene.texts import teach as texts
 
 _LISTED = 3
 _SHEET = """<style>
+.v-lesson,.v-question{font-size:clamp(17px,2.35vh,27px);line-height:1.34;color:var(--text)}
+.v-lesson p,.v-lesson li{font-size:inherit!important;line-height:inherit;margin:0 0 .55em}
+.v-lesson h2{font-size:1.28em!important;line-height:1.15;margin:0 0 .1em}
+.v-where{font-size:max(13px,.62em);color:var(--soft);margin-bottom:.5em}
+.v-question{font-size:clamp(16px,2.1vh,24px)}
+.v-question>b{display:block;line-height:1.25;font-weight:700}
+.v-question .v-refused{font-size:.9em;line-height:1.3;margin:8px 0 0}
 .v-fit{font-size:14px;line-height:1.32;min-height:2.7em}
 .v-fit p{margin:0 0 4px}
 .v-refused{border-left:5px solid var(--info);background:var(--tile);border-radius:0 6px 6px 0;
@@ -30,6 +37,12 @@ overflow:hidden;margin:4px 0}
 
 def _wrapped(body: str) -> str:
     return f"{_SHEET}<div class='v-progress'>{body}</div>" if body else ""
+
+
+def lesson_markdown(title: str, where: str, text: str) -> str:
+    """A page's title, which page it is, and its text, in letters that a class can read."""
+    small = f"<div class='v-where'>{where}</div>\n\n" if where else ""
+    return f"<div class='v-lesson'>\n\n## {title}\n\n{small}{text}\n\n</div>"
 
 
 def fit_html(moment: TeachMoment, *, live: bool = True) -> str:
@@ -96,7 +109,7 @@ def question_html(state: TeachState, theme: Theme) -> str:
     if page is None or page.question is None:
         return ""
     question = page.question
-    body = f"<h3 style='font-size:16px;color:var(--text)'>{escape(question.text)}</h3>"
+    body = f"<b>{escape(question.text)}</b>"
     if state.answer is not None:
         right = state.answer == question.right
         verdict = texts.RIGHT if right else texts.WRONG
@@ -105,4 +118,4 @@ def question_html(state: TeachState, theme: Theme) -> str:
             f"<div class='v-refused' style='--info:{colour}'><b>{verdict}</b>"
             f"{escape(question.why)}</div>"
         )
-    return _wrapped(body)
+    return _wrapped(f"<div class='v-question'>{body}</div>")

@@ -121,7 +121,7 @@ def _comparison(moment: TeachMoment, state: TeachState) -> list[Shape]:
         (
             moment.others(state.arrangement),
             "own" if own else "fixed",
-            right.format(order=texts.ORDER_NAME.format(*moment.order.upper())),
+            right.format(order=_order_name(moment.order)),
         ),
     )
     # Whoever faces the camera sees left and right swapped, and the words say left and right.
@@ -135,6 +135,11 @@ def _comparison(moment: TeachMoment, state: TeachState) -> list[Shape]:
             moment.board, side, turns, way, axes=axes, title=title, dark=state.dark
         )
     ]
+
+
+def _order_name(order: str) -> str:
+    one, two, three = order.upper()
+    return texts.ORDER_NAME.format(one=one, two=two, three=three)
 
 
 def moment_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:

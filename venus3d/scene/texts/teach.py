@@ -42,7 +42,7 @@ COLUMNS = {
     "axes": ("About the camera's fixed axes", "About the board's own axes"),
     "order": ("First X, then Y, then Z", "{order}"),
 }
-ORDER_NAME = "First {}, then {}, then {}"
+ORDER_NAME = "First {one}, then {two}, then {three}"
 COMPARE_TITLES = {"axes": "Fixed axes or the board's own", "order": "The order of turns"}
 COMPARE_WHY = {
     "axes": (

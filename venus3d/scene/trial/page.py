@@ -175,7 +175,7 @@ class TrialPage(Page):
         self._shown: Sequence[Help] = HELPS  # the lines of the plot
         self._show_scene()
         gui.main_panel.dock_right()
-        self._add_style()
+        self._dressing.add()
         self._card = gui.add_html("")
         blank = np.full((_LARGE_PICTURE_WIDTH * 9 // 16, _LARGE_PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
@@ -203,7 +203,7 @@ class TrialPage(Page):
         gui = self._gui
         panel = self.left_panel = gui.add_panel()
         with panel.add_tab(say.TAB, viser.Icon.CLOCK):
-            self._add_style()
+            self._dressing.add()
             self._side = gui.add_html("")
             self._start = gui.add_button(
                 say.START, icon=viser.Icon.PLAYER_PLAY, visible=False, hint=say.START_HINT
