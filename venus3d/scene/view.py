@@ -100,7 +100,7 @@ class SceneView:
             self._nodes[shape.name] = _Node(shape, self._create(shape, dark))
             return
         if isinstance(shape, MeshShape):
-            _update_mesh(node.handle, shape)
+            _update_mesh(node, shape)
         elif isinstance(shape, LineShape):
             _update_line(node.handle, shape)
         elif isinstance(shape, LabelShape):
@@ -198,11 +198,14 @@ def _move(handle: Any, pose: Pose) -> None:
     handle.wxyz, handle.position = pose.wxyz, pose.t
 
 
-def _update_mesh(handle: Any, shape: MeshShape) -> None:
+def _update_mesh(node: _Node, shape: MeshShape) -> None:
+    handle: Any = node.handle
     _move(handle, shape.pose)
-    if not shape.textured:
+    if shape.textured:
+        return
+    if not (isinstance(node.shape, MeshShape) and node.shape.mesh is shape.mesh):
         handle.vertices, handle.faces = _mesh_arrays(shape)
-        handle.color, handle.opacity = shape.colour, _opacity(shape)
+    handle.color, handle.opacity = shape.colour, _opacity(shape)
 
 
 def _update_line(handle: Any, shape: LineShape) -> None:
