@@ -32,8 +32,8 @@ from venus3d.scene.texts import export as texts
 from venus3d.scene.texts import teach as teach_texts
 
 _LENS_WIDTH = 640
-_PLAYER_BAR_PX = 44
-"""Height of the player's own bar below the scene."""
+_PLAYER_BAR_PX = 32
+"""Height of the player's own bar below the scene, at least."""
 
 
 @dataclass(frozen=True, eq=False)

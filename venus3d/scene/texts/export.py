@@ -8,13 +8,13 @@ SHEET_START = (
 )
 HOLDER = "For your hands: {words}"
 
-LESSON_LABEL = "Lesson"
 PAGE_OF = "Page {page} of {pages}"
 BACK, ON = "Back", "Next page"
 STEPS_TITLE = "The four steps, as the camera sees them"
 SCENE_TITLE = "The way there"
 SCENE_HINT = (
-    "Play, stop and go back and forth with the bar below the scene; turn it with the mouse."
+    "Play, stop and go back and forth with the bar below the scene; turn it with the mouse or a "
+    "finger."
 )
 POSE_TITLE = "The pose in six numbers"
 STEP_ALT = "Step {number}: {words}"
