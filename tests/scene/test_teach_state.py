@@ -77,7 +77,7 @@ def test_lessons_set_the_page_and_turn_into_each_other() -> None:
     assert state.answered(3).answer is None, "there is no third answer"
     state = state.answered(1).turned(1)
     assert (state.lesson, state.page, state.answer) == (1, 0, None)
-    assert state.turned(1) == state, "the last page of all"
+    assert state.turned(1) == state.opened(None), "after the last page of all"
     assert state.turned(-1).page == 1
     assert state.opened(None).vector == FREE_VECTOR
     swapped = state.opened(None).next_order()

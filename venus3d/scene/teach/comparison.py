@@ -39,7 +39,7 @@ def centre_of(board: Board, side: Side) -> Array:
 def comparison_points(board: Board) -> Array:
     """(N, 3) points around all that is drawn here, metres."""
     reach = 1.05 * _AXIS * board.width
-    box = np.array(np.meshgrid([-1, 1], [-1.1, 1], [-0.6, 0.6])).reshape(3, -1).T * reach
+    box = np.array(np.meshgrid([-1, 1], [-1.25, 1.1], [-0.6, 0.6])).reshape(3, -1).T * reach
     return np.concatenate([centre_of(board, side) + box for side in CENTRES])
 
 
@@ -67,7 +67,7 @@ def column_shapes(
         return Pose(pose.R, centre)
 
     now = here(turn.pose_at(fraction))
-    above = centre - [0, 1.02 * _AXIS * board.width, 0]
+    above = centre - [0, 1.2 * _AXIS * board.width, 0]
     shapes: list[Shape] = [
         board_shape(board, now, f"{name}/board"),
         board_outline(board, here(turns[0].before), f"{name}/outline", colours.ghost, 1.5),

@@ -45,8 +45,8 @@ HOTKEYS: dict[str, Any] = {
 }
 STEP_ROW, TEMPO_ROW = ("previous", "play", "next"), ("speed", "loop")
 LOOK_ROW = ("outside", "camera", "holder", "above")
-SHOW_ROW = ("strip", "axes", "order", "other order")
-PAGE_ROW, MORE_ROW = ("back", "on"), ("reset", "theme")
+SHOW_ROW = ("strip", "axes", "order")
+PAGE_ROW, MORE_ROW = ("back", "on"), ("reset", "other order", "theme")
 
 
 class ButtonRow:

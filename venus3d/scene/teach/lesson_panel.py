@@ -66,13 +66,13 @@ class LessonPanel:
         self._answers = [self._answer_button(gui, act, n) for n in range(1, _ANSWERS + 1)]
         self._pages = ButtonRow(gui, texts.PAGES, PAGE_ROW, act, texts.PAGES_HINT)
         self._sigma = gui.add_html("", visible=False)
+        blank = np.zeros((9, 16, 3), np.uint8)
+        self._lens = gui.add_image(blank, format="jpeg", jpeg_quality=85, visible=False)
+        self._lens_legend = gui.add_html("", visible=False)
         gui.add_html(f"<div class='v-progress'><h3>{texts.POSE_TITLE}</h3></div>")
         self.pose = PosePanel(gui, lambda vector: on_pose(_vector(vector)), FREE_VECTOR)
         self._fit = gui.add_html("")
         self._why = gui.add_html("", visible=False)
-        blank = np.zeros((9, 16, 3), np.uint8)
-        self._lens = gui.add_image(blank, format="jpeg", jpeg_quality=85, visible=False)
-        self._lens_legend = gui.add_html("", visible=False)
         self._shown: dict[str, object] = {}
 
     def show(self, moment: TeachMoment, state: TeachState, theme: Theme) -> None:

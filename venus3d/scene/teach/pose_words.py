@@ -14,12 +14,16 @@ from venus3d.scene.texts import teach as texts
 _LISTED = 3
 _SHEET = """<style>
 .v-lesson,.v-question{font-size:clamp(17px,2.35vh,27px);line-height:1.34;color:var(--text)}
-.v-lesson p,.v-lesson li{font-size:inherit!important;line-height:inherit;margin:0 0 .55em}
+.v-lesson p,.v-lesson ul,.v-lesson ol,.v-lesson li{font-size:inherit!important;
+line-height:inherit!important;margin:0 0 .5em}
+.v-lesson li{margin:0 0 .25em}
 .v-lesson h2{font-size:1.28em!important;line-height:1.15;margin:0 0 .1em}
 .v-where{font-size:max(13px,.62em);color:var(--soft);margin-bottom:.5em}
 .v-question{font-size:clamp(16px,2.1vh,24px)}
 .v-question>b{display:block;line-height:1.25;font-weight:700}
 .v-question .v-refused{font-size:.9em;line-height:1.3;margin:8px 0 0}
+.mantine-ScrollArea-root:has(.v-lesson) button[data-block] .mantine-Button-label{
+font-size:clamp(15px,1.95vh,22px)}
 .v-fit{font-size:14px;line-height:1.32;min-height:2.7em}
 .v-fit p{margin:0 0 4px}
 .v-refused{border-left:5px solid var(--info);background:var(--tile);border-radius:0 6px 6px 0;

@@ -190,12 +190,13 @@ class TeachState:
         )
 
     def turned(self, pages: int) -> TeachState:
-        """Some pages on or back; past a lesson's end, the next lesson. Free: the first page."""
+        """Some pages on or back; past a lesson's end, the next lesson; past the last one's, free.
+        Free: the first page."""
         if self.lesson is None:
             return self.opened(0) if self.lessons and pages > 0 else self
         page = self.page + pages
         if page >= len(self.lessons[self.lesson].pages):
-            return self if self.lesson + 1 == len(self.lessons) else self.opened(self.lesson + 1)
+            return self.opened(self.lesson + 1 if self.lesson + 1 < len(self.lessons) else None)
         if page < 0:
             if self.lesson == 0:
                 return self

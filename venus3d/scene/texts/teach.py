@@ -58,7 +58,7 @@ COMPARE_WHY = {
     ),
 }
 APART = "{degrees:.0f}° apart"
-APART_LABEL = "one turn would bring the left board to the right one's result"
+APART_LABEL = "so far one would have to turn the left board to match the right one"
 SAME = "the same"
 SAME_LABEL = "with these numbers both end alike; turn about two axes at least"
 COMPARE_TURN = "Turn {number} of 3: about {left}"
@@ -113,7 +113,10 @@ SHOW, SHOW_HINT = (
     "Show",
     "The steps where they happen, all four side by side, or the same numbers read in two ways.",
 )
-PAGE, PAGE_HINT = "More", "The pose that the page began with; brightness."
+PAGE, PAGE_HINT = (
+    "More",
+    "The pose that the page began with; two orders of turns, the next pair; brightness.",
+)
 SAVE, SAVE_HINT = "Save as", "A file to hand out: it works without this program and offline."
 SAVING = "{kind}: the file is being made. This can take a minute; go on as you like."
 SAVED = "{name} is done: it is among your browser's downloads."
@@ -131,10 +134,10 @@ LABELS = {
     "camera": "Camera  C",
     "holder": "Holder  M",
     "above": "Above  V",
-    "strip": "Side by side  T",
-    "axes": "Two kinds of axes  X",
+    "strip": "Four steps  T",
+    "axes": "Whose axes  X",
     "order": "Two orders  R",
-    "other order": "Other order  Y",
+    "other order": "Next order  Y",
     "reset": "Pose again  0",
     "theme": "Light  B",
     "theme dark": "Dark  B",
@@ -161,7 +164,7 @@ COMMANDS = {
         "Another order",
         "Compare X, Y, Z with the next of the other five orders of turns",
     ),
-    "on": ("Next page", "The next page of the lesson, or the first lesson"),
+    "on": ("Next page", "The next page; after the last one, your own poses"),
     "back": ("Previous page", "The page before"),
     "lesson": ("Next lesson", "Open the next lesson"),
     "free": ("Try it yourself", "No lesson: just the sliders"),
