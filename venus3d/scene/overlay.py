@@ -15,7 +15,7 @@ from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.pose import Array, Pose
 from venus3d.scene.palette import mixed
-from venus3d.scene.picture import CASING, draw_line, mark_top, outline_of
+from venus3d.scene.picture import CASING, draw_dashes, draw_line, mark_top, outline_of
 from venus3d.scene.shapes import Colour
 
 Picture = NDArray[np.uint8]
@@ -69,8 +69,7 @@ def _frame(rgb: Picture, camera: Camera, pose: Pose, length: float, *, dashed: b
         colour, width = AXIS_COLOURS[axis], _stroke(rgb)
         if dashed:
             colour = mixed(colour, (255, 255, 255), 0.35)
-            for start in range(0, _POINTS - 1, 2):
-                draw_line(rgb, points[start : start + 2], colour, width, closed=False)
+            draw_dashes(rgb, points, colour, width)
             _head(rgb, points, colour, width)
         else:
             draw_line(rgb, points, colour, width + 3, closed=False)

@@ -56,7 +56,7 @@ def annotate(
     if snapshot.target is not None and snapshot.phase in ("startup", "guiding"):
         target = outline_of(camera, snapshot.board, snapshot.target.pose)
         steps = snapshot.target.steps if snapshot.match is None else snapshot.match.steps
-        _dashes(rgb, target)
+        draw_dashes(rgb, target, _TARGET_COLOUR, 2)
         if snapshot.match is not None:
             after = outline_of(camera, snapshot.board, steps[step - 1].after)
             draw_line(rgb, after, colour, 4, closed=True)
@@ -84,19 +84,41 @@ def draw_line(
 ) -> None:
     """A line through points (N, 2) in pixels, with a dark casing, in place; NaN leaves a gap."""
     whole = np.vstack([points, points[:1]]) if closed else points
+    _stroke(rgb, _runs(whole), colour, width)
+
+
+def draw_dashes(rgb: NDArray[np.uint8], points: Array, colour: Colour, width: int) -> None:
+    """Every second edge of the line through points (N, 2) in pixels, as `draw_line` draws it."""
+    ends = points[: len(points) // 2 * 2].reshape(-1, 2, 2)
+    kept = ends[_drawable(ends).all(axis=1)]
+    _stroke(rgb, list(_fixed(kept)), colour, width)
+
+
+def _runs(points: Array) -> list[NDArray[np.int32]]:
+    """The parts (n, 2) of a line that can be drawn, in 1/16 px."""
+    good = _drawable(points)
+    if good.all():
+        return [_fixed(points)]
+    breaks = np.flatnonzero(np.diff(good)) + 1
+    parts = zip(np.split(points, breaks), np.split(good, breaks), strict=True)
+    return [_fixed(part) for part, is_good in parts if is_good[0] and len(part) > 1]
+
+
+def _drawable(points: Array) -> NDArray[np.bool_]:
     # Far outside the picture cv2's fixed-point coordinates would overflow.
-    good = [bool(np.isfinite(p).all() and (np.abs(p) < 1e4).all()) for p in whole]
+    with np.errstate(invalid="ignore"):
+        return (np.abs(points) < 1e4).all(axis=-1)
+
+
+def _fixed(points: Array) -> NDArray[np.int32]:
+    return np.round(points * 16).astype(np.int32)
+
+
+def _stroke(
+    rgb: NDArray[np.uint8], runs: list[NDArray[np.int32]], colour: Colour, width: int
+) -> None:
     for ink, thickness in ((CASING, width + 3), (colour, width)):
-        for first, second in zip(range(len(whole) - 1), range(1, len(whole)), strict=True):
-            if good[first] and good[second]:
-                a, b = (np.round(whole[i] * 16).astype(int).tolist() for i in (first, second))
-                cv2.line(rgb, a, b, ink, thickness, cv2.LINE_AA, _SHIFT)
-
-
-def _dashes(rgb: NDArray[np.uint8], outline: Array) -> None:
-    ring = np.vstack([outline, outline[:1]])
-    for start in range(0, len(outline), 2):
-        draw_line(rgb, ring[start : start + 2], _TARGET_COLOUR, 2, closed=False)
+        cv2.polylines(rgb, runs, False, ink, thickness, cv2.LINE_AA, _SHIFT)
 
 
 def mark_top(
