@@ -95,6 +95,7 @@ SIZES = (
 
 _SHEET = """
 .v-wide{container-type:inline-size}
+.mantine-Notification-root .mantine-Notification-description{color:var(--text)}
 .v-guide,.v-progress,.v-steps,.v-keys,.v-tour{color:var(--text);font-family:Inter,"Segoe UI",Roboto,
 "Helvetica Neue",Arial,sans-serif;font-variant-numeric:tabular-nums;box-sizing:border-box}
 .v-guide *,.v-progress *,.v-steps *,.v-keys *,.v-tour *{box-sizing:border-box}
