@@ -132,6 +132,22 @@ def test_the_clock_runs_from_the_first_move() -> None:
     assert attempt.path_mm == pytest.approx(100)
 
 
+def test_a_number_that_is_typed_is_not_walked_by_way_of_its_digits() -> None:
+    """4, 45, 450 within a moment: only where it stands in the end counts, once it has stood."""
+    start = Pose.from_vector([0, 0, 0, 0, 0, 0.55])
+    attempt = Attempt.at(start, Pose.from_vector([0, 0, 0, 0, 0, 0.4]), ALL)
+    for now, z in ((1.0, 0.15), (1.2, 0.155), (1.4, 0.45)):
+        attempt = attempt.moved(Pose.from_vector([0, 0, 0, 0, 0, z]), now, jump=True)
+    assert attempt.path_mm == pytest.approx(100)
+    assert attempt.began_s == 1.0
+    # After a rest a jump is another leg; a drag counts all of its way.
+    attempt = attempt.moved(Pose.from_vector([0, 0, 0, 0, 0, 0.5]), 3.0, jump=True)
+    assert attempt.path_mm == pytest.approx(150)
+    for now, z in ((3.1, 0.4), (3.2, 0.5)):
+        attempt = attempt.moved(Pose.from_vector([0, 0, 0, 0, 0, z]), now)
+    assert attempt.path_mm == pytest.approx(350)
+
+
 def test_the_detour_is_the_worse_of_shift_and_turn() -> None:
     score = Score(4, 1, "steps", True, 3.0, 150, 100, 20, 20)
     assert score.detour == pytest.approx(1.5)

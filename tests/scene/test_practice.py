@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-
 import cv2
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ import pytest
 from venus3d.engine.camera import Camera
 from venus3d.engine.pose import Pose
 from venus3d.scene.practice.board_drag import dragged_pose
-from venus3d.scene.practice.pictures import FairPictures, fitting
+from venus3d.scene.practice.pictures import Turns, fitting
 
 
 def test_the_grabbed_point_stays_under_the_pointer_in_the_projection(paper_camera: Camera) -> None:
@@ -43,29 +41,17 @@ def test_gestures_turn_and_push_as_they_say() -> None:
 
 def test_pictures_come_in_turns_and_the_newest_wins() -> None:
     drawn: list[str] = []
-    go, started, done = threading.Event(), threading.Event(), threading.Event()
-    pictures = FairPictures(lambda who, error: pytest.fail(f"{who}: {error}"))
-
-    def draw(name: str):
-        def now() -> np.ndarray:
-            started.set()
-            assert go.wait(10)
-            drawn.append(name)
-            if name == "b2":
-                done.set()
-            return np.zeros((1, 1, 3), np.uint8)
-
-        return now
-
-    pictures.ask("a", draw("a1"), lambda _: None)
-    assert started.wait(10)
-    for who, name in (("a", "a2"), ("b", "b1"), ("a", "a3"), ("c", "c1"), ("b", "b2")):
-        pictures.ask(who, draw(name), lambda _: None)
-    pictures.forget("c")
-    go.set()
-    assert done.wait(10)
-    pictures.close()
-    assert drawn == ["a1", "a3", "b2"]
+    turns = Turns()
+    asked = (("a2", 1), ("b1", 2), ("a3", 1), ("c1", 3), ("b2", 2))
+    for name, who in asked:
+        turns.ask(who, "seen", lambda name=name: drawn.append(name))
+    turns.ask(3, "target", lambda: drawn.append("c target"))
+    turns.forget(3)
+    order: list[int] = []
+    while (turn := turns.take()) is not None:
+        order.append(turn[0])
+        turn[1]()
+    assert (drawn, order) == (["a3", "b2"], [1, 2])
 
 
 def test_pictures_fit() -> None:

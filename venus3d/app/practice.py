@@ -1,9 +1,12 @@
 """The practice server: every tab is a trainee with a board, a scene and panels of its own.
 
     viser's pool  pages are laid out for new tabs; what people do is queued
-    practice      (the caller's thread) wishes and the clock -> each trainee -> page
-    pictures      what each trainee's camera sees, in turns
+    practice      (the caller's thread) wishes and the clock -> each trainee -> page; then, in
+                  turns, what their cameras see
     rows          writes practice.csv, so that a slow disk keeps nobody waiting
+
+Scenes and pictures have one thread on purpose: two would take Python's lock from each other at each
+call of OpenGL, of which a picture needs hundreds, and both would be slower.
 
 Only the file and the server are common to all. A tab that goes takes its trainee along.
 """
@@ -15,7 +18,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Hashable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field
@@ -29,7 +32,7 @@ from venus3d.options import PracticeOptions
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.practice.moment import PracticeMoment, Wish
 from venus3d.scene.practice.page import PracticePage
-from venus3d.scene.practice.pictures import FairPictures, fitting
+from venus3d.scene.practice.pictures import Picture, Turns, fitting
 from venus3d.scene.practice.shapes import (
     picture_background,
     picture_finish,
@@ -37,6 +40,7 @@ from venus3d.scene.practice.shapes import (
     target_picture_shapes,
 )
 from venus3d.scene.server import LocalServer, start_server
+from venus3d.scene.shapes import Shape
 from venus3d.scene.texts.practice import BROKEN
 from venus3d.sources.sim import PAPER_CAMERA
 from venus3d.storage.camera_yaml import read_camera_yaml
@@ -45,7 +49,8 @@ from venus3d.storage.practice import PracticeFile
 FILE = "practice.csv"
 _PERIOD_S = 1 / 30
 _PICTURE_ROOM = (480, 270)
-_SWITCH_S = 0.0002
+_ROUND_S = 0.12
+"""So long after the last look at what people did, pictures wait for the next round."""
 
 
 @dataclass(eq=False)
@@ -93,7 +98,7 @@ class Hall:
         self._wake = threading.Event()
         self._stop = threading.Event()
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="rows")
-        self._pictures = FairPictures(self._picture_failed)
+        self._turns = Turns()
         camera = server.initial_camera
         camera.near, camera.far = 0.01, 50.0
         server.on_client_connect(self._enter)
@@ -107,26 +112,21 @@ class Hall:
 
     def run(self) -> None:
         """Serve everybody until `close`."""
-        # Python lets go of its lock at each call of OpenGL; with the usual 5 ms until it is had
-        # back, a picture of hundreds of calls would take a second while others are moving.
-        sys.setswitchinterval(_SWITCH_S)
         while not self._stop.is_set():
-            # Clocks run, views fly and windows change by themselves.
-            busy = any(desk.page.is_moving for desk in self.desks)
-            self._wake.wait(timeout=_PERIOD_S if busy else 0.1)
-            self._wake.clear()
             started = time.monotonic()
             for desk in self.desks:
                 self._serve(desk)
-            # With many trainees the pictures need their share of the time too.
-            taken = time.monotonic() - started
-            self._stop.wait(max(taken, _PERIOD_S - taken))
+            waiting = self._draw_until(started + _ROUND_S)
+            self._stop.wait(_PERIOD_S - (time.monotonic() - started))
+            # Clocks run, views fly and windows change by themselves.
+            busy = waiting or any(desk.page.is_moving for desk in self.desks)
+            self._wake.wait(timeout=0 if busy else 0.1)
+            self._wake.clear()
 
     def close(self) -> None:
         """Send everybody home and write what is still to be written. May be called twice."""
         self._stop.set()
         self._wake.set()
-        self._pictures.close()
         self._writer.shutdown(wait=True)
         with self._lock:
             self._desks.clear()
@@ -156,8 +156,7 @@ class Hall:
     def _leave(self, client: viser.ClientHandle) -> None:
         with self._lock:
             self._desks.pop(client.client_id, None)
-        self._pictures.forget(client.client_id)
-        self._pictures.forget((client.client_id, "target"))
+        self._turns.forget(client.client_id)
 
     # -- on the practice thread ------------------------------------------------------------------
 
@@ -182,27 +181,48 @@ class Hall:
     def _show(self, desk: Desk, moment: PracticeMoment) -> None:
         before, desk.shown = desk.shown, moment
         desk.page.show(moment)
-        if before is None or _picture_key(before) != _picture_key(moment):
-            self._ask_picture(desk, moment)
+        if before is None or _seen_key(before) != _seen_key(moment):
+            shapes, finish = picture_shapes(moment), picture_finish(moment)
+            self._ask(desk, "seen", moment, shapes, desk.page.show_picture, finish)
+        if moment.help == "none" and (before is None or _target_key(before) != _target_key(moment)):
+            shapes = target_picture_shapes(moment)
+            self._ask(desk, "target", moment, shapes, desk.page.show_target_picture)
 
-    def _ask_picture(self, desk: Desk, moment: PracticeMoment) -> None:
-        number, page = desk.client.client_id, desk.page
-        options: dict[str, Any] = {
-            "background": picture_background(moment.dark),
-            "size": fitting(moment.camera.image_size, _PICTURE_ROOM),
-        }
-        camera, draw = moment.camera, self._offscreen.render
-        shapes, finish = picture_shapes(moment), picture_finish(moment)
-        self._pictures.ask(
-            number, lambda: draw(camera, shapes, finish=finish, **options), page.show_picture
-        )
-        if moment.help == "none":
-            target = target_picture_shapes(moment)
-            self._pictures.ask(
-                (number, "target"),
-                lambda: draw(camera, target, **options),
-                page.show_target_picture,
+    def _ask(
+        self,
+        desk: Desk,
+        what: str,
+        moment: PracticeMoment,
+        shapes: Sequence[Shape],
+        deliver: Callable[[Picture], None],
+        finish: Callable[[Any], Any] | None = None,
+    ) -> None:
+        def draw() -> None:
+            picture = self._offscreen.render(
+                moment.camera,
+                shapes,
+                background=picture_background(moment.dark),
+                size=fitting(moment.camera.image_size, _PICTURE_ROOM),
+                finish=finish,
             )
+            deliver(picture)
+
+        self._turns.ask(desk.client.client_id, what, draw)
+
+    def _draw_until(self, end_s: float) -> bool:
+        """Draw pictures, at least one, until this time; whether others still wait for theirs."""
+        while (turn := self._turns.take()) is not None:
+            who, draw = turn
+            try:
+                draw()
+            except Exception as error:
+                with self._lock:
+                    desk = self._desks.get(who)
+                if desk is not None:
+                    self._failed(desk, error)
+            if time.monotonic() >= end_s:
+                return True
+        return False
 
     def _failed(self, desk: Desk, error: Exception) -> None:
         gone = desk.client.client_id not in self._server.get_clients()
@@ -211,13 +231,6 @@ class Hall:
             return
         traceback.print_exception(error, file=sys.stderr)
         desk.page.warn(BROKEN)
-
-    def _picture_failed(self, who: Hashable, error: Exception) -> None:
-        number = who[0] if isinstance(who, tuple) else who
-        with self._lock:
-            desk = self._desks.get(number) if isinstance(number, int) else None
-        if desk is not None:
-            self._failed(desk, error)
 
     def _written(self, future: Future[None]) -> None:
         error = future.exception()
@@ -229,6 +242,12 @@ class Hall:
             traceback.print_exception(error, file=sys.stderr)
 
 
-def _picture_key(moment: PracticeMoment) -> tuple[object, ...]:
-    """What the pictures of two moments must share to be the same."""
-    return (id(moment.pose), id(moment.target), moment.help, moment.dark, moment.match.active_step)
+def _seen_key(moment: PracticeMoment) -> tuple[object, ...]:
+    """What two moments share if their cameras see the same."""
+    done = all(moment.match.within)
+    return (*_target_key(moment), id(moment.pose), moment.match.active_step, done)
+
+
+def _target_key(moment: PracticeMoment) -> tuple[object, ...]:
+    """The same for a camera that looks at a board at the target."""
+    return (id(moment.target), moment.help, moment.dark)

@@ -118,6 +118,7 @@ class Trainee:
 
     def tick(self, now_s: float) -> bool:
         """Let time pass; whether the moment has changed by itself."""
+        self._compare()
         if self._stage == "hold" and self._attempt.still_s(now_s) >= HOLD_S:
             self._finish(now_s, reached=True)
             return True
@@ -129,6 +130,7 @@ class Trainee:
     def moment(self, now_s: float) -> PracticeMoment:
         """What there is to be seen."""
         attempt, course = self._attempt, self._course
+        match = self._compare()
         taken = self._taken_s if self._stage == "reached" else attempt.taken_s(now_s)
         return PracticeMoment(
             camera=course.camera,
@@ -136,7 +138,7 @@ class Trainee:
             pose=attempt.pose,
             target=attempt.target,
             free=attempt.free,
-            match=self._match,
+            match=match,
             stage=self._stage,
             level=self._level,
             help=self._help,
@@ -168,27 +170,33 @@ class Trainee:
         self._movers: list[Mover] = []
         self._stage: Stage = "aim"
         self._seconds_shown, self._taken_s = 0, 0.0
-        self._match = self._matched(None)
+        self._match: Match | None = None
+        self._compare()
 
-    def _matched(self, previous: Match | None) -> Match:
+    def _compare(self) -> Match:
+        """How the board stands to the target. Once for all that was moved since the last time:
+        nobody saw what was in between."""
         course, attempt = self._course, self._attempt
-        return compared(
-            course.camera, course.board, attempt.pose, attempt.target, previous=previous
-        )
+        if self._match is None or self._compared is not attempt.pose:
+            self._compared = attempt.pose
+            self._match = compared(
+                course.camera, course.board, attempt.pose, attempt.target, previous=self._match
+            )
+            self._stage = "hold" if all(self._match.within) else "aim"
+        return self._match
 
     def _move(self, pose: Pose, by: Mover, now_s: float) -> None:
         if self._stage == "reached":
             return
         before = self._attempt
-        self._attempt = before.moved(within_reach(pose, self._course.reach), now_s)
+        # Half of a number that is being typed is a pose as well, but not one on the way.
+        within = within_reach(pose, self._course.reach)
+        self._attempt = before.moved(within, now_s, jump=by == "sliders")
         if by not in self._movers[-1:]:
             # The one that moved last stands last, each once.
             self._movers = [*(mover for mover in self._movers if mover != by), by]
-        if self._attempt is before:
-            return
-        self._note = ""
-        self._match = self._matched(self._match)
-        self._stage = "hold" if all(self._match.within) else "aim"
+        if self._attempt is not before:
+            self._note = ""
 
     def _nudge(self, nudge: Nudge, now_s: float) -> None:
         run = 0

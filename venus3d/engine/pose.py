@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -90,7 +91,7 @@ class Pose:
         """(3,) rotation vector, radians: OpenCV's `rvec`."""
         return np.asarray(Rotation.from_matrix(self.R).as_rotvec(), dtype=np.float64)
 
-    @property
+    @cached_property
     def wxyz(self) -> Array:
         """(4,) unit quaternion, scalar first, scalar not negative."""
         quaternion = Rotation.from_matrix(self.R).as_quat(canonical=True, scalar_first=True)
@@ -147,7 +148,9 @@ class Pose:
 
     def angle_to_deg(self, other: Pose) -> float:
         """The one angle, 0 ... 180 degrees, that turns this orientation into the other's."""
-        return float(np.degrees(Rotation.from_matrix(other.R @ self.R.T).magnitude()))
+        # The chord between two rotation matrices is 2 sqrt(2) sin(angle / 2).
+        chord = float(np.linalg.norm(other.R - self.R)) / np.sqrt(8)
+        return float(np.degrees(2 * np.arcsin(min(chord, 1.0))))
 
     def distance_to(self, other: Pose) -> float:
         """Distance of the two board centres, metres."""

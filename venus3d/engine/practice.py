@@ -25,6 +25,8 @@ LEAST_TURN_DEG = 15.0
 """A turn that is asked for is at least so large."""
 LEAST_SHIFT = 0.15
 """And a shift at least this fraction of the board's width."""
+REST_S = 0.5
+"""A jump counts as walked once the board has stood for so long where it brought it."""
 _TRIES, _DRAWS = 40, 512
 
 Free = tuple[bool, bool, bool, bool, bool, bool]
@@ -163,30 +165,48 @@ class Attempt:
     """When it was moved first; None while it has not been."""
     moved_s: float = 0.0
     """When it was moved last."""
-    path_mm: float = 0.0
-    """Length of the way of its centre, millimetres."""
-    path_deg: float = 0.0
-    """All its turns added up, degrees."""
+    jumped: bool = False
+    """Whether that was a jump."""
+    corner: Pose | None = None
+    """Where the last straight leg of its way begins; None for the start."""
+    legs_mm: float = 0.0
+    legs_deg: float = 0.0
+    """Length of the way up to there."""
 
     @staticmethod
     def at(start: Pose, target: Pose, free: Free) -> Attempt:
         """The board at the start."""
         return Attempt(start, target, free, start)
 
-    def moved(self, pose: Pose, now_s: float) -> Attempt:
-        """After the board was brought to `pose`, of which only the free numbers count."""
+    def moved(self, pose: Pose, now_s: float, *, jump: bool = False) -> Attempt:
+        """After the board was brought to `pose`, of which only the free numbers count.
+
+        A `jump` is not walked: where it leads on within `REST_S`, only the way from where the
+        jumps began to where they end counts. So "450" is not by way of "4" and "45".
+        """
         pose = with_free_only(pose, self.start, self.free)
-        mm, deg = 1000 * self.pose.distance_to(pose), self.pose.angle_to_deg(pose)
-        if mm < 1e-6 and deg < 1e-4:  # rounding of a matrix
-            return self
-        return replace(
+        if self.pose.distance_to(pose) < 1e-9 and self.pose.angle_to_deg(pose) < 1e-4:
+            return self  # rounding of a matrix
+        after = replace(
             self,
             pose=pose,
             began_s=now_s if self.began_s is None else self.began_s,
             moved_s=now_s,
-            path_mm=self.path_mm + mm,
-            path_deg=self.path_deg + deg,
+            jumped=jump,
         )
+        if jump and self.jumped and now_s - self.moved_s < REST_S:
+            return after
+        return replace(after, corner=self.pose, legs_mm=self.path_mm, legs_deg=self.path_deg)
+
+    @property
+    def path_mm(self) -> float:
+        """Length of the way of its centre, millimetres."""
+        return self.legs_mm + 1000 * (self.corner or self.start).distance_to(self.pose)
+
+    @property
+    def path_deg(self) -> float:
+        """All its turns added up, degrees."""
+        return self.legs_deg + (self.corner or self.start).angle_to_deg(self.pose)
 
     def taken_s(self, now_s: float) -> float:
         """Time since the first move, seconds; 0 before it."""

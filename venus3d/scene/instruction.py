@@ -134,12 +134,7 @@ def _turn_shapes(
     place = protractor(board, camera, step)
     angle, radius = round(step.angle_deg, 2), round(place.radius, 5)
     shaft = _shaft(board, step)
-    sign = 1.0 if angle > 0 else -1.0
-    if for_camera and step.axis != "z":
-        ends = (0.0, sign * max(abs(angle), READABLE_ARC_DEG))
-    else:
-        # The tail of a small turn's arrow is moved back, so that its tip is where the turn ends.
-        ends = (sign * min(0.0, abs(angle) - SHORTEST_ARC_DEG), angle)
+    ends = arc_ends(step, for_camera=for_camera)
     arrow = arc_arrow(*ends, radius, shaft)
     outward = place.axis_ends[1] - place.axis_ends[0]
     outward = outward / np.linalg.norm(outward) * 0.07 * board.width * _enlarged(step)
@@ -158,6 +153,16 @@ def _turn_shapes(
         LabelShape(f"{name}/axis_label", step.axis.upper(), letter_at, colour, seen),
         LabelShape(f"{name}/label", f"{step.angle_deg:+.0f}°", degrees_at, colour),
     ]
+
+
+def arc_ends(step: Step, *, for_camera: bool) -> tuple[float, float]:
+    """Where a turn's arrow begins and where its tip is, degrees from the start of its arc."""
+    angle = round(step.angle_deg, 2)
+    sign = 1.0 if angle > 0 else -1.0
+    if for_camera and step.axis != "z":
+        return 0.0, sign * max(abs(angle), READABLE_ARC_DEG)
+    # The tail of a small turn's arrow is moved back, so that its tip is where the turn ends.
+    return sign * min(0.0, abs(angle) - SHORTEST_ARC_DEG), angle
 
 
 def protractor(board: Board, camera: Camera | None, step: Step) -> Protractor:

@@ -102,7 +102,7 @@ class SceneView:
         if isinstance(shape, MeshShape):
             _update_mesh(node, shape)
         elif isinstance(shape, LineShape):
-            _update_line(node.handle, shape)
+            _update_line(node, shape)
         elif isinstance(shape, LabelShape):
             node.handle.text = shape.text
             node.handle.position = tuple(shape.position)
@@ -208,9 +208,11 @@ def _update_mesh(node: _Node, shape: MeshShape) -> None:
     handle.color, handle.opacity = shape.colour, _opacity(shape)
 
 
-def _update_line(handle: Any, shape: LineShape) -> None:
+def _update_line(node: _Node, shape: LineShape) -> None:
+    handle, old = node.handle, node.shape
     _move(handle, shape.pose)
-    handle.points = shape.segments
+    if not (isinstance(old, LineShape) and old.segments is shape.segments):
+        handle.points = shape.segments
     # One colour for all: viser takes a colour for each point for linear light and shows it paler.
     handle.colors = np.asarray(shape.colour, np.uint8)
     handle.thickness = shape.width_px

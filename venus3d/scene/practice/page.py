@@ -10,13 +10,13 @@ One thread calls `show`; the pictures may come on another one.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import viser
 
 from venus3d.engine.pose import Array, Pose
 from venus3d.engine.practice import Reach
+from venus3d.scene.dressing import Dressing
 from venus3d.scene.gizmo import BoardGizmo
 from venus3d.scene.help import HelpOverlay, add_commands
 from venus3d.scene.pose_panel import PosePanel
@@ -45,8 +45,6 @@ _SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
 _JPEG_QUALITY = 80
 _UNITS = np.array([1.0, 1.0, 1.0, 1000.0, 1000.0, 1000.0])  # metres to the sliders' millimetres
 _STEPS = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
-# Neutral: the steps have the colours.
-_BRAND = {True: (150, 163, 184), False: (70, 82, 102)}
 
 
 class PracticePage:
@@ -68,14 +66,12 @@ class PracticePage:
             reach: how far the sliders go.
         """
         self._client, self._gui, self._wish = client, client.gui, wish
-        self._styles: list[Any] = []
-        self._dark: bool | None = None
+        self._dressing = Dressing(client.gui)
         self._shown: PracticeMoment | None = None
         self._narrow: bool | None = None
         self._scene = SceneView(client)
         self._view = TabView(client)
         with client.atomic():
-            self._set_theme(moment.dark)
             self._make_right(moment, reach)
             self._make_left(moment)
             commands = practice_commands(wish)
@@ -105,19 +101,15 @@ class PracticePage:
         before, self._shown = self._shown, moment
         theme = Theme(moment.dark)
         with self._client.atomic():
-            self._set_theme(moment.dark)
+            self._dressing.show(theme)
             self._scene.draw(scene_shapes(moment), dark=moment.dark)
             self._gizmo.follow(moment.pose, shown=moment.look == "outside")
             self._drag.follow(moment.pose)
             self._card.content = card_html(moment, theme)
             self._bars.content = bars_html(moment, theme)
             self._clock.content = clock_html(moment)
-            self._choices.show(moment)
-            self._help.show(theme)
-            self._results.show(moment, theme)
-            self._legend.content = legend_html(say.PICTURE_LEGENDS[moment.help])
-            alone = moment.help == "none"
-            self._target_title.visible = self._target_picture.visible = alone
+            if before is None or _chosen(before) != _chosen(moment):
+                self._show_chosen(moment, theme)
             moved = before is None or before.pose is not moment.pose
             if moved and moment.last_mover != "sliders":
                 # Whoever drags a slider is ahead of what comes back.
@@ -127,6 +119,14 @@ class PracticePage:
                 self._gizmo.offer(moment.free)
         if before is None or (before.look, before.target) != (moment.look, moment.target):
             self._view.go(moment, at_once=before is None)
+
+    def _show_chosen(self, moment: PracticeMoment, theme: Theme) -> None:
+        self._choices.show(moment)
+        self._help.show(theme)
+        self._results.show(moment, theme)
+        self._legend.content = legend_html(say.PICTURE_LEGENDS[moment.help])
+        alone = moment.help == "none"
+        self._target_title.visible = self._target_picture.visible = alone
 
     def show_picture(self, rgb: Picture) -> None:
         """What the camera sees, (H, W, 3) RGB."""
@@ -158,7 +158,7 @@ class PracticePage:
         gui = self._gui
         self._left = gui.add_panel()
         with self._left.add_tab(say.TITLE, viser.Icon.TARGET_ARROW):
-            self._add_style()
+            self._dressing.add()
             self._card = gui.add_html("")
             self._bars = gui.add_html("")
             self._clock = gui.add_html("")
@@ -170,7 +170,7 @@ class PracticePage:
         gui = self._gui
         gui.main_panel.dock_right()
         gui.set_panel_label(say.PICTURE_TITLE)
-        self._add_style()
+        self._dressing.add()
         blank = np.full((270, 480, 3), 128, np.uint8)
         self._picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
         self._legend = gui.add_html("")
@@ -188,20 +188,11 @@ class PracticePage:
             )
         gui.add_html(keys_html())
 
-    def _add_style(self) -> None:
-        # A panel that is folded takes its style sheet along, so each has its own.
-        self._styles.append(self._gui.add_html(""))
 
-    def _set_theme(self, dark: bool) -> None:
-        fresh = [style for style in self._styles if not style.content]
-        if dark == self._dark and not fresh:
-            return
-        self._dark = dark
-        self._gui.configure_theme(
-            dark_mode=dark, show_logo=False, show_share_button=False, brand_color=_BRAND[dark]
-        )
-        for style in self._styles:
-            style.content = Theme(dark).sheet
+def _chosen(moment: PracticeMoment) -> tuple[object, ...]:
+    """What changes with a choice or a pose that is done with, and not with every move."""
+    choices = (moment.level, moment.help, moment.climb, moment.look, moment.dark)
+    return (*choices, moment.stage, len(moment.scores))
 
 
 def _vector_of(pose: Pose) -> list[float]:

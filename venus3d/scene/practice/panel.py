@@ -11,13 +11,11 @@ import numpy as np
 
 from venus3d.engine.pose import Array
 from venus3d.engine.practice import Score
-from venus3d.scene.palette import DARK, LIGHT, STEP_STYLES, hex_of
+from venus3d.scene.palette import STEP_STYLES
 from venus3d.scene.practice.moment import PracticeMoment
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import practice as say
 
-GOOD = {True: DARK.reached, False: LIGHT.reached}
-"""Within tolerance; always with a tick and a word."""
 _FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
 
 _SHEET = """<style>
@@ -73,7 +71,7 @@ def card_html(moment: PracticeMoment, theme: Theme) -> str:
 
 
 def _card_of(moment: PracticeMoment, theme: Theme) -> tuple[str, str, str, str, str]:
-    good = hex_of(GOOD[theme.dark])
+    good = theme.reached
     if moment.stage == "reached":
         score = moment.scores[-1]
         headline = say.REACHED_HEADLINE.format(seconds=score.seconds)
@@ -135,7 +133,7 @@ def bars_html(moment: PracticeMoment, theme: Theme) -> str:
     asked = (any(free[3:]), *free[:3]) if moment.help == "steps" else (any(free[3:]), any(free[:3]))
     bars = "".join(_bar(*row) for row, on in zip(rows, asked, strict=True) if on)
     return (
-        f"<div class='v-progress' style='--yes:{hex_of(GOOD[theme.dark])}'>"
+        f"<div class='v-progress' style='--yes:{theme.reached}'>"
         f"<h3>{say.BARS_TITLE}</h3>{bars}<div class='v-legend'>{say.BARS_LEGEND}</div></div>"
     )
 

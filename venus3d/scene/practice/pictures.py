@@ -1,4 +1,4 @@
-"""What each trainee's camera sees, drawn by one renderer for all, in turns.
+"""Whose picture is drawn next: what each trainee's camera sees, in turns.
 
 Whoever asks again before it was their turn replaces their own wish: the newest wins, and nobody
 waits for more than one picture of each of the others.
@@ -8,60 +8,43 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Picture = NDArray[np.uint8]
-Draw = Callable[[], Picture]
-"""Renders one picture; called on the pictures' own thread."""
-Deliver = Callable[[Picture], None]
+Job = Callable[[], None]
+"""Draws one picture and hands it over."""
 
 
-class FairPictures:
-    """One thread that draws pictures; `ask` from any thread."""
+class Turns:
+    """The pictures that are still to be drawn. May be used from any thread."""
 
-    def __init__(self, on_error: Callable[[Hashable, Exception], None]) -> None:
-        """`on_error` is told on the pictures' thread whose picture could not be drawn, and why."""
-        self._wanted: OrderedDict[Hashable, tuple[Draw, Deliver]] = OrderedDict()
-        self._wake = threading.Condition()
-        self._stop = False
-        self._on_error = on_error
-        self._thread = threading.Thread(target=self._run, name="pictures", daemon=True)
-        self._thread.start()
+    def __init__(self) -> None:
+        """Nothing is waited for."""
+        self._wanted: OrderedDict[tuple[int, str], Job] = OrderedDict()
+        self._lock = threading.Lock()
 
-    def ask(self, who: Hashable, draw: Draw, deliver: Deliver) -> None:
-        """Draw this when it is their turn. Whoever waits already keeps the place in the queue."""
-        with self._wake:
-            self._wanted[who] = (draw, deliver)
-            self._wake.notify()
+    def ask(self, who: int, what: str, job: Job) -> None:
+        """Do this when it is their turn. Whoever waits for it already keeps the place."""
+        with self._lock:
+            self._wanted[who, what] = job
 
-    def forget(self, who: Hashable) -> None:
-        """Nobody looks at these pictures any more."""
-        with self._wake:
-            self._wanted.pop(who, None)
+    def forget(self, who: int) -> None:
+        """They look at no picture any more."""
+        with self._lock:
+            for key in [key for key in self._wanted if key[0] == who]:
+                del self._wanted[key]
 
-    def close(self) -> None:
-        """Stop. May be called twice."""
-        with self._wake:
-            self._stop = True
-            self._wake.notify()
-        self._thread.join(timeout=5)
-
-    def _run(self) -> None:
-        while True:
-            with self._wake:
-                while not (self._wanted or self._stop):
-                    self._wake.wait()
-                if self._stop:
-                    return
-                who, (draw, deliver) = self._wanted.popitem(last=False)
-            try:
-                deliver(draw())
-            except Exception as error:
-                self._on_error(who, error)
+    def take(self) -> tuple[int, Job] | None:
+        """Whose turn it is, and what is to be done; None if nobody waits."""
+        with self._lock:
+            if not self._wanted:
+                return None
+            (who, _), job = self._wanted.popitem(last=False)
+            return who, job
 
 
 def fitting(size: tuple[int, int], room: tuple[int, int]) -> tuple[int, int]:

@@ -1,12 +1,14 @@
 """What is seen of a practice moment, in space and in the camera's picture, under each help.
 
-Both are the same shapes; only the axes and the outline are drawn into the picture as a trial draws
-them. Names are those of `describe`; the axes are /axes/board/x ... and /axes/target/x ...
+The board is one shape in both; the help is shapes in space, and lines in the picture, the axes and
+the outline as a trial draws them. Names are those of `describe`; the axes are /axes/board/x ... and
+/axes/target/x ...
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from venus3d.scene.instruction import instruction_shapes
 from venus3d.scene.overlay import AXIS_COLOURS, draw_axes, draw_outline
 from venus3d.scene.palette import ground, mixed, step_colour
 from venus3d.scene.practice.moment import PracticeMoment
+from venus3d.scene.practice.step_overlay import draw_step
 from venus3d.scene.shapes import Colour, LabelShape, LineShape, Shape
 from venus3d.scene.texts.practice import TARGET_LABEL
 
@@ -39,9 +42,8 @@ def scene_shapes(moment: PracticeMoment) -> tuple[Shape, ...]:
 
 
 def picture_shapes(moment: PracticeMoment) -> tuple[Shape, ...]:
-    """What the camera's picture shows besides what `picture_finish` draws into it."""
-    board = board_shape(moment.board, moment.pose)
-    return (board, *(_help_shapes(moment, for_camera=True) if moment.help == "steps" else ()))
+    """What the camera's picture shows; `picture_finish` draws the help into it."""
+    return (board_shape(moment.board, moment.pose),)
 
 
 def target_picture_shapes(moment: PracticeMoment) -> tuple[Shape, ...]:
@@ -57,13 +59,17 @@ def picture_background(dark: bool) -> Colour:
 
 def picture_finish(moment: PracticeMoment) -> Callable[[Any], Any] | None:
     """Draws this help into the picture (H, W, 3) RGB, if it is one that is drawn."""
-    if moment.help not in ("axes", "outline"):
+    if moment.help == "none":
         return None
-    draw = draw_axes if moment.help == "axes" else draw_outline
+    camera, board, target, match = moment.camera, moment.board, moment.target, moment.match
+    step = None if all(match.within) else match.steps[match.active_step - 1]
 
     def finish(picture: Any) -> Any:
         own = np.ascontiguousarray(picture)
-        draw(own, moment.camera, moment.board, moment.pose, moment.target)
+        if moment.help == "steps":
+            return draw_step(own, camera, board, target, step)
+        draw = draw_axes if moment.help == "axes" else draw_outline
+        draw(own, camera, board, moment.pose, target)
         return own
 
     return finish
@@ -90,21 +96,29 @@ def _help_shapes(moment: PracticeMoment, *, for_camera: bool) -> list[Shape]:
 def _step_shapes(moment: PracticeMoment, for_camera: bool) -> list[Shape]:
     board, dark, number = moment.board, moment.dark, moment.match.active_step
     step = moment.match.steps[number - 1]
-    colours, colour = ground(dark), step_colour(number, dark)
-    below = moment.target.apply([0, board.height / 2 + 0.7 * board.square, 0])
-    shapes: list[Shape] = [
-        board_outline(board, moment.target, "/target/board", colours.target, 2.5),
-        LabelShape("/target/label", TARGET_LABEL, np.asarray(below), colours.target),
-    ]
+    colour, name = step_colour(number, dark), f"/steps/{number}"
+    shapes = list(_goal_shapes(board, moment.target, dark))
     if all(moment.match.within):
         return shapes
-    name = f"/steps/{number}"
+    arrow = instruction_shapes(board, moment.camera, step, dark=dark, for_camera=for_camera)
     return [
         *shapes,
         board_outline(board, step.after, f"{name}/outline", colour, 4.0),
         board_ghost(board, step.after, f"{name}/after", colour, 0.4),
-        *instruction_shapes(board, moment.camera, step, dark=dark, for_camera=for_camera),
+        # From outside an arrow is never seen end-on for long; what moves is sent to every trainee.
+        *(shape for shape in arrow if for_camera or "/trail_" not in shape.name),
     ]
+
+
+@lru_cache(maxsize=64)
+def _goal_shapes(board: Board, target: Pose, dark: bool) -> tuple[Shape, ...]:
+    """The same objects as long as the target is the same: they are not drawn again."""
+    colour = ground(dark).target
+    below = target.apply([0, board.height / 2 + 0.7 * board.square, 0])
+    return (
+        board_outline(board, target, "/target/board", colour, 2.5),
+        LabelShape("/target/label", TARGET_LABEL, np.asarray(below), colour),
+    )
 
 
 def _frame(board: Board, pose: Pose, whose: str, moment: PracticeMoment) -> list[Shape]:
