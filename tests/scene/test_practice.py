@@ -54,6 +54,19 @@ def test_pictures_come_in_turns_and_the_newest_wins() -> None:
     assert (drawn, order) == (["a3", "b2"], [1, 2])
 
 
+def test_a_class_shares_the_pictures_evenly() -> None:
+    """All of five move all the time, and there is time for three pictures a round."""
+    turns, had = Turns(), dict.fromkeys(range(5), 0)
+    for _ in range(50):
+        for who in had:
+            turns.ask(who, "seen", lambda: None)
+        for _ in range(3):
+            turn = turns.take()
+            assert turn is not None
+            had[turn[0]] += 1
+    assert set(had.values()) == {30}
+
+
 def test_pictures_fit() -> None:
     assert fitting((1280, 720), (480, 270)) == (480, 270)
     assert fitting((640, 480), (480, 270)) == (360, 270)

@@ -1,14 +1,14 @@
 """Whose picture is drawn next: what each trainee's camera sees, in turns.
 
-Whoever asks again before it was their turn replaces their own wish: the newest wins, and nobody
-waits for more than one picture of each of the others.
+Whoever asks again before it was their turn replaces their own wish: the newest wins. The next one
+is whoever had no picture for longest, so that a class shares evenly what can be drawn.
 """
 
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Callable
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -24,27 +24,31 @@ class Turns:
 
     def __init__(self) -> None:
         """Nothing is waited for."""
-        self._wanted: OrderedDict[tuple[int, str], Job] = OrderedDict()
+        self._wanted: dict[tuple[int, str], Job] = {}
+        self._drawn: dict[tuple[int, str], int] = {}  # when last, counted in turns
+        self._count = count(1)
         self._lock = threading.Lock()
 
     def ask(self, who: int, what: str, job: Job) -> None:
-        """Do this when it is their turn. Whoever waits for it already keeps the place."""
+        """Do this when it is their turn."""
         with self._lock:
             self._wanted[who, what] = job
 
     def forget(self, who: int) -> None:
         """They look at no picture any more."""
         with self._lock:
-            for key in [key for key in self._wanted if key[0] == who]:
-                del self._wanted[key]
+            for of_all in (self._wanted, self._drawn):
+                for key in [key for key in of_all if key[0] == who]:
+                    del of_all[key]
 
     def take(self) -> tuple[int, Job] | None:
         """Whose turn it is, and what is to be done; None if nobody waits."""
         with self._lock:
             if not self._wanted:
                 return None
-            (who, _), job = self._wanted.popitem(last=False)
-            return who, job
+            key = min(self._wanted, key=lambda key: self._drawn.get(key, 0))
+            self._drawn[key] = next(self._count)
+            return key[0], self._wanted.pop(key)
 
 
 def fitting(size: tuple[int, int], room: tuple[int, int]) -> tuple[int, int]:
