@@ -184,6 +184,7 @@ background:var(--tile);display:flex;flex-direction:column}
 figcaption{flex:1;display:flex;gap:9px;font-size:14px;line-height:1.3;padding:7px 9px}
 figcaption b{flex:none;width:28px;height:28px;border-radius:50%;background:var(--step);
 color:var(--on);display:grid;place-items:center}figcaption strong{font-size:15px}
+figcaption small{font-size:13px}
 figure img{width:100%;display:block}
 .scene{position:sticky;top:10px;align-self:start;container-type:inline-size}
 .scene h3{margin-top:0}

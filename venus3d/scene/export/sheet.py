@@ -7,7 +7,7 @@ from typing import Any
 
 from PIL import Image, ImageDraw
 
-from venus3d.engine.decomposition import HOME_DISTANCE
+from venus3d.engine.decomposition import HOME_DISTANCE, Step
 from venus3d.scene.export.pose_line import for_hands, pose_line
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.palette import ground, step_style, text_on
@@ -21,7 +21,7 @@ DPI = 300
 SIZE_PX = (3508, 2480)
 _MARGIN, _GAP = 150, 70
 _TITLE, _LINE, _WORDS = 110, 50, 46
-_LINES = 4  # of words, above a picture
+_LINE_TALL = round(1.3 * _WORDS)
 _TOP = 430
 _ROOM = SIZE_PX[0] - 2 * _MARGIN
 
@@ -42,7 +42,8 @@ def sheet(
     _heading(draw, moment, vector, title)
     width = (_ROOM - _GAP) // 2
     height = (SIZE_PX[1] - _TOP - _MARGIN - _GAP) // 2
-    words_tall = _LINES * round(1.3 * _WORDS) + 130
+    lines = [_lines(step, width) for step in moment.steps]
+    words_tall = max(map(len, lines)) * _LINE_TALL + 130
     camera = moment.camera
     picture_height = min(height - words_tall, round(width * camera.height / camera.width))
     size = (round(picture_height * camera.width / camera.height), picture_height)
@@ -53,16 +54,21 @@ def sheet(
         )
         for step in moment.steps
     ]
-    for step, picture in zip(moment.steps, pictures, strict=True):
+    for step, words, picture in zip(moment.steps, lines, pictures, strict=True):
         row, column = divmod(step.number - 1, 2)
         corner = (_MARGIN + column * (width + _GAP), _TOP + row * (height + _GAP))
-        words = tuple(text for text in (step.words.camera, for_hands(step.words)) if text)
         _cell(draw, image, corner, (width, height), step.number, words, picture.result())
     foot = (SIZE_PX[0] - _MARGIN, SIZE_PX[1] - 60)
     draw.text(foot, texts.MADE_WITH, fill=ground(False).quiet_text, font=font(40), anchor="rs")
     buffer = io.BytesIO()
     image.save(buffer, "PNG", dpi=(DPI, DPI))
     return buffer.getvalue()
+
+
+def _lines(step: Step, width: int) -> tuple[str, ...]:
+    """What to do in this step, for the picture and for the hands, in lines of a cell."""
+    words = (step.words.camera, for_hands(step.words))
+    return tuple(line for text in words for line in wrapped(text, font(_WORDS), width - 60))
 
 
 def _heading(draw: Any, moment: TeachMoment, vector: Vector, title: str) -> None:
@@ -86,7 +92,7 @@ def _cell(
     corner: tuple[int, int],
     size: tuple[int, int],
     number: int,
-    words: tuple[str, ...],
+    lines: tuple[str, ...],
     picture: Picture,
 ) -> None:
     style, colours = step_style(number), ground(False)
@@ -98,9 +104,8 @@ def _cell(
     draw.text((x + 50, y + 50), str(number), fill=fill, font=badge, anchor="mm")
     title = font(66, bold=True)
     draw.text((x + 130, y + 50), style.title, fill=style.on_light, font=title, anchor="lm")
-    face, line = font(_WORDS), round(1.3 * _WORDS)
-    lines = [part for text in words for part in wrapped(text, face, size[0] - 60)]
-    for i, text in enumerate(lines[:_LINES]):
-        draw.text((x + 30, y + 110 + i * line), text, fill=colours.text, font=face)
+    for i, text in enumerate(lines):
+        at = (x + 30, y + 110 + i * _LINE_TALL)
+        draw.text(at, text, fill=colours.text, font=font(_WORDS))
     left = x + (size[0] - picture.shape[1]) // 2
     image.paste(Image.fromarray(picture), (left, y + size[1] - picture.shape[0] - 8))
