@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pyrender
+import trimesh
 from numpy.typing import NDArray
 from OpenGL import EGL, GL
 from pyrender.platforms.egl import EGLPlatform, get_device_by_index
@@ -35,6 +36,7 @@ _FLAGS = (
 )
 _OPENGL_FROM_OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])
 _NEAR, _FAR = 0.01, 20.0
+_SPARE_PX = 3
 _ON_TOP = 0.1
 """The part of the depth picture that is kept for what nothing may hide."""
 
@@ -80,8 +82,15 @@ class GlRenderer:
         self._renderer.order = [
             n for late in (False, True) for is_late, n in order if is_late == late
         ]
+        window = self._renderer.window = _window_of(shapes, camera)
+        # As one number a pixel: four to be repeated take numpy a hundred times as long.
+        plain = np.array((*background, 255), dtype=np.uint8).view(np.uint32)[0]
+        picture = np.full((camera.height, camera.width, 1), plain).view(np.uint8)
         try:
-            return np.asarray(self._renderer.render(self._scene, _FLAGS), dtype=np.uint8)
+            drawn = self._renderer.render(self._scene, _FLAGS)
+            x, y, width, height = window
+            picture[y : y + height, x : x + width] = drawn
+            return picture
         finally:
             for node in passing:
                 self._scene.remove_node(node)
@@ -130,6 +139,17 @@ class _Platform(EGLPlatform):
 
 class _Renderer(Renderer):
     order: list[Any]
+    window: tuple[int, int, int, int]
+    """The part (x, y, width, height) that is cleared, drawn and read: a board that fills a quarter
+    of the picture costs a quarter."""
+
+    def _forward_pass(self, *args: Any, **kwargs: Any) -> Any:
+        GL.glEnable(GL.GL_SCISSOR_TEST)
+        GL.glScissor(*self.window)
+        try:
+            return super()._forward_pass(*args, **kwargs)
+        finally:
+            GL.glDisable(GL.GL_SCISSOR_TEST)
 
     def _sorted_mesh_nodes(self, scene: Any) -> list[Any]:
         return self.order
@@ -142,15 +162,38 @@ class _Renderer(Renderer):
         GL.glDepthMask(True)
 
     def _read_main_framebuffer(self, scene: Any, flags: int) -> Any:
-        width, height = self.viewport_width, self.viewport_height
+        x, y, width, height = self.window
+        box = (x, y, x + width, y + height)
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)
-        GL.glBlitFramebuffer(
-            0, 0, width, height, 0, 0, width, height, GL.GL_COLOR_BUFFER_BIT, GL.GL_LINEAR
-        )
+        GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_LINEAR)
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb)
-        rgba: Any = GL.glReadPixels(0, 0, width, height, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
+        rgba: Any = GL.glReadPixels(x, y, width, height, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
         return np.frombuffer(rgba, dtype=np.uint8).reshape(height, width, 4)
+
+
+def _window_of(
+    shapes: Sequence[MeshShape | LineShape], camera: Camera
+) -> tuple[int, int, int, int]:
+    """(x, y, width, height) of the part of the picture that meshes can touch; the whole one if
+    there are lines, or if something reaches behind the lens."""
+    whole = (0, 0, camera.width, camera.height)
+    corners = [
+        shape.pose.apply(trimesh.bounds.corners(shape.mesh.bounds))
+        for shape in shapes
+        if isinstance(shape, MeshShape)
+    ]
+    if len(corners) < len(shapes) or not corners:
+        return whole
+    points = np.concatenate(corners)
+    if points[:, 2].min() < _NEAR:
+        return whole
+    pixels = camera.project(points)
+    size = np.array(camera.image_size)
+    low = np.clip(np.floor(pixels.min(axis=0)).astype(int) - _SPARE_PX, 0, size - 1)
+    high = np.clip(np.ceil(pixels.max(axis=0)).astype(int) + _SPARE_PX + 1, low + 1, size)
+    (x, y), (width, height) = (pair.tolist() for pair in (low, high - low))
+    return (x, y, width, height)
 
 
 def _key(shape: MeshShape) -> tuple[Any, ...]:

@@ -107,7 +107,7 @@ def _runs(points: Array) -> list[NDArray[np.int32]]:
 def _drawable(points: Array) -> NDArray[np.bool_]:
     # Far outside the picture cv2's fixed-point coordinates would overflow.
     with np.errstate(invalid="ignore"):
-        return (np.abs(points) < 1e4).all(axis=-1)
+        return np.asarray((np.abs(points) < 1e4).all(axis=-1), dtype=np.bool_)
 
 
 def _fixed(points: Array) -> NDArray[np.int32]:

@@ -21,6 +21,7 @@ class ParametersPanel:
 
     def __init__(self, gui: viser.GuiApi, theme: Theme) -> None:
         """Make it in the current tab."""
+        self._shown: tuple[object, ...] = (self, self, self)  # nothing yet
         self._table = gui.add_html("")
         self._caption = gui.add_html(trend_caption(theme), visible=False)
         start = np.array([0.0, 1.0])
@@ -46,6 +47,10 @@ class ParametersPanel:
 
     def show(self, snapshot: Snapshot) -> None:
         """Put what is known at this moment there."""
+        shown = (snapshot.calibration, snapshot.convergence, snapshot.history)
+        if all(a is b for a, b in zip(shown, self._shown, strict=True)):
+            return
+        self._shown = shown
         self._table.content = parameters_html(snapshot)
         lines = trend(snapshot.history)
         self._caption.visible = self._trend.visible = lines is not None
