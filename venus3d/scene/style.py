@@ -189,7 +189,9 @@ font-weight:700;background:var(--tile);color:var(--text);font-size:var(--size-no
 .mantine-Modal-root:has(.v-tour) .mantine-Modal-overlay{background:rgba(0,0,0,.35)!important}
 .mantine-Modal-header:has(+ * .v-tour){display:none}
 .mantine-Modal-body:has(.v-tour){padding-top:18px}
-[data-dock-scroll]>div:has(.v-guide:not(.v-card)){max-height:max(330px,40vh)}
+[data-dock-scroll]>div[style*="flex: 0.5 "]:has(.v-guide:not(.v-card)){
+flex:0 0 max(330px,40vh)!important}
+[data-dock-scroll]>div:has(.v-guide:not(.v-card))~div[style*="flex: 0.5 "]{flex:1 1 0!important}
 .mantine-ScrollArea-root:has(.v-progress) .mantine-Button-root{height:auto!important;
 min-height:30px;padding:4px 9px}
 .mantine-ScrollArea-root:has(.v-progress) .mantine-Button-label{white-space:normal;line-height:1.25;
@@ -203,9 +205,12 @@ text-align:left}
 [data-dock-tab][aria-selected=true] *{color:var(--text)!important}
 @media (max-height:850px){.v-picture,.v-told span{display:none}
 .v-told b{font-size:var(--size-text);padding:3px 7px}.v-steps h3{margin:0 0 2px}.v-grid{gap:6px}}
+@media (max-height:850px) and (min-width:36em){
+.v-guide:has(.v-note) .v-amount{align-self:flex-end;margin-top:calc(-14.2*var(--u))}
+.v-guide:has(.v-note) .v-amount small{display:none}}
 @media (max-width:36em){
-div:has(>div>.mantine-Tabs-root .v-guide){display:flex;flex-direction:column}
-div:has(>.mantine-Tabs-root .v-guide){order:-1}
+div:has(>div>.mantine-Tabs-root :is(.v-guide,.v-lesson)){display:flex;flex-direction:column}
+div:has(>.mantine-Tabs-root :is(.v-guide,.v-lesson)){order:-1}
 .v-told span,.v-picture{display:block}
 .mantine-Paper-root:has([data-autosize]){width:100vw!important;min-width:100vw}
 .mantine-ScrollArea-content>div[style*="20em"]{width:100%!important}

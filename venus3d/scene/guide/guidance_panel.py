@@ -114,7 +114,7 @@ def _card(
         f"<div class='v-guide' role='status' style='--step:{colour}'>"
         f"<div class='v-head'><span class='v-badge'>{escape(badge)}</span>"
         f"<span class='v-title'>{above}{escape(headline)}</span></div>{left}"
-        f"<div class='v-sentence'>{escape(sentence)}</div>{said}{below}{'' if note else foot}</div>"
+        f"<div class='v-sentence'>{escape(sentence)}</div>{below}{said or foot}</div>"
     )
 
 

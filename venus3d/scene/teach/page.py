@@ -77,6 +77,7 @@ class TeachPage:
             if kinds:
                 self._make_saving(act, kinds)
         panel.dock_left()
+        panel.expand()  # on a phone panels are folded at first
         self._help = make_commands(server, act, kinds)
         fit_width(server, panel, lambda height: _widths(height)[0])
         fit_width(server, self._gui.main_panel, lambda height: _widths(height)[1])

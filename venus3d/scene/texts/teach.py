@@ -39,7 +39,7 @@ LENS_LEGEND = (
 # -- two results side by side ----------------------------------------------------------------------
 
 COLUMNS = {
-    "axes": ("About the camera's fixed axes", "About the board's own axes"),
+    "axes": ("The camera's axes", "The board's own axes"),
     "order": ("First X, then Y, then Z", "{order}"),
 }
 ORDER_NAME = "First {one}, then {two}, then {three}"
@@ -58,7 +58,7 @@ COMPARE_WHY = {
     ),
 }
 APART = "{degrees:.0f}° apart"
-APART_LABEL = "so far one would have to turn the left board to match the right one"
+APART_LABEL = "turn the left board by this much, and it stands like the right one"
 SAME = "the same"
 SAME_LABEL = "with these numbers both end alike; turn about two axes at least"
 COMPARE_TURN = "Turn {number} of 3: about {left}"
@@ -110,8 +110,9 @@ WAY_MARKS = ("start", "1", "2", "3", "pose")
 TEMPO, TEMPO_HINT = "Play", "How fast the board goes, and whether it starts over by itself."
 LOOK, LOOK_HINT = "Look from", "Where you look from. You can also turn the scene with the mouse."
 SHOW, SHOW_HINT = (
-    "Show",
-    "The steps where they happen, all four side by side, or the same numbers read in two ways.",
+    "Compare",
+    "All four steps side by side; the camera's axes and the board's own; two orders of turns. "
+    "Press once more for the steps where they happen.",
 )
 PAGE, PAGE_HINT = (
     "More",
@@ -134,9 +135,9 @@ LABELS = {
     "camera": "Camera  C",
     "holder": "Holder  M",
     "above": "Above  V",
-    "strip": "Four steps  T",
-    "axes": "Whose axes  X",
-    "order": "Two orders  R",
+    "strip": "Steps  T",
+    "axes": "Axes  X",
+    "order": "Orders  R",
     "other order": "Next order  Y",
     "reset": "Pose again  0",
     "theme": "Light  B",
