@@ -18,6 +18,7 @@ from venus3d.scene.teach.state import TeachState
 from venus3d.scene.view import SceneView
 
 FPS = 15
+_BEFOREHAND = 8  # states; every step is longer
 ASPECT = 1.3
 """Width over height of the scene in the document, at least: a view cannot be told anew there."""
 
@@ -31,7 +32,9 @@ def recorded(server: LocalServer, moment: TeachMoment, state: TeachState) -> str
     view = SceneView(server)
     states = journey(moment, state, FPS)
     _look(server, moment, states[0])
-    view.draw(stage_shapes(moment, states[0]), dark=state.dark)
+    # Made beforehand and hidden: a new shape stands for a moment where the camera is.
+    for now in (*states[::_BEFOREHAND], states[0]):
+        view.draw(stage_shapes(moment, now), dark=state.dark)
     serializer = server.get_scene_serializer()
     for now in states[1:]:
         view.draw(stage_shapes(moment, now), dark=state.dark)
