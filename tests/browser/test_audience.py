@@ -168,6 +168,22 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
     audience.show(replace(guiding, phase="captured"))
     wait_for_sentence(page, texts.CAPTURED[2])
     wait_for_sentence(page, texts.THINKING[2])
+
+    # An upright phone has the picture as wide as it can be, and all of the rest below it.
+    page.set_viewport_size({"width": 420, "height": 860})
+    audience.show(guiding)
+    wait_for_sentence(page, guiding.match.steps[2].words.holder)
+    page.wait_for_function(
+        "() => { const r = [...document.querySelectorAll('canvas')].at(-1).getBoundingClientRect();"
+        " return r.width === 420 && Math.abs(r.height - 420 * 9 / 16) < 1 }"
+    )
+    parts = ("canvas", ".v-side", ".v-say")
+    boxes = [page.locator(part).last.bounding_box() for part in parts]
+    ends = [0.0, *(box["y"] + box["height"] for box in boxes)]
+    assert all(box["y"] >= end - 1 for box, end in zip(boxes, ends, strict=False))
+    assert ends[-1] <= 861 and not page.evaluate(
+        "[...document.querySelectorAll('.v-say')].some(e => e.scrollHeight > e.clientHeight + 1)"
+    )
     page.close()
 
 
