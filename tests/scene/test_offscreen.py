@@ -161,7 +161,7 @@ def test_size_labels_and_board_behind_the_camera(
 def test_a_machine_without_opengl_gets_the_painter_and_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def missing() -> None:
+    def missing(_: bool) -> None:
         raise ImportError("no EGL")
 
     monkeypatch.setattr("venus3d.scene.offscreen._open_gl", missing)

@@ -44,10 +44,12 @@ _ON_TOP = 0.1
 class GlRenderer:
     """Draws meshes and lines through an ideal pinhole. Belongs to the thread that made it."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, smooth: bool = True) -> None:
+        """`smooth`: edges of shapes are averaged over four samples a pixel; half as quick."""
         self._platform = _Platform(64, 64, device=get_device_by_index(0))
         self._platform.init_context()
         self._renderer = _Renderer(64, 64)
+        self._renderer.smooth = smooth
         self._scene: Any = pyrender.Scene(bg_color=[0.0, 0.0, 0.0, 0.0])
         self._camera_node: Any = self._scene.add(
             _TopDownCamera(1, 1, 0, 0, znear=_NEAR, zfar=_FAR), pose=_OPENGL_FROM_OPENCV
@@ -142,6 +144,12 @@ class _Renderer(Renderer):
     window: tuple[int, int, int, int]
     """The part (x, y, width, height) that is cleared, drawn and read: a board that fills a quarter
     of the picture costs a quarter."""
+    smooth: bool
+
+    def _configure_forward_pass_viewport(self, flags: int) -> None:
+        super()._configure_forward_pass_viewport(flags)
+        if not self.smooth:
+            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)
 
     def _forward_pass(self, *args: Any, **kwargs: Any) -> Any:
         GL.glEnable(GL.GL_SCISSOR_TEST)
@@ -164,9 +172,10 @@ class _Renderer(Renderer):
     def _read_main_framebuffer(self, scene: Any, flags: int) -> Any:
         x, y, width, height = self.window
         box = (x, y, x + width, y + height)
-        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)
-        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)
-        GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_LINEAR)
+        if self.smooth:
+            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)
+            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)
+            GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_LINEAR)
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb)
         rgba: Any = GL.glReadPixels(x, y, width, height, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
         return np.frombuffer(rgba, dtype=np.uint8).reshape(height, width, 4)

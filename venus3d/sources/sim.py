@@ -89,7 +89,8 @@ class Simulation:
         self._due = 0.0
         self._closed = False
         self._owned = offscreen is None
-        self._offscreen = Offscreen() if offscreen is None else offscreen
+        # The lens's map and the blur smooth the paper's edges; what is printed on it is filtered.
+        self._offscreen = Offscreen(smooth=False) if offscreen is None else offscreen
         self.notes: tuple[str, ...] = (self._offscreen.note,) if self._offscreen.note else ()
         """What a person should know: that OpenGL is missing."""
 
