@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from concurrent.futures import Future
+from functools import lru_cache
 from threading import Lock
 
 import numpy as np
@@ -108,11 +109,22 @@ def headed(
     picture: Picture, badge: str, colour: Colour, title: str, sentence: str, dark: bool
 ) -> Picture:
     """The picture in a frame of this colour, under a header with a badge and words."""
-    colours = ground(dark)
     height, width = picture.shape[:2]
-    header = round(height * HEADER_SHARE)
-    image = Image.new("RGB", (width, height + header), colours.background)
-    image.paste(Image.fromarray(picture), (0, header))
+    head = _header((width, round(height * HEADER_SHARE)), badge, colour, title, sentence, dark)
+    framed = np.array(picture)
+    framed[:2] = framed[-2:] = colour
+    framed[:, :2] = framed[:, -2:] = colour
+    return np.concatenate([head, framed])
+
+
+@lru_cache(maxsize=32)
+def _header(
+    size: tuple[int, int], badge: str, colour: Colour, title: str, sentence: str, dark: bool
+) -> Picture:
+    """Kept, since words change less often than what stands below them."""
+    colours = ground(dark)
+    width, header = size
+    image = Image.new("RGB", size, colours.background)
     draw = ImageDraw.Draw(image)
     side = round(header * 0.72)
     draw.rectangle((0, 0, side, header - 1), fill=colour)
@@ -129,7 +141,6 @@ def headed(
     words = font(round(header * 0.225))
     for i, line in enumerate(wrapped(sentence, words, room)[:2]):
         draw.text((left, header * (0.41 + 0.27 * i)), line, fill=colours.text, font=words)
-    draw.rectangle((0, header, width - 1, height + header - 1), outline=colour, width=2)
     return np.asarray(image)
 
 

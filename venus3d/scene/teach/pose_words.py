@@ -117,7 +117,7 @@ def question_html(state: TeachState, theme: Theme) -> str:
     if state.answer is not None:
         right = state.answer == question.right
         verdict = texts.RIGHT if right else texts.WRONG
-        colour = theme.good if right else theme.info
+        colour = theme.reached if right else theme.info
         body += (
             f"<div class='v-refused' style='--info:{colour}'><b>{verdict}</b>"
             f"{escape(question.why)}</div>"
