@@ -25,6 +25,7 @@ from venus3d.scene.practice.choices import ChoicePanel
 from venus3d.scene.practice.keys import practice_commands
 from venus3d.scene.practice.moment import MoveBoard, PracticeMoment, Wish
 from venus3d.scene.practice.panel import (
+    SHEET,
     bars_html,
     card_html,
     clock_html,
@@ -42,6 +43,8 @@ from venus3d.scene.view import SceneView
 
 _LEFT_WIDTH, _RIGHT_WIDTH = 380, 560
 _SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
+_PHONE_WIDTH = 700
+"""In a narrower window all panels are one sheet, the right one first."""
 _JPEG_QUALITY = 80
 _UNITS = np.array([1.0, 1.0, 1.0, 1000.0, 1000.0, 1000.0])  # metres to the sliders' millimetres
 _STEPS = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
@@ -68,7 +71,7 @@ class PracticePage:
         self._client, self._gui, self._wish = client, client.gui, wish
         self._dressing = Dressing(client.gui)
         self._shown: PracticeMoment | None = None
-        self._narrow: bool | None = None
+        self._form: tuple[bool, bool] | None = None
         self._scene = SceneView(client)
         self._view = TabView(client)
         with client.atomic():
@@ -89,7 +92,7 @@ class PracticePage:
     @property
     def is_moving(self) -> bool:
         """Whether `advance` has something to do."""
-        return self._view.is_due or self._narrow != self._is_small
+        return self._view.is_due or self._form != self._wanted_form
 
     def advance(self) -> None:
         """Move on what moves by itself: the view, and the widths after the window's change."""
@@ -105,7 +108,7 @@ class PracticePage:
             self._scene.draw(scene_shapes(moment), dark=moment.dark)
             self._gizmo.follow(moment.pose, shown=moment.look == "outside")
             self._drag.follow(moment.pose)
-            self._card.content = card_html(moment, theme)
+            self._card.content = self._first_card.content = card_html(moment, theme)
             self._bars.content = bars_html(moment, theme)
             self._clock.content = clock_html(moment)
             if before is None or _chosen(before) != _chosen(moment):
@@ -141,16 +144,19 @@ class PracticePage:
         self._client.add_notification(say.TITLE, text, color="red")
 
     @property
-    def _is_small(self) -> bool:
-        return self._client.camera.image_height < _SMALL_SCREEN_HEIGHT
+    def _wanted_form(self) -> tuple[bool, bool]:
+        """Whether the window is low, and whether it is narrow."""
+        camera = self._client.camera
+        return camera.image_height < _SMALL_SCREEN_HEIGHT, camera.image_width < _PHONE_WIDTH
 
     def _fit(self) -> None:
-        if self._narrow == self._is_small:
+        if self._form == self._wanted_form:
             return
-        self._narrow = self._is_small
+        self._form = low, narrow = self._wanted_form
         left, right = _LEFT_WIDTH, _RIGHT_WIDTH
-        if self._narrow:
+        if low:
             left, right = _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH
+        self._first_card.visible = narrow
         self._left.set_width(left)
         self._gui.main_panel.set_width(right)
 
@@ -159,18 +165,22 @@ class PracticePage:
         self._left = gui.add_panel()
         with self._left.add_tab(say.TITLE, viser.Icon.TARGET_ARROW):
             self._dressing.add()
+            gui.add_html(SHEET)
             self._card = gui.add_html("")
             self._bars = gui.add_html("")
             self._clock = gui.add_html("")
             self._choices = ChoicePanel(gui, self._wish, moment)
             self._results = ResultsPanel(gui, Theme(moment.dark))
         self._left.dock_left()
+        self._left.expand()  # on a phone panels are folded at first
 
     def _make_right(self, moment: PracticeMoment, reach: Reach) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
         gui.set_panel_label(say.PICTURE_TITLE)
         self._dressing.add()
+        gui.add_html(SHEET)
+        self._first_card = gui.add_html("", visible=False)
         blank = np.full((270, 480, 3), 128, np.uint8)
         self._picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
         self._legend = gui.add_html("")

@@ -18,7 +18,7 @@ from venus3d.scene.texts import practice as say
 
 _FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
 
-_SHEET = """<style>
+SHEET = """<style>
 .v-do{border-left:6px solid var(--step);background:var(--tile);border-radius:7px;
 padding:10px 12px 11px;margin:2px 0 4px}
 .v-do header{display:flex;align-items:center;gap:10px;line-height:1.15}
@@ -38,6 +38,7 @@ background:var(--line);overflow:hidden}
 .v-bar.v-done .v-track span{background:var(--yes)}
 .v-track u{position:absolute;left:0;top:0;bottom:0;border-right:3px solid var(--text);
 background:linear-gradient(0deg,var(--yes) 0 5px,var(--ink) 5px 6px,transparent 6px)}
+.v-clock b{font-size:22px;white-space:nowrap}
 .v-list{border-collapse:collapse;width:100%;font-size:14px}
 .v-list td,.v-list th{padding:3px 6px 3px 0;border-bottom:1px solid var(--line);text-align:right;
 font-weight:600;white-space:nowrap}
@@ -51,6 +52,7 @@ align-items:baseline}
 .mantine-ScrollArea-root:has(.v-under) img{width:100%}
 .v-file{font-size:13px;color:var(--soft);overflow-wrap:anywhere;margin-top:6px}
 </style>"""
+"""What this page adds to the pages' own sheet; once for each panel."""
 
 
 def card_html(moment: PracticeMoment, theme: Theme) -> str:
@@ -64,7 +66,7 @@ def card_html(moment: PracticeMoment, theme: Theme) -> str:
     small = moment.note or ("" if moment.stage == "reached" else free)
     first = "" if moment.scores or moment.stage == "hold" else f"<small>{say.HOW_TO}</small>"
     return (
-        f"{_SHEET}<div class='v-progress' style='--step:{colour}'><div class='v-do' "
+        f"<div class='v-progress' style='--step:{colour}'><div class='v-do' "
         f"role='status'><header><span class='v-badge'>{badge}</span><b>{escape(headline)}</b>{left}"
         f"</header><p>{escape(sentence)}</p><small>{escape(small)}</small>{first}</div></div>"
     )
@@ -165,7 +167,7 @@ def clock_html(moment: PracticeMoment) -> str:
         shortest = f"{moment.shortest_deg:.0f}°"
         boxes.append((f"{moment.path_deg:.0f}°", say.TURNED.format(shortest=shortest)))
     inside = "".join(f"<div><b>{value}</b><span>{name}</span></div>" for value, name in boxes)
-    return f"<div class='v-progress'><div class='v-big'>{inside}</div></div>"
+    return f"<div class='v-progress'><div class='v-big v-clock'>{inside}</div></div>"
 
 
 def results_html(moment: PracticeMoment) -> str:

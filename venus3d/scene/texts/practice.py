@@ -28,7 +28,7 @@ SENTENCES = {
     "outline": "The spike marks the top edge of the target.",
     "none": "On the right: what the camera sees, and below it what it should see.",
 }
-HOW_TO = "To move it, drag the board in the scene, or use keys or sliders; the right side says how."
+HOW_TO = "To move it, drag the board in the scene, or use the keys or sliders under the picture."
 ONLY_FREE = "Only this has to change: {names}."
 ALL_FREE = "Where it stands and how it is turned: everything has to change."
 FREE_NAMES = (
@@ -56,8 +56,8 @@ BARS_TITLE = "How far from the target"
 BARS_LEGEND = "Make each bar so short that it ends within the green zone."
 
 TIME, TIME_UNIT = "time", "s"
-MOVED = "moved; {shortest} is the shortest way"
-TURNED = "turned; {shortest} is the shortest way"
+MOVED = "moved; shortest way: {shortest}"
+TURNED = "turned; shortest way: {shortest}"
 
 RESULTS_TITLE = "Your poses so far"
 NO_RESULTS = "Each pose that you reach is listed here, with its time and its way."
