@@ -74,6 +74,15 @@ def test_page_shows_state_scene_projections_and_progress(
     page.wait_for_function("!!document.querySelector('canvas')")
     until(lambda: canvas_pixels(page).std() > 5, "the scene is drawn")
 
+    # A note, however long, once pushed the steps out of a window that is 720 px high.
+    viewer.say("The board does not look as it was told. " * 4, 600)
+    page.wait_for_selector(".v-note")
+    leaves = [leaf.bounding_box() for leaf in page.locator("[data-dock-leaf]").all()]
+    lefts = sorted((box for box in leaves if box["x"] < 100), key=lambda box: box["y"])
+    chips = page.locator(".v-chips").bounding_box()
+    assert chips["y"] + chips["height"] <= lefts[0]["y"] + lefts[0]["height"]
+    assert lefts[-1]["y"] + lefts[-1]["height"] == pytest.approx(720, abs=1), "down to the bottom"
+
 
 def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snapshot) -> None:
     """N, P and F change scene, text and marked projection together; no picture is sent again."""
