@@ -19,6 +19,7 @@ from venus3d.scene.teach.controls import HOTKEYS, after_action
 from venus3d.scene.teach.pictures import TeachPictures
 from venus3d.scene.teach.stage import board_now, moment_shapes, stage_shapes
 from venus3d.scene.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector
+from venus3d.scene.teach.words import comparison_remark
 
 BUSY = (False, False, False, False)
 REFUSED: Vector = (20.0, 10.0, 30.0, 190.0, -60.0, 420.0)
@@ -156,6 +157,11 @@ def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseStudy
         state = replace(TeachState(way=2.5), arrangement=arrangement)  # type: ignore[arg-type]
         names = {shape.name for shape in stage_shapes(moment, state)}
         assert {"/compare/left/board", "/compare/right/board", "/compare/right/arc"} <= names
+        # One turn done, the next one not begun: scene and words speak of the same.
+        state = replace(state, way=2.0)
+        labels = {s.name: s.text for s in stage_shapes(moment, state) if isinstance(s, LabelShape)}
+        assert labels["/compare/left/angle"] == f"{angles[0]:+.0f}°"
+        assert comparison_remark(moment, state).turn == 1
 
 
 def test_pictures_mark_what_is_refused_and_frame_the_step(

@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+from math import ceil
 from typing import Literal
 
 import numpy as np
@@ -60,7 +61,8 @@ def column_shapes(
         title: stands above the board.
     """
     name, centre, colours = f"/compare/{side}", centre_of(board, side), ground(dark)
-    index = min(int(way), 2)
+    # A turn that has just ended is still the one that the words speak of.
+    index = min(max(ceil(way - 1e-6) - 1, 0), 2)
     turn, fraction = turns[index], min(way - index, 1.0)
 
     def here(pose: Pose) -> Pose:
