@@ -37,6 +37,26 @@ def test_a_pose_is_reached_after_being_held_and_two_lead_to_the_next_level(cours
     assert sum(trainee.moment(17).free) == 2 and trainee.moment(17).seconds == 0
 
 
+def test_whoever_moves_what_a_level_leaves_alone_is_told_why_nothing_happens(
+    course: Course,
+) -> None:
+    trainee = Trainee(course, 1)
+    free = trainee.moment(0).free
+    trainee.obey(Nudge(free.index(False), 1), 1.0)
+    assert trainee.moment(1).note and trainee.moment(1).path_mm == 0
+    trainee.obey(Nudge(free.index(True), 1), 2.0)
+    assert not trainee.moment(2).note
+
+
+def test_digits_of_a_typed_number_are_not_walked(course: Course) -> None:
+    trainee = Trainee(course, 1)
+    trainee.obey(ChooseLevel(6), 0.0)
+    start = trainee.moment(0).pose
+    for now, mm in ((1.0, 4.0), (1.1, 45.0), (1.2, 4.0), (1.3, 40.0)):
+        trainee.obey(MoveBoard(start.moved([mm / 1000, 0, 0]), "sliders"), now)
+    assert trainee.moment(1.3).path_mm == pytest.approx(40)
+
+
 def test_trainees_share_targets_and_nothing_else(course: Course) -> None:
     one, other = Trainee(course, 1), Trainee(course, 2)
     assert (one.moment(0).target.matrix == other.moment(0).target.matrix).all()

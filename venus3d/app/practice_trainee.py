@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime, timezone
 
 import numpy as np
 
@@ -44,8 +43,9 @@ from venus3d.scene.practice.moment import (
     Stage,
     Wish,
 )
-from venus3d.scene.texts.practice import CLIMBED, GIVEN_UP, GUEST, LEVEL_NAMES
+from venus3d.scene.texts.practice import CLIMBED, GIVEN_UP, GUEST, LEVEL_NAMES, STAYS
 from venus3d.storage.practice import PracticeRow
+from venus3d.storage.rows import target_columns, time_column
 
 REACHED_TO_CLIMB = 2
 """So many poses reached in a row lead to the next level."""
@@ -197,6 +197,8 @@ class Trainee:
             self._movers = [*(mover for mover in self._movers if mover != by), by]
         if self._attempt is not before:
             self._note = ""
+        elif before.pose.distance_to(within) > 1e-4 or before.pose.angle_to_deg(within) > 0.1:
+            self._note = STAYS
 
     def _nudge(self, nudge: Nudge, now_s: float) -> None:
         run = 0
@@ -272,7 +274,6 @@ class Trainee:
     def _row(self, score: Score) -> PracticeRow:
         attempt, course = self._attempt, self._course
         names = zip(NAMES, attempt.free, strict=True)
-        xr, yr, zr, xt, yt, zt = attempt.target.vector().tolist()
         return PracticeRow(
             trainee=self.name,
             level=score.level,
@@ -288,12 +289,7 @@ class Trainee:
             shortest_deg=score.shortest_deg,
             off_mm=1000 * attempt.pose.distance_to(attempt.target),
             off_deg=attempt.pose.angle_to_deg(attempt.target),
-            xr_deg=xr,
-            yr_deg=yr,
-            zr_deg=zr,
-            xt_mm=1000 * xt,
-            yt_mm=1000 * yt,
-            zt_mm=1000 * zt,
             seed=course.seed,
-            time=datetime.now(timezone.utc).isoformat(timespec="seconds"),
+            time=time_column(),
+            **target_columns(attempt.target),
         )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
-from datetime import datetime, timezone
 from pathlib import Path
 
 from venus3d.app.eyes import Eyes
@@ -26,6 +25,7 @@ from venus3d.scene.trial.page import TrialViewer
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 from venus3d.storage.camera_yaml import read_camera_yaml
+from venus3d.storage.rows import target_columns, time_column
 from venus3d.storage.trials import TrialFile, TrialRow
 
 FILE = "trial.csv"
@@ -196,7 +196,6 @@ def _camera(options: GuideOptions, source: Source) -> Camera:
 
 
 def _row(told: PoseTime, plan: Plan, options: GuideOptions) -> TrialRow:
-    xr, yr, zr, xt, yt, zt = (float(v) for v in told.target.vector())
     return TrialRow(
         participant=plan.participant,
         number=plan.number,
@@ -212,15 +211,10 @@ def _row(told: PoseTime, plan: Plan, options: GuideOptions) -> TrialRow:
         overlap=told.overlap,
         off_mm=told.off_mm,
         off_deg=told.off_deg,
-        xr_deg=xr,
-        yr_deg=yr,
-        zr_deg=zr,
-        xt_mm=1000 * xt,
-        yt_mm=1000 * yt,
-        zt_mm=1000 * zt,
         source=options.source,
         hand="autopilot" if told.by_machine else "person",
         seed=options.seed,
         poses=options.trial_poses,
-        time=datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        time=time_column(),
+        **target_columns(told.target),
     )

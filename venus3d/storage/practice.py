@@ -28,7 +28,7 @@ class PracticeRow:
     outcome: str
     """reached, or given up."""
     seconds: float
-    """From the first move until the board had been held still at the target, or was given up."""
+    """From the first move until the board was at the target to stay, or was given up."""
     moved_by: str
     """What the board was moved with, in order of appearance: "keys gizmo"."""
     path_mm: float

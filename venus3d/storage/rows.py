@@ -10,11 +10,13 @@ import csv
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, fields
+from datetime import datetime, timezone
 from io import StringIO
 from pathlib import Path
 from typing import Any, Generic, TextIO, TypeVar, get_type_hints
 
 from venus3d.engine.errors import StorageError
+from venus3d.engine.pose import Pose
 
 Row = TypeVar("Row")
 
@@ -119,6 +121,18 @@ class RowFile(Generic[Row]):
 def columns_of(kind: Any) -> tuple[str, ...]:
     """The columns of a file of such rows: the names of the dataclass' fields."""
     return tuple(field.name for field in fields(kind))
+
+
+def target_columns(target: Pose) -> dict[str, float]:
+    """The columns xr_deg ... zt_mm of a row about a target, `T_camera_board`."""
+    xr, yr, zr, xt, yt, zt = (float(value) for value in target.vector())
+    shifts = {"xt_mm": 1000 * xt, "yt_mm": 1000 * yt, "zt_mm": 1000 * zt}
+    return {"xr_deg": xr, "yr_deg": yr, "zr_deg": zr, **shifts}
+
+
+def time_column() -> str:
+    """Now, by the computer's clock, ISO 8601."""
+    return datetime.now(timezone.utc).isoformat(timespec="seconds")
 
 
 def _values(row: Any) -> dict[str, object]:

@@ -63,7 +63,7 @@ def card_html(moment: PracticeMoment, theme: Theme) -> str:
         names = [name for name, on in zip(say.FREE_NAMES, moment.free, strict=True) if on]
         free = say.ONLY_FREE.format(names=", ".join(names))
     left = f"<em>{escape(amount)}</em>" if amount else ""
-    small = moment.note or ("" if moment.stage == "reached" else free)
+    small = " ".join([moment.note, "" if moment.stage == "reached" else free]).strip()
     first = "" if moment.scores or moment.stage == "hold" else f"<small>{say.HOW_TO}</small>"
     return (
         f"<div class='v-progress' style='--step:{colour}'><div class='v-do' "

@@ -47,6 +47,7 @@ DETOUR_SENTENCE = "Your way was {detour:.1f} times the shortest one."
 STRAIGHT_SENTENCE = "You took the shortest way."
 CLIMBED = "From now on level {level}: {name}."
 GIVEN_UP = "That one is given up; here is another."
+STAYS = "That is right already on this level, and stays as it is."
 TO_GO = "to go"
 
 STEP_BARS = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
