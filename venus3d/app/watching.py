@@ -10,6 +10,7 @@ What is done with an observation is left to `live` (a calibration) and `trial` (
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator
@@ -26,6 +27,7 @@ from venus3d.sources.video import Video
 
 # How long a still of a folder is shown.
 _STILL_S = 1.0
+_SWITCH_S = 0.0005
 
 
 class Watching(ABC):
@@ -68,6 +70,9 @@ class Watching(ABC):
             threading.Thread(target=self._guarded, args=(step,), name=name, daemon=True)
             for name, step in (("watch", self._watch), ("look", self._look))
         ]
+        # Half a dozen threads with a few milliseconds of work each: by default one that computes
+        # keeps the interpreter for 5 ms from those that draw.
+        sys.setswitchinterval(_SWITCH_S)
         for thread in threads:
             thread.start()
         try:

@@ -57,8 +57,9 @@ def lens_of(camera: Camera) -> Lens:
     if not camera.distortion.any():
         return Lens(camera, camera, None)
     rays = _rays(camera)
-    flat = rays.reshape(-1, 2)
-    low, high = np.nanmin(flat, axis=0), np.nanmax(flat, axis=0)
+    # One coordinate after the other: over pairs numpy takes eight times as long.
+    low = np.array([np.fmin.reduce(rays[..., i], axis=None) for i in range(2)])
+    high = np.array([np.fmax.reduce(rays[..., i], axis=None) for i in range(2)])
     span = (high - low) * [camera.fx, camera.fy] + 4
     scale = min(1.0, float((_LARGEST_RATIO * np.array(camera.image_size) / span).min()))
     f = np.array([camera.fx, camera.fy]) * scale

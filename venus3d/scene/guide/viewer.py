@@ -33,7 +33,7 @@ from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
 from venus3d.scene.view import SceneView
 
-_SCENE_PERIOD_S = 1 / 25
+_SCENE_PERIOD_S = 1 / 50
 _NOTE_SECONDS = 6.0
 
 
