@@ -133,17 +133,17 @@ def test_the_clock_runs_from_the_first_move() -> None:
 
 
 def test_a_number_that_is_typed_is_not_walked_by_way_of_its_digits() -> None:
-    """4, 45, 450 within a moment: only where it stands in the end counts, once it has stood."""
+    """4, 45, 450, most of a second each: only where it stands in the end counts."""
     start = Pose.from_vector([0, 0, 0, 0, 0, 0.55])
     attempt = Attempt.at(start, Pose.from_vector([0, 0, 0, 0, 0, 0.4]), ALL)
-    for now, z in ((1.0, 0.15), (1.2, 0.155), (1.4, 0.45)):
+    for now, z in ((1.0, 0.15), (1.8, 0.155), (2.6, 0.45)):
         attempt = attempt.moved(Pose.from_vector([0, 0, 0, 0, 0, z]), now, jump=True)
     assert attempt.path_mm == pytest.approx(100)
     assert attempt.began_s == 1.0
     # After a rest a jump is another leg; a drag counts all of its way.
-    attempt = attempt.moved(Pose.from_vector([0, 0, 0, 0, 0, 0.5]), 3.0, jump=True)
+    attempt = attempt.moved(Pose.from_vector([0, 0, 0, 0, 0, 0.5]), 4.0, jump=True)
     assert attempt.path_mm == pytest.approx(150)
-    for now, z in ((3.1, 0.4), (3.2, 0.5)):
+    for now, z in ((4.1, 0.4), (4.2, 0.5)):
         attempt = attempt.moved(Pose.from_vector([0, 0, 0, 0, 0, z]), now)
     assert attempt.path_mm == pytest.approx(350)
 

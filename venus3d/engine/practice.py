@@ -25,8 +25,9 @@ LEAST_TURN_DEG = 15.0
 """A turn that is asked for is at least so large."""
 LEAST_SHIFT = 0.15
 """And a shift at least this fraction of the board's width."""
-REST_S = 0.5
-"""A jump counts as walked once the board has stood for so long where it brought it."""
+REST_S = 1.0
+"""A jump counts as walked once the board has stood for so long where it brought it: typed with
+one finger, the next digit takes most of a second."""
 _TRIES, _DRAWS = 40, 512
 
 Free = tuple[bool, bool, bool, bool, bool, bool]

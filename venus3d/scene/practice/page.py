@@ -43,8 +43,8 @@ from venus3d.scene.view import SceneView
 
 _LEFT_WIDTH, _RIGHT_WIDTH = 380, 560
 _SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
-_PHONE_WIDTH = 700
-"""In a narrower window all panels are one sheet, the right one first."""
+_PHONE = 0.62
+"""Width over height of the scene below which all panels are one sheet, the right one first."""
 _JPEG_QUALITY = 80
 _UNITS = np.array([1.0, 1.0, 1.0, 1000.0, 1000.0, 1000.0])  # metres to the sliders' millimetres
 _STEPS = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
@@ -145,18 +145,18 @@ class PracticePage:
 
     @property
     def _wanted_form(self) -> tuple[bool, bool]:
-        """Whether the window is low, and whether it is narrow."""
+        """Whether the window is low, and whether it is a phone's."""
         camera = self._client.camera
-        return camera.image_height < _SMALL_SCREEN_HEIGHT, camera.image_width < _PHONE_WIDTH
+        return camera.image_height < _SMALL_SCREEN_HEIGHT, camera.aspect < _PHONE
 
     def _fit(self) -> None:
         if self._form == self._wanted_form:
             return
-        self._form = low, narrow = self._wanted_form
+        self._form = low, phone = self._wanted_form
         left, right = _LEFT_WIDTH, _RIGHT_WIDTH
         if low:
             left, right = _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH
-        self._first_card.visible = narrow
+        self._first_card.visible = phone
         self._left.set_width(left)
         self._gui.main_panel.set_width(right)
 
