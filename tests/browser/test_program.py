@@ -25,10 +25,6 @@ _PATIENCE_MS = 90_000
 Start = Callable[..., Any]
 
 
-# Each passes alone and failed once in a whole run, the cause not found yet: told, not counted.
-_UNSTEADY = pytest.mark.xfail(reason="unsteady in a whole run", strict=False)
-
-
 def views_on(page: Any) -> int:
     """The number above "views captured"."""
     found = re.search(r"(\d+)\s+views captured", page.inner_text("body"))
@@ -142,7 +138,6 @@ def test_another_pose_and_another_method_are_chosen_while_running(
     assert "Traceback" not in err, err
 
 
-@_UNSTEADY
 def test_whoever_has_only_a_keyboard_calibrates(
     chromium: Any, start: Start, tmp_path: Path
 ) -> None:
@@ -172,6 +167,8 @@ def test_whoever_has_only_a_keyboard_calibrates(
     page.wait_for_function(r"/[1-9]\d*\s+views captured/.test(document.body.innerText)")
     assert page.locator(".v-tour").count() == 0, "who has seen the tour is not shown it again"
     page.keyboard.press("Control+k")
+    # Until the box has the focus, what is typed are keys of the page.
+    page.wait_for_selector("input[placeholder^='Search']:focus")
     page.keyboard.type("Finish")
     page.wait_for_selector(
         ".mantine-Spotlight-action[data-selected]:has-text('End the calibration')"
