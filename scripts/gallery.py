@@ -73,6 +73,12 @@ def guided(page: Any, views: int = 3, *keys: str) -> None:
     press(page, *keys)
 
 
+def known(page: Any) -> None:
+    """Open what is known, its maps and the captured views."""
+    page.get_by_role("tab", name="What is known").click()
+    press(page, "v")
+
+
 _PORT = "8460"
 _GUIDE = ("guide", "sim", "--autopilot", "--no-tour", "--port", _PORT)
 _AUDIENCE = (*_GUIDE, "--audience", "8461")
@@ -95,7 +101,7 @@ SHOTS: tuple[Shot, ...] = (
         "uncertainty",
         "Where in the image the camera is known, now and after the next view",
         _GUIDE,
-        lambda page: guided(page, 3, "v", "m"),
+        lambda page: guided(page, 3) or known(page),
     ),
     Shot(
         "search",

@@ -155,9 +155,10 @@ def told(picture: Picture, step: Step, dark: bool) -> Picture:
 
 def _banner(draw: ImageDraw.ImageDraw, size: tuple[int, int], corners: int, dark: bool) -> None:
     colours = ground(dark)
-    face = font(round(size[1] * 0.042), bold=True)
+    # A tile on the page is half as wide as its picture, and must be read all the same.
+    face = font(round(size[0] * 0.04), bold=True)
     text = ONE_CORNER_OUTSIDE if corners == 1 else CORNERS_OUTSIDE.format(count=corners)
-    half, tall = face.getlength(text) / 2 + 8, round(size[1] * 0.065)
+    half, tall = face.getlength(text) / 2 + 8, round(size[0] * 0.056)
     middle, bottom = size[0] / 2, size[1] - 5
     draw.rectangle((middle - half, bottom - tall, middle + half, bottom), fill=colours.warning)
     draw.text(
