@@ -44,7 +44,7 @@ class Shot:
     do: Callable[[Any], None] = lambda page: None
     """What is done on the page before the picture is taken."""
     size: tuple[int, int] = (1920, 1080)
-    address: str = r"Viewer: (http://\S+)"
+    address: str = r"(?:Viewer|Lessons|Practice): (http://\S+)"
     """Which of the printed addresses is opened."""
 
 
@@ -109,7 +109,7 @@ SHOTS: tuple[Shot, ...] = (
         _GUIDE,
         lambda page: guided(page, 1, "y") or guided(page, 3),
     ),
-    Shot("teach", "Teach: a lesson, the steps in place", (*_TEACH, "three-turns")),
+    Shot("teach", "Teach: a lesson, the steps in place", (*_TEACH, "the-three-turns")),
     Shot(
         "teach-strip",
         "Teach: the four steps side by side",
@@ -164,9 +164,11 @@ def running(command: tuple[str, ...], address: str) -> Iterator[str]:
         )
         try:
             assert program.stdout is not None
-            yield next(
-                found.group(1) for line in program.stdout if (found := re.search(address, line))
-            )
+            lines = (re.search(address, line) for line in program.stdout)
+            url = next((found.group(1) for found in lines if found), None)
+            if url is None:
+                sys.exit(f"venus3d {' '.join(command)} ended before its page was up.")
+            yield url
         finally:
             program.terminate()
             program.wait(timeout=30)
