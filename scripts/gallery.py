@@ -198,7 +198,7 @@ def take(browser: Any, shot: Shot) -> Path:
         page.goto(url)
         page.wait_for_selector("canvas")
         page.wait_for_timeout(2 * _SETTLE_MS)
-        for notice in page.locator(".mantine-Notification-root button").all():
+        for notice in page.locator(".mantine-Notification-root button:visible").all():
             notice.click()  # the browser's word on its software renderer
         shot.do(page)
         page.wait_for_timeout(_SETTLE_MS)
