@@ -81,7 +81,8 @@ def known(page: Any) -> None:
 
 _PORT = "8460"
 _GUIDE = ("guide", "sim", "--autopilot", "--no-tour", "--port", _PORT)
-_AUDIENCE = (*_GUIDE, "--audience", "8461")
+# A slow hand, so that the dial still shows something to do.
+_AUDIENCE = (*_GUIDE, "--speed", "0.4", "--audience", "8461")
 _SECOND = r"Second monitor: (http://\S+)"
 _TEACH = ("teach", "--port", _PORT)
 _STILL_MS = 25_000  # until the simulated hand is on its way to a later target

@@ -124,8 +124,8 @@ color:var(--ink);display:grid;place-items:center}
 .v-chip{font-style:normal;font-weight:800;font-size:3.2vh;width:1.9em;height:1.9em;
 border-radius:50%;border:.12em solid var(--step);color:var(--step);display:grid;
 place-items:center}
-.v-chip.v-on{background:var(--step);color:var(--ink)}
 .v-chip.v-done{border-color:var(--right);color:var(--right)}
+.v-chip.v-on{background:var(--step);color:var(--ink)}
 .v-views{font-size:3.4vh;font-weight:600;color:var(--soft)}
 .v-say{position:absolute;left:0;right:0;top:var(--tall);bottom:0;padding:0 2vw;display:flex;
 align-items:center;font-size:var(--letter);font-weight:700;line-height:1.16;letter-spacing:-.01em;
