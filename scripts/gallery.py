@@ -163,7 +163,8 @@ SHOTS: tuple[Shot, ...] = (
         later,
         address=_SECOND,
     ),
-    Shot("phone", "Guide on a phone", _GUIDE, guided, size=(420, 860)),
+    # Most panels are folded there, so there is nothing to count.
+    Shot("phone", "Guide on a phone", _GUIDE, lambda page: says(page, "to go"), size=(420, 860)),
 )
 
 
