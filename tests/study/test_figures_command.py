@@ -125,7 +125,7 @@ def test_a_run_that_is_stopped_goes_on_and_ends_with_the_same_rows(
     os.kill(process.pid, blow)
     _, told = process.communicate()
     if blow is signal.SIGINT:
-        assert process.returncode == 130
+        assert process.returncode == 130, told
         assert re.search(
             r"venus3d: stopped: \d of 7 trials are kept; the same command goes on .*\n$", told
         )
