@@ -10,10 +10,12 @@ import csv
 import io
 import json
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import signal
+import threading
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -84,12 +86,15 @@ def run_trials(
         bar = things.enter_context(
             closing(tqdm(total=len(keys), initial=len(keys) - len(missing), desc=label))
         )
+        asked = things.enter_context(_asked_to_stop())
         try:
             for key, rows in finished:
                 kept = [dict(row) for row in rows]
                 _append(journal, {"trial": key, "rows": kept})
                 done[key] = kept
                 bar.update()
+                if asked.is_set():
+                    raise KeyboardInterrupt
         except KeyboardInterrupt as stop:
             raise KeyboardInterrupt(
                 f"{len(done)} of {len(keys)} trials are kept; the same command goes on from there"
@@ -97,6 +102,25 @@ def run_trials(
     table = [{"trial": key, **row} for key in keys for row in done[key]]
     write_bytes(rows_file, _csv(table).encode())
     return table
+
+
+@contextmanager
+def _asked_to_stop() -> Generator[threading.Event, None, None]:
+    """Set by Ctrl-C, which is raised as well: where joblib collects garbage Python drops it."""
+    asked = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield asked  # Python lets only the main thread take signals
+        return
+
+    def stop(*_: object) -> None:
+        asked.set()
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        yield asked
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def needed(module: str, extra: str) -> Any:
