@@ -13,7 +13,7 @@ from tests.engine.board_pictures import picture_of
 from venus3d.engine.board import Board
 from venus3d.engine.calibration import calibrate
 from venus3d.engine.camera import Camera
-from venus3d.engine.detection import Detector, search_region
+from venus3d.engine.detection import QUICK_FROM_PX, Detector, search_region
 from venus3d.engine.errors import VenusError
 from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
@@ -83,6 +83,21 @@ def test_colour_depth_and_a_search_region_change_nothing(
     ):
         assert (seen.ids == whole.ids).all() and seen.image_size == (1280, 720)
         np.testing.assert_allclose(seen.corners, whole.corners, atol=0.05)
+
+
+def test_a_quick_look_finds_as_much_where_squares_are_large(
+    pictures: list[np.ndarray], default_board: Board
+) -> None:
+    detector = Detector(default_board, find_layout=False)
+    quick_ones = 0
+    for picture in pictures:
+        full = detector.detect(picture)
+        quick = detector.detect(picture, quick=True)
+        quick_ones += detector.square_px >= QUICK_FROM_PX
+        if detector.square_px >= QUICK_FROM_PX:
+            assert (quick.ids == full.ids).all()
+            np.testing.assert_allclose(quick.corners, full.corners, atol=0.05)
+    assert quick_ones >= 2, "else the test shows little"
 
 
 def test_search_region_holds_the_board_and_stays_in_the_image() -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from venus3d.engine.detection import Detector, search_region
+from venus3d.engine.detection import QUICK_FROM_PX, Detector, Region, search_region
 from venus3d.engine.observation import Observation
 from venus3d.sources.frame import Frame
 
 # Fewer corners than this share of the last frame's: the board has left the region searched.
 _LOST = 0.9
+# A quick look that overlooked something was at squares that are too small for it in this light.
+_LEARNT = 1.25
 
 
 class Eyes:
@@ -16,19 +18,25 @@ class Eyes:
     def __init__(self, detector: Detector) -> None:
         self.detector = detector
         self._last: Observation | None = None
+        self._quick_from_px = QUICK_FROM_PX
 
     def look(self, frame: Frame) -> Observation:
-        """The board in this frame; searched near its last place first, then everywhere."""
-        region = None
+        """The board in this frame; quickly near its last place first, then fully, everywhere."""
+        region, before = None, 0
         if self._last is not None and self.detector.settled:
-            region = search_region(self._last, frame.image_size)
-        seen = self._detect(frame, region)
-        if region is not None and seen.count < _LOST * (self._last.count if self._last else 0):
-            seen = self._detect(frame, None)
+            region, before = search_region(self._last, frame.image_size), self._last.count
+        quick = before > 0 and self.detector.square_px >= self._quick_from_px
+        seen = self._detect(frame, region, quick)
+        if quick and seen.count < before:
+            square, full = self.detector.square_px, self._detect(frame, region, False)
+            if full.count > seen.count:
+                seen, self._quick_from_px = full, _LEARNT * square
+        if region is not None and seen.count < _LOST * before:
+            seen = self._detect(frame, None, False)
         self._last = seen if seen.count else None
         return seen
 
-    def _detect(self, frame: Frame, region: tuple[int, int, int, int] | None) -> Observation:
+    def _detect(self, frame: Frame, region: Region | None, quick: bool) -> Observation:
         return self.detector.detect(
-            frame.image, region=region, time_s=frame.time_s, name=frame.name
+            frame.image, region=region, quick=quick, time_s=frame.time_s, name=frame.name
         )

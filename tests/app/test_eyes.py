@@ -1,0 +1,77 @@
+"""The detector with its memory: it may be quicker than a full look, not worse."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.engine.board_pictures import picture_of
+from venus3d.app.eyes import Eyes
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.detection import Detector
+from venus3d.engine.pose import Pose
+from venus3d.sources.frame import Frame
+
+
+class Watched(Detector):
+    """A detector that tells how it was asked to look."""
+
+    def __init__(self, board: Board) -> None:
+        super().__init__(board, find_layout=False)
+        self.looks: list[str] = []
+
+    def detect(self, image: Any, **how: Any) -> Any:  # type: ignore[override]
+        near = "near" if how["region"] else "everywhere"
+        self.looks.append(f"{'quick' if how['quick'] else 'full'} {near}")
+        return super().detect(image, **how)
+
+
+@pytest.fixture
+def eyes(default_board: Board) -> tuple[Eyes, Watched]:
+    detector = Watched(default_board)
+    return Eyes(detector), detector
+
+
+def frame(board: Board, camera: Camera, *vector: float) -> Frame:
+    return Frame(picture_of(board, camera, Pose.from_vector(vector)), 0.0, "")
+
+
+def test_a_tracked_board_gets_one_quick_look_near_its_last_place(
+    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+) -> None:
+    look, detector = eyes[0].look, eyes[1]
+    for step in range(4):
+        seen = look(frame(default_board, paper_camera, 20, -20, 5 * step, 0.01 * step, 0, 0.45))
+        assert seen.count == 40
+    assert detector.looks == ["full everywhere"] + ["quick near"] * 3
+
+
+def test_what_a_quick_look_overlooks_a_full_one_finds(
+    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+) -> None:
+    """The board jumps back until its squares are too small, then comes near again."""
+    look, detector = eyes[0].look, eyes[1]
+    near, far = (0, 0, 0, 0, 0, 0.45), (30, 40, 0, 0.02, 0, 1.3)
+    look(frame(default_board, paper_camera, *near))
+    small = frame(default_board, paper_camera, *far)
+    full = Detector(default_board, find_layout=False).detect(small.image)
+    assert Detector(default_board, find_layout=False).detect(small.image, quick=True).count < 40
+    seen = look(small)
+    assert (seen.ids == full.ids).all()
+    np.testing.assert_allclose(seen.corners, full.corners, atol=0.05)
+    assert detector.looks[1:3] == ["quick near", "full near"]
+    look(small)
+    assert detector.looks[-1] == "full near", "its squares are too small for a quick look"
+
+
+def test_a_board_that_leaves_its_region_is_found_again(
+    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+) -> None:
+    look, detector = eyes[0].look, eyes[1]
+    look(frame(default_board, paper_camera, 0, 0, 0, -0.25, -0.1, 0.8))
+    seen = look(frame(default_board, paper_camera, 0, 0, 0, 0.25, 0.1, 0.8))
+    assert seen.count == 40
+    assert detector.looks[-1] == "full everywhere"
