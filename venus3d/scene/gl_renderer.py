@@ -28,12 +28,7 @@ from venus3d.scene.shading import shaded_colours
 from venus3d.scene.shapes import Colour, LineShape, MeshShape
 
 KEPT_MESHES = 64
-_FLAGS = (
-    pyrender.RenderFlags.FLAT
-    | pyrender.RenderFlags.SKIP_CULL_FACES
-    | pyrender.RenderFlags.OFFSCREEN
-    | pyrender.RenderFlags.RGBA
-)
+_FLAGS = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN | pyrender.RenderFlags.RGBA
 _OPENGL_FROM_OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])
 _NEAR, _FAR = 0.01, 20.0
 _SPARE_PX = 3
@@ -50,6 +45,7 @@ class GlRenderer:
         self._platform.init_context()
         self._renderer = _Renderer(64, 64)
         self._renderer.smooth = smooth
+        GL.glFrontFace(GL.GL_CW)  # in a picture whose first row is the top one (see the camera)
         self._scene: Any = pyrender.Scene(bg_color=[0.0, 0.0, 0.0, 0.0])
         self._camera_node: Any = self._scene.add(
             _TopDownCamera(1, 1, 0, 0, znear=_NEAR, zfar=_FAR), pose=_OPENGL_FROM_OPENCV
@@ -242,10 +238,17 @@ def _gl_mesh(shape: MeshShape) -> Any:
             baseColorFactor=factor,
             baseColorTexture=texture,
             alphaMode="OPAQUE" if shape.opacity >= 1 else "BLEND",
-            doubleSided=True,
+            doubleSided=not _is_closed(mesh),
         ),
     )
     return pyrender.Mesh([primitive])
+
+
+def _is_closed(mesh: trimesh.Trimesh) -> bool:
+    """Whether nobody can see its faces from behind: those need not be drawn."""
+    merged = mesh.copy()
+    merged.merge_vertices(merge_tex=True, merge_norm=True)
+    return bool(merged.is_watertight and merged.is_winding_consistent and merged.volume > 0)
 
 
 def _line_mesh(shape: LineShape, camera: Camera) -> Any:
