@@ -7,8 +7,11 @@ The renderer is `scene.offscreen`, the hand's motion `autopilot`.
 
 from __future__ import annotations
 
+import math
 import threading
 import time
+from concurrent.futures import Future
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -28,9 +31,23 @@ PAPER_CAMERA = Camera(1280, 720, 1068, 1073, 635, 355, -0.0031, -0.2059, -0.0028
 """The camera of the paper's simulation (4.1.2), its distortion read in OpenCV's order."""
 NEAREST, FARTHEST = 0.06, 3.0
 """How near to the lens's plane a corner, and how far the board's centre, may be moved; metres."""
-# A colour that no board has: what shines through it is the room (see `_composed`).
+# A colour that no board has: what shines through it is the room (see `_cut_out`).
 _KEY = (255, 0, 255)
 _NOISE_STRIDE = 64
+
+Box = tuple[int, int, int, int]
+"""Left, top, right, bottom; the last two are outside."""
+
+
+@dataclass(frozen=True)
+class Exposed:
+    """A picture that the renderer is still at work on."""
+
+    picture: Future[NDArray[np.uint8]]
+    """RGB, the board alone on the key colour."""
+    pose: Pose
+    time_s: float
+    name: str
 
 
 class Simulation:
@@ -79,6 +96,8 @@ class Simulation:
         room_rng, self._rng, hand_rng = np.random.default_rng(seed).spawn(3)
         self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot)
         self._background = room(camera.image_size, room_rng) if background is None else background
+        self._empty = self._blurred(self._background)
+        self._reach = 1 + math.ceil(4 * blur_sigma)
         self._noise = _noise_sheet(camera, noise_sigma, self._rng)
         self._lock = threading.Lock()
         self._hand = near_pose(camera, self.board) if start is None else start
@@ -87,6 +106,7 @@ class Simulation:
         self._number = 0
         self._time_s = 0.0
         self._due = 0.0
+        self._exposed: Exposed | None = None
         self._closed = False
         self._owned = offscreen is None
         # The lens's map and the blur smooth the paper's edges; what is printed on it is filtered.
@@ -132,15 +152,13 @@ class Simulation:
         """The frame one time step later; None once closed."""
         if self._closed:
             return None
-        dt_s = self._wait()
-        with self._lock:
-            if self._number > 0:
-                self._time_s += dt_s
-                if self.autopilot_on:
-                    self._hand = self._autopilot.advance(self._hand, self._target, dt_s, self._seen)
-            pose = self._hand
-        self._number += 1
-        return Frame(self._picture(pose), self._time_s, f"frame {self._number}")
+        if self._realtime:
+            # As a camera reads one picture out while it exposes the next: the renderer has a whole
+            # period, and a frame comes one period late.
+            exposed, self._exposed = self._exposed or self._expose(), self._expose()
+        else:
+            exposed = self._expose()
+        return Frame(self._develop(exposed), exposed.time_s, exposed.name)
 
     def close(self) -> None:
         """Release the renderer. May be called twice."""
@@ -160,15 +178,44 @@ class Simulation:
         # A slow machine shows fewer frames, not a slower hand; after a pause it does not jump.
         return min(period + late, 0.2)
 
-    def _picture(self, pose: Pose) -> NDArray[np.uint8]:
-        rendered = self._offscreen.render(
-            self.truth, (board_shape(self.board, pose),), background=_KEY
-        )
+    def _expose(self) -> Exposed:
+        """Take the next time step and hand its picture to the renderer."""
+        dt_s = self._wait()
+        with self._lock:
+            if self._number > 0:
+                self._time_s += dt_s
+                if self.autopilot_on:
+                    self._hand = self._autopilot.advance(self._hand, self._target, dt_s, self._seen)
+            pose = self._hand
+        self._number += 1
+        shapes = (board_shape(self.board, pose),)
+        picture = self._offscreen.submit(self.truth, shapes, background=_KEY)
+        return Exposed(picture, pose, self._time_s, f"frame {self._number}")
+
+    def _blurred(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        if self._blur_sigma <= 0:
+            return image
+        return np.asarray(cv2.GaussianBlur(image, (0, 0), self._blur_sigma), dtype=np.uint8)
+
+    def _develop(self, exposed: Exposed) -> NDArray[np.uint8]:
+        pose, rendered = exposed.pose, exposed.picture.result()
         # A sheet that turns away from the lamp above gets a little darker.
         facing = float(np.clip(pose.R[:, 2] @ np.array([0.0, 0.45, 0.89]), 0.0, 1.0))
-        image = _composed(rendered, self._background, self._light * (0.75 + 0.25 * facing))
-        if self._blur_sigma > 0:
-            image = cv2.GaussianBlur(image, (0, 0), self._blur_sigma)
+        light = self._light * (0.75 + 0.25 * facing)
+        green, through = _cut_out(rendered)
+        # Only the board's part of the picture is made anew, with the room around it that the blur
+        # mixes in: a board that fills a quarter of the picture costs a quarter.
+        x, y, width, height = cv2.boundingRect(cv2.bitwise_not(through))
+        inner = _grown((x, y, x + width, y + height), self._reach, self.image_size)
+        left, top, right, bottom = _grown(inner, self._reach, self.image_size)
+        outer = np.s_[top:bottom, left:right]
+        part = self._blurred(
+            _composed(green[outer], through[outer], self._background[outer], light)
+        )
+        image = self._empty.copy()
+        image[inner[1] : inner[3], inner[0] : inner[2]] = part[
+            inner[1] - top : inner[3] - top, inner[0] - left : inner[2] - left
+        ]
         if self._noise is not None:
             y, x = self._rng.integers(0, _NOISE_STRIDE, 2)
             noise = self._noise[y : y + image.shape[0], x : x + image.shape[1]]
@@ -192,20 +239,38 @@ def _before_the_lens(pose: Pose, board: Board) -> Pose:
     return Pose(pose.R, t)
 
 
-def _composed(
-    rendered: NDArray[np.uint8], background: NDArray[np.uint8], light: float
-) -> NDArray[np.uint8]:
-    """The grey board out of an RGB picture on the key colour, lit, before the background (BGR).
+def _cut_out(rendered: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """The board's grey times its coverage, and how much of the room is seen past it.
 
     The board is grey, so red minus green is what the key (255, 0, 255) shows of itself, edges
-    included, and green is the board times its coverage: one rendering gives an exact cut-out.
+    included: one rendering gives an exact cut-out.
     """
     green = cv2.extractChannel(rendered, 1)
     through = cv2.subtract(cv2.extractChannel(rendered, 0), green)
+    return np.asarray(green, dtype=np.uint8), np.asarray(through, dtype=np.uint8)
+
+
+def _composed(
+    green: NDArray[np.uint8],
+    through: NDArray[np.uint8],
+    background: NDArray[np.uint8],
+    light: float,
+) -> NDArray[np.uint8]:
+    """What was cut out, lit, before the background (BGR)."""
     # Printed black is no darkness: it throws back some 5 % of the light.
     board = cv2.addWeighted(green, 0.95 * light, cv2.bitwise_not(through), 0.05 * light, 0)
     behind = cv2.multiply(background, cv2.merge([through] * 3), scale=1 / 255)
     return np.asarray(cv2.add(behind, cv2.merge([board] * 3)), dtype=np.uint8)
+
+
+def _grown(box: Box, by: int, size: tuple[int, int]) -> Box:
+    left, top, right, bottom = box
+    return (
+        max(0, left - by),
+        max(0, top - by),
+        min(size[0], right + by),
+        min(size[1], bottom + by),
+    )
 
 
 def _noise_sheet(
