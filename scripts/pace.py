@@ -2,11 +2,13 @@
 
 Starts the program on the simulated camera, connects to it as a browser would, but reads the bare
 messages, and measures the gaps between them: those that move the board and those that bring the
-live picture. A stall of the server is a gap, whatever caused it. With --updates it goes on and
-tells the program's memory; a recording, which starts again at its end, suits that best. A
-benchmark, no test: it prints figures and fails at nothing.
+live picture. A stall of the server is a gap, whatever caused it. The simulated camera renders its
+pictures on the same processor, which a real one does not: a recording tells more of real cameras.
+With --updates it goes on and tells the program's memory; a recording, which starts again at its
+end, suits that best. A benchmark, no test: it prints figures and fails at nothing.
 
     python scripts/pace.py [--seconds 40] [--json]
+    python scripts/pace.py -- recording.mp4 --board.columns 12 ...
     python scripts/pace.py --updates 10000 -- recording.mp4
 """
 
@@ -17,6 +19,7 @@ import json
 import re
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Iterator
@@ -114,29 +117,31 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=40.0, help="how long gaps are measured")
     parser.add_argument("--updates", type=int, default=0, help="scene updates for the memory")
     parser.add_argument("--port", type=int, default=8440)
-    parser.add_argument("--output", default="pace-result", help="folder of the calibration")
     parser.add_argument("--json", action="store_true")
     parser.add_argument(
         "arguments", nargs="*", default=SIMULATED, help="of venus3d guide, after --"
     )
     options = parser.parse_args()
-    where = ["--port", str(options.port), "--output", options.output]
-    program = subprocess.Popen(
-        [sys.executable, "-m", "venus3d", "guide", *options.arguments, *where],
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    stop, arrivals = threading.Event(), Arrivals()
-    try:
-        assert program.stdout is not None
-        address = next(
-            found.group() for line in program.stdout if (found := re.search(r"http://\S+", line))
+    with tempfile.TemporaryDirectory() as output:
+        where = ["--port", str(options.port), "--output", output]
+        program = subprocess.Popen(
+            [sys.executable, "-m", "venus3d", "guide", *options.arguments, *where],
+            stdout=subprocess.PIPE,
+            text=True,
         )
-        told = measured(address, program.pid, arrivals, stop, options)
-    finally:
-        stop.set()
-        program.terminate()
-        program.wait(timeout=30)
+        stop, arrivals = threading.Event(), Arrivals()
+        try:
+            assert program.stdout is not None
+            address = next(
+                found.group()
+                for line in program.stdout
+                if (found := re.search(r"http://\S+", line))
+            )
+            told = measured(address, program.pid, arrivals, stop, options)
+        finally:
+            stop.set()
+            program.terminate()
+            program.wait(timeout=30)
     if options.json:
         print(json.dumps(told))
 

@@ -89,7 +89,7 @@ def test_sector_and_arrow_show_the_turn_itself(
         assert np.linalg.norm(points_of(arrow) - end, axis=1).min() < 1e-4
         label = shapes[f"{prefix}/label"]
         assert isinstance(label, LabelShape)
-        assert label.text == f"{step.angle_deg:+.0f}° in all"
+        assert label.text == f"{step.angle_deg:+.0f}° in all".replace("-", "−")
 
 
 def test_a_tilt_starts_at_the_edge_that_the_words_name(

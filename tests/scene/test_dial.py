@@ -102,7 +102,7 @@ def test_three_scales_that_are_right_make_a_move_that_is_done(at) -> None:
 
 def test_amounts_have_a_sign_and_a_unit(at) -> None:
     found = at(x=12, y=-31, mm=(30, 0, 40))
-    assert [amount_text(found, step) for step in (1, 2, 3, 4)] == ["50 mm", "+12°", "−31°", "+0°"]
+    assert [amount_text(found, step) for step in (1, 2, 3, 4)] == ["50 mm", "+12°", "−31°", "0°"]
     assert share(-500, 300) == -1 and share(0, 300) == 0
 
 

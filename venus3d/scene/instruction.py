@@ -26,6 +26,7 @@ from venus3d.scene.arrows import (
 from venus3d.scene.board_shape import outline_segments
 from venus3d.scene.palette import step_colour
 from venus3d.scene.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
+from venus3d.scene.texts.amounts import degrees
 
 GAP = 0.12
 """Distance of a protractor from the board's side, in board widths."""
@@ -151,7 +152,7 @@ def _turn_shapes(
         MeshShape(f"{name}/sector", done, place.frame, colour, 0.4),
         LineShape(f"{name}/axis", place.axis_ends[None], Pose.identity(), colour, 2.0, seen),
         LabelShape(f"{name}/axis_label", step.axis.upper(), letter_at, colour, seen),
-        LabelShape(f"{name}/label", f"{step.angle_deg:+.0f}°", degrees_at, colour),
+        LabelShape(f"{name}/label", degrees(step.angle_deg), degrees_at, colour),
     ]
 
 

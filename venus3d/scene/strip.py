@@ -21,6 +21,7 @@ from venus3d.scene.shapes import (
     PointShape,
     Shape,
 )
+from venus3d.scene.texts.amounts import degrees
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres: above everything that is drawn in place."""
@@ -53,7 +54,7 @@ def strip_shapes(
 
 def caption(step: Step) -> str:
     """Number, word and amount: "2 Tilt about X +30°"."""
-    amount = f" {step.angle_deg:+.0f}°"
+    amount = f" {degrees(step.angle_deg)}"
     if step.axis is None:
         amount = f" {np.linalg.norm(step.translation) * 1000:.0f} mm"
     return f"{step.number} {step_style(step.number).title}{'' if step.is_idle else amount}"

@@ -16,6 +16,7 @@ from venus3d.engine.snapshot import Match
 from venus3d.scene.palette import DARK, LIGHT, hex_of
 from venus3d.scene.shapes import Colour
 from venus3d.scene.texts import audience as texts
+from venus3d.scene.texts.amounts import degrees
 
 RIGHT_ON_DARK: Colour = DARK.reached
 RIGHT_ON_LIGHT: Colour = LIGHT.reached
@@ -55,7 +56,7 @@ def amount_text(match: Match, step: int) -> str:
     """What is left of a step, with sign and unit: "−31°" or "120 mm"."""
     if step == 1:
         return f"{float(np.linalg.norm(match.remaining_mm)):.0f} mm"
-    return f"{float(match.remaining_deg[step - 2]):+.0f}°".replace("-", "−")
+    return degrees(match.remaining_deg[step - 2])
 
 
 def _turn(match: Match, step: int) -> str:

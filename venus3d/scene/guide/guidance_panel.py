@@ -15,6 +15,7 @@ from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.palette import STEP_STYLES, step_style
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import guide as say
+from venus3d.scene.texts.amounts import degrees
 
 _HEADLINES = {"captured": say.CAPTURED, "converged": say.CONVERGED, "finished": say.FINISHED}
 _NEXT = {"converged": say.CONVERGED_NEXT, "finished": say.FINISHED_NEXT}
@@ -91,7 +92,7 @@ def remaining_text(match: Match, step: int) -> str:
     """What is left of one step, with its unit: "+31°" or "120 mm"."""
     if step == 1:
         return f"{float((match.remaining_mm**2).sum()) ** 0.5:.0f} mm"
-    return f"{float(match.remaining_deg[step - 2]):+.0f}°".replace("-", "−")
+    return degrees(match.remaining_deg[step - 2])
 
 
 def _card(
@@ -147,4 +148,4 @@ def _whole_text(steps: Steps | None, number: int) -> str:
     step = steps[number - 1]
     if number == 1:
         return f"{float((step.translation**2).sum()) ** 0.5 * 1000:.0f} mm"
-    return f"{step.angle_deg:+.0f}°".replace("-", "−")
+    return degrees(step.angle_deg)

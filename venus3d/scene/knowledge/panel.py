@@ -131,7 +131,7 @@ class KnowledgePanel:
 
     def _make(self, gui: viser.GuiApi) -> None:
         gui.add_html(SHEET)
-        self._window = ViewWindow(gui)
+        self._window = ViewWindow()
         self._topics = gui.add_button_group(
             texts.TOPICS_LABEL, _topic_labels("error"), hint=texts.TOPICS_HINT
         )

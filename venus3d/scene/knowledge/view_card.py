@@ -16,6 +16,7 @@ from venus3d.engine.reasons import held_in_words
 from venus3d.engine.snapshot import Calibration, Snapshot
 from venus3d.scene.knowledge.topics import figure
 from venus3d.scene.texts import knowledge as texts
+from venus3d.scene.texts.amounts import signed
 
 _FX, _FY = PARAMETERS.index("fx"), PARAMETERS.index("fy")
 # Errors that differ by less are the same to a person.
@@ -61,7 +62,7 @@ def _pose_lines(snapshot: Snapshot, view: View) -> list[str]:
     x, y, z, right, down, away = view.pose.vector() * [1, 1, 1, 1000, 1000, 1000]
     held = held_in_words(view.pose, snapshot.camera)
     numbers = {"x": x, "y": y, "z": z, "right": right, "down": down, "away": away}
-    whole = {name: f"{value:+.0f}".replace("-", "−") for name, value in numbers.items()}
+    whole = {name: signed(value) for name, value in numbers.items()}
     return [texts.VIEW_HELD.format(held=held), texts.VIEW_POSE.format(**whole)]
 
 

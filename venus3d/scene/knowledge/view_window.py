@@ -14,14 +14,9 @@ from venus3d.scene.texts import knowledge as texts
 class ViewWindow:
     """At most one in a tab; Esc puts it away. Callbacks come on viser's threads."""
 
-    def __init__(self, gui: viser.GuiApi) -> None:
-        """Add the command that closes it to this page."""
+    def __init__(self) -> None:
         self._lock = Lock()
-        self._open: dict[int, Any] = {}
-        command = gui.add_command(
-            texts.CLOSE_VIEW_COMMAND, description=texts.CLOSE_VIEW_HINT, hotkey="escape"
-        )
-        command.on_trigger(lambda event: event.client and self.close(event.client))
+        self._open: dict[int, tuple[Any, Any]] = {}
 
     def open(
         self,
@@ -44,11 +39,17 @@ class ViewWindow:
                     drop.on_click(lambda _: self.close(client))
                 close = client.gui.add_button(texts.CLOSE_VIEW, hint=texts.CLOSE_VIEW_HINT)
                 close.on_click(lambda _: self.close(client))
-            self._open[client.client_id] = modal
+            escape = client.gui.add_command(
+                texts.CLOSE_VIEW_COMMAND, description=texts.CLOSE_VIEW_HINT, hotkey="escape"
+            )
+            escape.on_trigger(lambda _: self.close(client))
+            self._open[client.client_id] = (modal, escape)
 
     def close(self, client: viser.ClientHandle) -> None:
         """Put this tab's away, if there is one."""
         with self._lock:
-            modal = self._open.pop(client.client_id, None)
-        if modal is not None:
+            opened = self._open.pop(client.client_id, None)
+        if opened is not None:
+            modal, escape = opened
             modal.close()
+            escape.remove()

@@ -15,6 +15,7 @@ from venus3d.scene.palette import STEP_STYLES
 from venus3d.scene.practice.moment import PracticeMoment
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import practice as say
+from venus3d.scene.texts.amounts import degrees
 
 _FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
 
@@ -94,11 +95,7 @@ def _card_of(moment: PracticeMoment, theme: Theme) -> tuple[str, str, str, str, 
 
 def _amounts(moment: PracticeMoment) -> tuple[str, ...]:
     mm = float(np.linalg.norm(moment.match.remaining_mm))
-    return (f"{mm:.0f} mm", *(_signed(float(deg)) for deg in moment.match.remaining_deg))
-
-
-def _signed(deg: float) -> str:
-    return f"{deg:+.0f}°".replace("-", "−") if abs(deg) >= 0.5 else "0°"
+    return (f"{mm:.0f} mm", *(degrees(deg) for deg in moment.match.remaining_deg))
 
 
 def bars_html(moment: PracticeMoment, theme: Theme) -> str:

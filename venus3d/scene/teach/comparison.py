@@ -20,6 +20,7 @@ from venus3d.scene.arrows import arc_arrow, arc_point, frame_along, straight_arr
 from venus3d.scene.board_shape import board_outline, board_shape
 from venus3d.scene.palette import ground, mixed, step_colour
 from venus3d.scene.shapes import LabelShape, MeshShape, Shape
+from venus3d.scene.texts.amounts import degrees
 
 Side = Literal["left", "right"]
 CENTRES: dict[Side, Array] = {
@@ -117,5 +118,5 @@ def _arc(
     at = frame.apply(arc_point(end / 2, 1.35 * radius))
     return [
         MeshShape(f"{name}/arc", arrow, frame, colour, shaded=True),
-        LabelShape(f"{name}/angle", f"{fraction * angle:+.0f}°", at, colour),
+        LabelShape(f"{name}/angle", degrees(fraction * angle), at, colour),
     ]

@@ -26,6 +26,7 @@ from venus3d.scene.teach.comparison import Side, column_shapes, comparison_point
 from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.texts import teach as texts
+from venus3d.scene.texts.amounts import degrees
 from venus3d.scene.viewpoints import View, view_abreast, view_from
 
 
@@ -109,7 +110,7 @@ def counted(step: Step, sweep: float) -> str:
     """How much of a step is done, with its unit: "+17°" on the way, "+30°" at its end."""
     if step.axis is None:
         return f"{sweep * float(np.linalg.norm(step.translation)) * 1000:.0f} mm"
-    return f"{sweep * step.angle_deg:+.0f}°".replace("-", "−")
+    return degrees(sweep * step.angle_deg)
 
 
 def _comparison(moment: TeachMoment, state: TeachState) -> list[Shape]:

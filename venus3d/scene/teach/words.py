@@ -12,6 +12,7 @@ from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.stage import counted
 from venus3d.scene.teach.state import TeachState
 from venus3d.scene.texts import teach as texts
+from venus3d.scene.texts.amounts import degrees
 
 SHEET = """<style>
 .v-wide{container-type:inline-size}
@@ -119,15 +120,11 @@ def comparison_remark(moment: TeachMoment, state: TeachState) -> Remark:
         axis=names[0],
         left_axis=names[0],
         right_axis=names[1],
-        left=_degrees(left.angle_deg),
-        right=_degrees(right.angle_deg),
+        left=degrees(left.angle_deg),
+        right=degrees(right.angle_deg),
     )
-    amount = _degrees(sweep * left.angle_deg) if names[0] == names[1] else ""
+    amount = degrees(sweep * left.angle_deg) if names[0] == names[1] else ""
     return Remark(headline, amount, sentence, step - 1, "xyz".index(left.axis))
-
-
-def _degrees(angle: float) -> str:
-    return f"{angle:+.0f}°".replace("-", "−")
 
 
 def _now(colour: str, headline: str, amount: str, sentence: str, who: str) -> str:
