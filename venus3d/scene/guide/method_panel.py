@@ -26,7 +26,8 @@ class MethodPanel:
     def __init__(self, gui: viser.GuiApi, ask: Callable[[Intent], None]) -> None:
         """Make the lists in the current panel, folded away."""
         self._ask = ask
-        self._picked = -_ON_ITS_WAY_S
+        self._shown: tuple[str, str] | None = None
+        self._picked: float | None = None
         with gui.add_folder(say.METHOD_FOLDER, expand_by_default=False):
             self._method = gui.add_dropdown(
                 say.METHOD, list(say.METHOD_WORDS.values()), hint=say.METHOD_HINT
@@ -51,15 +52,18 @@ class MethodPanel:
         return (*methods, *costs)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Let the lists say how the session finds its poses."""
-        if time.monotonic() - self._picked < _ON_ITS_WAY_S:
+        """Let the lists say how the session finds its poses.
+
+        Only when that has changed, or a while after somebody picked: what was picked this moment is
+        in the list before `_pick` hears of it, and must not be put back meanwhile.
+        """
+        now, found = time.monotonic(), (snapshot.method, snapshot.cost)
+        is_due = self._picked is not None and now - self._picked >= _ON_ITS_WAY_S
+        if found == self._shown and not is_due:
             return
-        for box, words in (
-            (self._method, say.METHOD_WORDS[snapshot.method]),
-            (self._cost, say.COST_WORDS[snapshot.cost]),
-        ):
-            if box.value != words:
-                box.value = words
+        self._shown, self._picked = found, None
+        self._method.value = say.METHOD_WORDS[snapshot.method]
+        self._cost.value = say.COST_WORDS[snapshot.cost]
 
     def _pick(self, event: Any, cost: Cost | None) -> None:
         if event.client is None:

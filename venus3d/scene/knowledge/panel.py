@@ -144,6 +144,7 @@ class KnowledgePanel:
             texts.VIEWS_LABEL, [texts.NO_VIEW], hint=texts.VIEWS_HINT, visible=False
         )
         self._views.on_update(self._pick_view)
+        self._offered: tuple[tuple[str, ...], str] = ((), "")
         self._legend = gui.add_html("", visible=False)
         self._about = gui.add_html("", visible=False)
         self._drop = gui.add_button(
@@ -176,9 +177,10 @@ class KnowledgePanel:
             ),
         )
         wanted = options[0 if chosen is None else 1 + numbers.index(chosen)]
-        if self._views.options != options:
+        if (options, wanted) != self._offered:
+            # Not otherwise: a pick is in the list before `_pick_view` hears of it.
+            self._offered = (options, wanted)
             self._views.options = options
-        if self._views.value != wanted:
             self._views.value = wanted
         self._views.visible = bool(numbers)
         picture = self._pictures.get(chosen or 0, "")

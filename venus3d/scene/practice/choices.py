@@ -32,6 +32,7 @@ class ChoicePanel:
         """`wish` is called on viser's threads, only for what a person did."""
         self._wish = wish
         self._through = False
+        self._shown = (moment.level, moment.help, moment.climb)
         self._next = gui.add_button(say.NEXT, icon=viser.Icon.PLAYER_PLAY, hint=say.NEXT_HINT)
         self._next.on_click(lambda _: wish(Press("next")))
         levels = [say.LEVEL_NAMES[level] for level in LEVELS]
@@ -57,9 +58,13 @@ class ChoicePanel:
 
     def show(self, moment: PracticeMoment) -> None:
         """Let the controls say how things stand."""
-        self._level.value = say.LEVEL_NAMES[moment.level]
-        self._help.value = say.HELP_NAMES[moment.help]
-        self._climb.value = moment.climb
+        chosen = (moment.level, moment.help, moment.climb)
+        if chosen != self._shown:
+            # Not otherwise: a choice is in its list before `wish` hears of it.
+            self._shown = chosen
+            self._level.value = say.LEVEL_NAMES[moment.level]
+            self._help.value = say.HELP_NAMES[moment.help]
+            self._climb.value = moment.climb
         self._next.disabled = moment.stage != "reached"
         self._through = moment.look == "through"
         outside, through = say.LOOKS

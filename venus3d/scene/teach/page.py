@@ -94,8 +94,11 @@ class TeachPage:
         for row in self._rows:
             row.show(state)
         share = round(25 * min(state.way, 4.0))
-        if not state.dragged and self.way.value != share:
-            self.way.value = share
+        if share != self._share:
+            # Not otherwise: where it was put is in the slider before `on_way` hears of it.
+            self._share = share
+            if not state.dragged:
+                self.way.value = share
 
     def show_moment(self, picture: Picture) -> None:
         """What the camera sees now, RGB."""
@@ -142,6 +145,7 @@ class TeachPage:
         self.card = gui.add_html("")
         self._rows = [ButtonRow(gui, texts.STEPS, STEP_ROW, act, texts.STEPS_HINT)]
         self.way: Any = gui.add_slider(texts.WAY, 0, 100, 1, 100, marks=MARKS, hint=texts.WAY_HINT)
+        self._share = 100
 
         def moved(event: Any) -> None:
             if event.client is not None:

@@ -1,0 +1,48 @@
+"""The list of methods says what the session does, and yet keeps what somebody picks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import viser
+
+from venus3d.engine.snapshot import Snapshot
+from venus3d.scene.guide.intents import ChangeMethod, Intent
+from venus3d.scene.guide.method_panel import MethodPanel
+from venus3d.scene.texts.guide import METHOD_WORDS
+
+
+def test_a_pick_is_not_put_back_while_it_is_on_its_way(
+    guided: Snapshot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The page is drawn between the moment in which viser has the value and that of the callback."""
+    now = [100.0]
+    monkeypatch.setattr("venus3d.scene.guide.method_panel.time.monotonic", lambda: now[0])
+    server = viser.ViserServer("127.0.0.1", 8299, verbose=False)
+    asked: list[Intent] = []
+    panel = MethodPanel(server.gui, asked.append)
+    panel.show(guided)
+    box: Any = panel._method  # pyright: ignore[reportPrivateUsage]
+    assert box.value == METHOD_WORDS["global"]
+    box.value = METHOD_WORDS["random"]  # as viser does when a browser says so
+    panel.show(guided)
+    panel._pick(SimpleNamespace(client="a browser"), None)  # pyright: ignore[reportPrivateUsage]
+    assert asked == [ChangeMethod("random", None)]
+    panel.show(guided)
+    assert box.value == METHOD_WORDS["random"]
+
+    now[0] += 0.5
+    accepted = replace(guided, method="random")
+    panel.show(accepted)
+    panel.show(replace(accepted, method="venus"))  # by the command palette
+    assert box.value == METHOD_WORDS["venus"]
+
+    box.value = METHOD_WORDS["random"]
+    panel._pick(SimpleNamespace(client="a browser"), None)  # pyright: ignore[reportPrivateUsage]
+    now[0] += 2  # and the session refused it
+    panel.show(replace(accepted, method="venus"))
+    assert box.value == METHOD_WORDS["venus"]
+    server.stop()
