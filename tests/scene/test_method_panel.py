@@ -7,21 +7,21 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-import viser
 
 from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.guide.intents import ChangeMethod, Intent
 from venus3d.scene.guide.method_panel import MethodPanel
+from venus3d.scene.server import start_server
 from venus3d.scene.texts.guide import METHOD_WORDS
 
 
 def test_a_pick_is_not_put_back_while_it_is_on_its_way(
     guided: Snapshot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The page is drawn between the moment in which viser has the value and that of the callback."""
+    """The page is drawn after viser has the value and before the callback comes."""
     now = [100.0]
-    monkeypatch.setattr("venus3d.scene.guide.method_panel.time.monotonic", lambda: now[0])
-    server = viser.ViserServer("127.0.0.1", 8299, verbose=False)
+    monkeypatch.setattr("venus3d.scene.guide.method_panel.monotonic", lambda: now[0])
+    server, _ = start_server("127.0.0.1", 8299)
     asked: list[Intent] = []
     panel = MethodPanel(server.gui, asked.append)
     panel.show(guided)

@@ -5,8 +5,8 @@ They show what the session does, not what was clicked: a choice that is refused 
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+from time import monotonic
 from typing import Any
 
 import viser
@@ -57,7 +57,7 @@ class MethodPanel:
         Only when that has changed, or a while after somebody picked: what was picked this moment is
         in the list before `_pick` hears of it, and must not be put back meanwhile.
         """
-        now, found = time.monotonic(), (snapshot.method, snapshot.cost)
+        now, found = monotonic(), (snapshot.method, snapshot.cost)
         is_due = self._picked is not None and now - self._picked >= _ON_ITS_WAY_S
         if found == self._shown and not is_due:
             return
@@ -68,7 +68,7 @@ class MethodPanel:
     def _pick(self, event: Any, cost: Cost | None) -> None:
         if event.client is None:
             return  # set by `show`
-        self._picked = time.monotonic()
+        self._picked = monotonic()
         self._ask(ChangeMethod(_method_of(str(self._method.value)), cost))
 
     def _command(self, label: str, method: Method | None, cost: Cost | None) -> Command:
