@@ -45,7 +45,7 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
 ) -> None:
     """C takes a view and U takes it back; a reload and a second tab show the same."""
     simulated = start(
-        *("guide", "sim", "--autopilot", "--speed", "2", "--port", "8270", "--no-tour"),
+        *("guide", "sim", "--autopilot", "--speed", "4", "--port", "8270", "--no-tour"),
         *("--output", str(tmp_path)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
@@ -145,7 +145,7 @@ def test_whoever_has_only_a_keyboard_calibrates(
     board, the four steps until the view is captured, and Finish from the list of commands. After
     the end nothing is offered that does nothing."""
     program = start(
-        *("guide", "sim", "--speed", "2", "--port", "8274", "--output", str(tmp_path)),
+        *("guide", "sim", "--speed", "4", "--port", "8274", "--output", str(tmp_path)),
     )
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()

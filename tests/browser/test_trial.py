@@ -23,7 +23,16 @@ class Trial:
         self.path = folder / "trial.csv"
         self.program = start(
             *("guide", "sim", "--trial", "--participant", "Anna <A>", "--trial-poses", "2"),
-            *("--camera-size", "640x360", "--output", str(folder), "--port", str(_PORT)),
+            *(
+                "--camera-size",
+                "640x360",
+                "--speed",
+                "4",
+                "--output",
+                str(folder),
+                "--port",
+                str(_PORT),
+            ),
         )
 
     @property
