@@ -44,6 +44,8 @@ class Shot:
     do: Callable[[Any], None] = lambda page: None
     """What is done on the page before the picture is taken."""
     size: tuple[int, int] = (1920, 1080)
+    ready: str = ""
+    """What the page has to say in the moment of the picture: most of them move by themselves."""
     address: str = r"(?:Viewer|Lessons|Practice): (http://\S+)"
     """Which of the printed addresses is opened."""
 
@@ -91,18 +93,30 @@ _STILL_MS = 25_000  # until the simulated hand is on its way to a later target
 def later(page: Any) -> None:
     """Some pictures later: the audience's page has no keys, so there is only waiting."""
     page.wait_for_timeout(_STILL_MS)
-    says(page, "to go")
 
 
 SHOTS: tuple[Shot, ...] = (
-    Shot("guide", "Guide: the step to do now", _GUIDE, guided),
-    Shot("guide-light", "Guide in a bright room", _GUIDE, lambda page: guided(page, 3, "b")),
-    Shot("guide-strip", "Guide: the steps side by side", _GUIDE, lambda page: guided(page, 3, "t")),
+    Shot("guide", "Guide: the step to do now", _GUIDE, guided, ready="to go"),
+    Shot(
+        "guide-light",
+        "Guide in a bright room",
+        _GUIDE,
+        lambda page: guided(page, 3, "b"),
+        ready="to go",
+    ),
+    Shot(
+        "guide-strip",
+        "Guide: the steps side by side",
+        _GUIDE,
+        lambda page: guided(page, 3, "t"),
+        ready="to go",
+    ),
     Shot(
         "uncertainty",
         "Where in the image the camera is known, now and after the next view",
         _GUIDE,
         lambda page: guided(page, 3) or known(page),
+        ready="to go",
     ),
     Shot(
         "search",
@@ -141,12 +155,13 @@ SHOTS: tuple[Shot, ...] = (
         ("practice", "--port", _PORT),
         lambda page: press(page, "6", "m", "m"),
     ),
-    Shot("audience", "The second monitor", _AUDIENCE, later, address=_SECOND),
+    Shot("audience", "The second monitor", _AUDIENCE, later, ready="to go", address=_SECOND),
     Shot(
         "audience-light",
         "The second monitor by day",
         (*_AUDIENCE, "--audience-light"),
         later,
+        ready="to go",
         address=_SECOND,
     ),
     Shot(
@@ -154,6 +169,7 @@ SHOTS: tuple[Shot, ...] = (
         "The second monitor as a mirror",
         (*_AUDIENCE, "--audience-mirror"),
         later,
+        ready="to go",
         address=_SECOND,
     ),
     Shot(
@@ -161,10 +177,11 @@ SHOTS: tuple[Shot, ...] = (
         "Through the lens: the steps over the live picture",
         (*_AUDIENCE, "--audience-view", "lens"),
         later,
+        ready="to go",
         address=_SECOND,
     ),
     # Most panels are folded there, so there is nothing to count.
-    Shot("phone", "Guide on a phone", _GUIDE, lambda page: says(page, "to go"), size=(420, 860)),
+    Shot("phone", "Guide on a phone", _GUIDE, size=(420, 860), ready="to go"),
 )
 
 
@@ -204,6 +221,7 @@ def take(browser: Any, shot: Shot) -> Path:
             notice.click()  # the browser's word on its software renderer
         shot.do(page)
         page.wait_for_timeout(_SETTLE_MS)
+        says(page, shot.ready)
         path = _FOLDER / f"{shot.name}.jpg"
         page.screenshot(path=path, type="jpeg", quality=88)
         page.close()

@@ -57,7 +57,7 @@ system_run() {
 system_test() {
     system_run
     if ! command -v chromium >/dev/null 2>&1; then
-        apt_install chromium fonts-dejavu-core ||
+        apt_install chromium fonts-dejavu-core fonts-liberation ||
             say "Please install: chromium (apt-get install chromium); without it the browser tests are skipped."
     fi
 }

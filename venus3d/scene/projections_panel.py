@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from concurrent.futures import Future
+from dataclasses import dataclass
 from html import escape
 
 import cv2
@@ -17,6 +18,15 @@ from venus3d.scene.style import Theme
 from venus3d.scene.texts import guide as say
 
 Picture = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class ShownSteps:
+    """Four steps and their pictures; both change together, since one explains the other."""
+
+    steps: Steps
+    sources: tuple[str, ...]
+    """Of the four images; an empty one is still being drawn."""
 
 
 class ProjectionsPanel:
@@ -39,21 +49,13 @@ class ProjectionsPanel:
     def visible(self, on: bool) -> None:
         self._head.visible = self._tiles.visible = on
 
-    def show(
-        self,
-        sources: tuple[str, ...],
-        steps: Steps | None,
-        step: int,
-        theme: Theme,
-        note: str = "",
-    ) -> None:
-        """The pictures by their sources, and `step` marked; an empty source is still being drawn;
-        none: no target."""
-        if steps is None or not sources:
+    def show(self, shown: ShownSteps | None, step: int, theme: Theme, note: str = "") -> None:
+        """These pictures with their words, and `step` marked; None: no target."""
+        if shown is None:
             self._head.content, self._tiles.content = _EMPTY, ""
             return
         self._head.content = mark_html(step, theme)
-        self._tiles.content = tiles_html(sources, steps, theme, note)
+        self._tiles.content = tiles_html(shown, theme, note)
 
 
 _EMPTY = f"<div class='v-steps'><h3>{say.TILES_EMPTY}</h3></div>"
@@ -69,9 +71,10 @@ def mark_html(step: int, theme: Theme) -> str:
     )
 
 
-def tiles_html(sources: tuple[str, ...], steps: Steps, theme: Theme, note: str = "") -> str:
+def tiles_html(shown: ShownSteps, theme: Theme, note: str = "") -> str:
     """The tiles, each with number, title, words and picture, and a note below them."""
-    tiles = "".join(_tile(step, source, theme) for step, source in zip(steps, sources, strict=True))
+    pairs = zip(shown.steps, shown.sources, strict=True)
+    tiles = "".join(_tile(step, source, theme) for step, source in pairs)
     foot = f"<div class='v-legend'>{escape(note)}</div>" if note else ""
     return f"<div class='v-steps'><div class='v-grid'>{tiles}</div>{foot}</div>"
 
@@ -104,26 +107,28 @@ class Tiles:
     def __init__(self) -> None:
         """No pictures yet."""
         self.key: object = None
-        self._futures: tuple[Future[Picture], ...] = ()
-        self._sources: tuple[str, ...] = ()
+        self._coming: tuple[Steps, tuple[Future[Picture], ...]] | None = None
+        self._shown: ShownSteps | None = None
 
     @property
     def waiting(self) -> bool:
         """Whether pictures are being drawn."""
-        return bool(self._futures)
+        return self._coming is not None
 
-    def expect(self, key: object, futures: tuple[Future[Picture], ...]) -> None:
-        """Wait for these four; the old ones stay until then."""
-        self.key, self._futures = key, futures
-        self._sources = self._sources or ("",) * len(futures)
+    def expect(self, key: object, steps: Steps, futures: tuple[Future[Picture], ...]) -> None:
+        """Wait for these four pictures; the old ones stay until then."""
+        self.key, self._coming = key, (steps, futures)
+        self._shown = self._shown or ShownSteps(steps, ("",) * len(futures))
 
     def forget(self) -> None:
         """There is no target."""
-        self.key, self._futures, self._sources = None, (), ()
+        self.key = self._coming = self._shown = None
 
-    def sources(self) -> tuple[str, ...]:
-        """Sources of the four images; never waits. Raises what broke the drawing of one."""
-        if self._futures and all(future.done() for future in self._futures):
-            self._sources = tuple(encoded(future.result()) for future in self._futures)
-            self._futures = ()
-        return self._sources
+    def shown(self) -> ShownSteps | None:
+        """What there is to be seen now; never waits. Raises what broke the drawing of a picture."""
+        if self._coming is not None:
+            steps, futures = self._coming
+            if all(future.done() for future in futures):
+                sources = tuple(encoded(future.result()) for future in futures)
+                self._shown, self._coming = ShownSteps(steps, sources), None
+        return self._shown

@@ -30,13 +30,13 @@ from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.help import HelpOverlay, add_commands
 from venus3d.scene.knowledge.panel import KnowledgePanel
 from venus3d.scene.picture import PICTURE_WIDTH
-from venus3d.scene.projections_panel import ProjectionsPanel
+from venus3d.scene.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import guide as say
 from venus3d.scene.texts.knowledge import TAB as KNOWN_TAB
 from venus3d.scene.tour import Tour, TourStep
 
-LEFT_WIDTH, _RIGHT_WIDTH = 480, 540
+LEFT_WIDTH, _RIGHT_WIDTH = 480, 510
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
 JPEG_QUALITY = 75
 PICTURE_LEGEND = (
@@ -92,7 +92,7 @@ class Page:
         self,
         snapshot: Snapshot | None,
         state: ViewState,
-        projections: tuple[str, ...],
+        tiles: ShownSteps | None,
         note: str,
         drawn_by: str,
     ) -> None:
@@ -105,13 +105,11 @@ class Page:
         self.diagnoses.visible = bool(self.diagnoses.content)
         self.progress.content = progress_html(snapshot)
         self.alternatives.show(snapshot)
-        target = None if snapshot is None else snapshot.target
-        steps = None if target is None else target.steps
-        self.projections.show(projections, steps, state.step, theme, drawn_by)
+        self.projections.show(tiles, state.step, theme, drawn_by)
         phase = "startup" if snapshot is None else snapshot.phase
         # Once it has ended no target follows, so none is announced and none is drawn.
         ended = phase in ("converged", "finished")
-        self.projections.visible = bool(projections) or not ended
+        self.projections.visible = tiles is not None or not ended
         self._legend.visible = not ended
         self.controls.show(state, phase)
         if snapshot is not None:

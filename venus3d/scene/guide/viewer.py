@@ -27,7 +27,7 @@ from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.help import Command
 from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
-from venus3d.scene.projections_panel import Picture, Tiles
+from venus3d.scene.projections_panel import Picture, ShownSteps, Tiles
 from venus3d.scene.server import start_server
 from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
@@ -246,7 +246,7 @@ class Viewer:
         return self._state.playing or self._tiles.waiting or bool(known and known.is_moving)
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
-        sources, known = self._sources(snapshot, state), self.page.knowledge
+        tiles, known = self._shown_steps(snapshot, state), self.page.knowledge
         shapes = drawn = None
         if snapshot is not None:
             options = SceneOptions(
@@ -271,7 +271,7 @@ class Viewer:
                 self._look(shapes, state)
                 if known is not None:
                     known.bind(self._scene)
-            self.page.show(snapshot, state, sources, note, drawn_by)
+            self.page.show(snapshot, state, tiles, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
 
@@ -280,18 +280,18 @@ class Viewer:
         outlook = self.page.outlook
         self._looking_at = outlook.follow(shapes, state.target, self._looking_at)
 
-    def _sources(self, snapshot: Snapshot | None, state: ViewState) -> tuple[str, ...]:
+    def _shown_steps(self, snapshot: Snapshot | None, state: ViewState) -> ShownSteps | None:
         target = None if snapshot is None else snapshot.target
         if snapshot is None or target is None or self._projections is None:
             self._tiles.forget()
-            return self._tiles.sources()
+            return None
         key = (id(target), state.dark)
         if key != self._tiles.key:
             pictures = self._projections.of(
                 target, snapshot.camera, snapshot.board, dark=state.dark, header=False
             )
-            self._tiles.expect(key, pictures)
-        return self._tiles.sources()
+            self._tiles.expect(key, target.steps, pictures)
+        return self._tiles.shown()
 
     def _draw_picture(self, came: Came) -> None:
         rgb, snapshot = small_picture(came[0], self._picture_width), self._snapshot

@@ -28,7 +28,7 @@ from venus3d.scene.guide.viewer import Viewer
 from venus3d.scene.help import Command, HelpOverlay, add_commands
 from venus3d.scene.overlay import draw_axes, draw_outline
 from venus3d.scene.picture import PICTURE_WIDTH
-from venus3d.scene.projections_panel import Picture, ProjectionsPanel
+from venus3d.scene.projections_panel import Picture, ProjectionsPanel, ShownSteps
 from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import trial as say
@@ -96,7 +96,7 @@ class TrialPage(Page):
         self,
         snapshot: Snapshot | None,
         state: ViewState,
-        projections: tuple[str, ...],
+        tiles: ShownSteps | None,
         note: str,
         drawn_by: str,
     ) -> None:
@@ -119,9 +119,7 @@ class TrialPage(Page):
         if steps:
             text = guidance_html(snapshot, state, theme, note)
             self.guidance.content = f"<div class='v-wide'>{text}</div>"
-            target = None if snapshot is None else snapshot.target
-            walk = None if target is None else target.steps
-            self.projections.show(projections, walk, state.step, theme, drawn_by)
+            self.projections.show(tiles, state.step, theme, drawn_by)
         if moment is not None and result:
             self._show_result(moment, theme)
 
