@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -22,11 +24,17 @@ class Watched(Detector):
     def __init__(self, board: Board) -> None:
         super().__init__(board, find_layout=False)
         self.looks: list[str] = []
+        self.blind = 0
+        """How many corners the next quick look overlooks."""
 
     def detect(self, image: Any, **how: Any) -> Any:  # type: ignore[override]
         near = "near" if how["region"] else "everywhere"
         self.looks.append(f"{'quick' if how['quick'] else 'full'} {near}")
-        return super().detect(image, **how)
+        seen = super().detect(image, **how)
+        if how["quick"] and self.blind:
+            seen = replace(seen, ids=seen.ids[self.blind :], corners=seen.corners[self.blind :])
+            self.blind = 0
+        return seen
 
 
 @pytest.fixture
@@ -62,9 +70,42 @@ def test_what_a_quick_look_overlooks_a_full_one_finds(
     seen = look(small)
     assert (seen.ids == full.ids).all()
     np.testing.assert_allclose(seen.corners, full.corners, atol=0.05)
-    assert detector.looks[1:3] == ["quick near", "full near"]
+    assert detector.looks[1:3] == ["quick near", "full everywhere"]
     look(small)
     assert detector.looks[-1] == "full near", "its squares are too small for a quick look"
+
+
+def test_a_blurred_frame_is_looked_at_fully_and_forgotten(
+    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+) -> None:
+    """Motion blur hides most of the board from a quick look, and it passes."""
+    look, detector = eyes[0].look, eyes[1]
+    sharp = frame(default_board, paper_camera, 0, 0, 0, 0, 0, 0.4)
+    blurred = replace(sharp, image=cv2.blur(sharp.image, (9, 1)))
+    look(sharp)
+    seen = look(blurred)
+    assert seen.count == Detector(default_board, find_layout=False).detect(blurred.image).count
+    assert 10 < seen.count < 40
+    del detector.looks[:]
+    for _ in range(3):
+        assert look(sharp).count == 40
+    assert detector.looks == ["quick near"] * 3
+
+
+def test_what_was_overlooked_in_a_good_frame_is_a_lesson_for_a_second(
+    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+) -> None:
+    look, detector = eyes[0].look, eyes[1]
+    picture = frame(default_board, paper_camera, 0, 0, 0, 0, 0, 0.4)
+    look(picture)
+    detector.blind = 1
+    assert look(picture).count == 40
+    assert detector.looks[1:] == ["quick near", "full near"]
+    del detector.looks[:]
+    for _ in range(40):
+        look(picture)
+    assert detector.looks[0] == "full near" and detector.looks[-1] == "quick near"
+    assert detector.looks.count("full near") < 25
 
 
 def test_a_board_that_leaves_its_region_is_found_again(

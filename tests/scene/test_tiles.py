@@ -34,6 +34,10 @@ def test_pictures_and_words_of_a_target_come_together(
     tiles.expect("first", first, one)
     waiting = tiles.shown()
     assert waiting is not None and (waiting.steps, waiting.sources) == (first, ("",) * 4)
+    tiles.expect("given up", second, two)
+    waiting = tiles.shown()
+    assert waiting is not None and waiting.steps is second, "no picture keeps the first one's words"
+    tiles.expect("first", first, one)
     light = finish(one, 200)
     drawn = tiles.shown()
     assert drawn is not None and (drawn.steps, drawn.sources) == (first, (light,) * 4)

@@ -235,6 +235,9 @@ def test_in_real_time_frames_keep_the_rate_and_a_slow_machine_skips(
     assert last == pytest.approx(0.2)
     assert late - last == pytest.approx(0.1)
     assert after - late == pytest.approx(0.04)
+    assert frame_of(simulation).name == "frame 9"
+    now[0] += 2.0  # a pause: the tenth picture was exposed before it
+    assert frame_of(simulation).name == "frame 11"
 
 
 def test_the_painter_stands_in_for_opengl(paper_camera: Camera, default_board: Board):

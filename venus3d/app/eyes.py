@@ -8,8 +8,9 @@ from venus3d.sources.frame import Frame
 
 # Fewer corners than this share of the last frame's: the board has left the region searched.
 _LOST = 0.9
-# A quick look that overlooked something was at squares that are too small for it in this light.
-_LEARNT = 1.25
+# A quick look that overlooked something was at squares that are too small for it in this light;
+# what was learnt so fades with every frame, since it may have been chance.
+_LEARNT, _FADING = 1.25, 0.99
 
 
 class Eyes:
@@ -21,20 +22,25 @@ class Eyes:
         self._quick_from_px = QUICK_FROM_PX
 
     def look(self, frame: Frame) -> Observation:
-        """The board in this frame; quickly near its last place first, then fully, everywhere."""
+        """The board in this frame: quickly near its last place; fully if that sees less of it than
+        before; everywhere if it seems to have gone from there."""
         region, before = None, 0
         if self._last is not None and self.detector.settled:
             region, before = search_region(self._last, frame.image_size), self._last.count
+        self._quick_from_px = max(QUICK_FROM_PX, _FADING * self._quick_from_px)
         quick = before > 0 and self.detector.square_px >= self._quick_from_px
         seen = self._detect(frame, region, quick)
-        if quick and seen.count < before:
-            square, full = self.detector.square_px, self._detect(frame, region, False)
-            if full.count > seen.count:
-                seen, self._quick_from_px = full, _LEARNT * square
-        if region is not None and seen.count < _LOST * before:
-            seen = self._detect(frame, None, False)
-        self._last = seen if seen.count else None
-        return seen
+        if (quick or region is not None) and seen.count < _LOST * before:
+            full = self._detect(frame, None, False)
+        elif quick and seen.count < before:
+            full = self._detect(frame, region, False)
+        else:
+            full = seen
+        # A frame in which nobody finds as much, one with motion blur say, teaches nothing.
+        if quick and seen.count < before <= full.count:
+            self._quick_from_px = max(self._quick_from_px, _LEARNT * self.detector.square_px)
+        self._last = full if full.count else None
+        return full
 
     def _detect(self, frame: Frame, region: Region | None, quick: bool) -> Observation:
         return self.detector.detect(

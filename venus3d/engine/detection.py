@@ -125,7 +125,8 @@ class Detector:
         Args:
             image: (H, W) grey or (H, W, 3) BGR, 8 or 16 bit.
             region: where to look; corners are in pixels of the whole image all the same.
-            quick: under one threshold only; finds as much if squares have `QUICK_FROM_PX`.
+            quick: under one threshold only; finds as much in a sharp picture whose squares have
+                `QUICK_FROM_PX`, less in a blurred one.
             time_s, name: passed on to the observation.
 
         Returns:
@@ -143,7 +144,7 @@ class Detector:
             return nothing
         ids, corners = self._read(grey, quick)
         if not has_spread(corners):
-            if region is None:
+            if region is None and not quick:
                 self._check.missed(grey)
                 self._missed.append(grey)
             return nothing

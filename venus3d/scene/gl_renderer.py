@@ -238,7 +238,8 @@ def _gl_mesh(shape: MeshShape) -> Any:
             baseColorFactor=factor,
             baseColorTexture=texture,
             alphaMode="OPAQUE" if shape.opacity >= 1 else "BLEND",
-            doubleSided=not _is_closed(mesh),
+            # Boards fill most of a picture and are uploaded once; nothing else is worth asking.
+            doubleSided=not (shape.textured and shape.opacity >= 1 and _is_closed(mesh)),
         ),
     )
     return pyrender.Mesh([primitive])

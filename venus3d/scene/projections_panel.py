@@ -118,7 +118,8 @@ class Tiles:
     def expect(self, key: object, steps: Steps, futures: tuple[Future[Picture], ...]) -> None:
         """Wait for these four pictures; the old ones stay until then."""
         self.key, self._coming = key, (steps, futures)
-        self._shown = self._shown or ShownSteps(steps, ("",) * len(futures))
+        if self._shown is None or not all(self._shown.sources):
+            self._shown = ShownSteps(steps, ("",) * len(futures))
 
     def forget(self) -> None:
         """There is no target."""

@@ -34,6 +34,8 @@ NEAREST, FARTHEST = 0.06, 3.0
 # A colour that no board has: what shines through it is the room (see `_cut_out`).
 _KEY = (255, 0, 255)
 _NOISE_STRIDE = 64
+# A picture that has waited so long to be handed out is not shown any more.
+_STALE_S = 0.5
 
 Box = tuple[int, int, int, int]
 """Left, top, right, bottom; the last two are outside."""
@@ -149,10 +151,12 @@ class Simulation:
             self._hand = _before_the_lens(pose, self.board)
 
     def read(self) -> Frame | None:
-        """The frame one time step later; None once closed."""
+        """The next frame; None once closed. In real time it was exposed during the last call."""
         if self._closed:
             return None
         if self._realtime:
+            if time.monotonic() - self._due > _STALE_S:
+                self._exposed = None  # from before a pause
             # As a camera reads one picture out while it exposes the next: the renderer has a whole
             # period, and a frame comes one period late.
             exposed, self._exposed = self._exposed or self._expose(), self._expose()
