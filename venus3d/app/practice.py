@@ -27,6 +27,7 @@ from typing import Any
 import viser
 
 from venus3d.app.practice_trainee import Course, Trainee
+from venus3d.app.promptness import prompt
 from venus3d.engine.errors import StorageError
 from venus3d.options import PracticeOptions
 from venus3d.scene.offscreen import Offscreen
@@ -110,6 +111,7 @@ class Hall:
         with self._lock:
             return tuple(self._desks.values())
 
+    @prompt()
     def run(self) -> None:
         """Serve everybody until `close`."""
         while not self._stop.is_set():

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from venus3d.app.export import KINDS, Kind, exported, kind_of, lesson_of_pose
+from venus3d.app.promptness import prompt
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.decomposition import decompose_vector, home_pose
@@ -76,7 +77,7 @@ def run_teach(options: TeachOptions) -> None:
             save=partial(_saved, study, offscreen),
             kinds=KINDS,
         )
-        with closing(viewer):
+        with closing(viewer), prompt():
             for note in viewer.notes:
                 print(note, flush=True)
             print(f"Lessons: {viewer.url}   (Ctrl-C ends it)", flush=True)

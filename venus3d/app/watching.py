@@ -10,13 +10,13 @@ What is done with an observation is left to `live` (a calibration) and `trial` (
 from __future__ import annotations
 
 import signal
-import sys
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
 from venus3d.app.eyes import Eyes
+from venus3d.app.promptness import prompt
 from venus3d.engine.observation import Observation
 from venus3d.scene.audience.audience import Audience
 from venus3d.scene.guide.viewer import Viewer
@@ -27,7 +27,6 @@ from venus3d.sources.video import Video
 
 # How long a still of a folder is shown.
 _STILL_S = 1.0
-_SWITCH_S = 0.0005
 
 
 class Watching(ABC):
@@ -64,15 +63,13 @@ class Watching(ABC):
     def _end(self) -> None:
         """End what a subclass has running, before the source is closed."""
 
+    @prompt()
     def _watch_until_stopped(self) -> None:
         """Run the threads and `_guide`, until `stop`, Ctrl-C, a termination signal or a failure."""
         threads = [
             threading.Thread(target=self._guarded, args=(step,), name=name, daemon=True)
             for name, step in (("watch", self._watch), ("look", self._look))
         ]
-        # Half a dozen threads with a few milliseconds of work each: by default one that computes
-        # keeps the interpreter for 5 ms from those that draw.
-        sys.setswitchinterval(_SWITCH_S)
         for thread in threads:
             thread.start()
         try:

@@ -1,0 +1,30 @@
+"""What keeps a page prompt while the same process computes."""
+
+from __future__ import annotations
+
+import gc
+import sys
+from collections.abc import Generator
+from contextlib import contextmanager
+
+_SWITCH_S = 0.0005
+
+
+@contextmanager
+def prompt() -> Generator[None, None, None]:
+    """While this lasts, nothing that computes holds up what draws for long.
+
+    Half a dozen threads have a few milliseconds of work each; by default one that computes keeps
+    the interpreter for 5 ms from the others. And now and then Python looks for garbage among
+    everything that the libraries have ever made: 100 ms in which no thread runs. What is there when
+    a page begins stays until it ends, so it is left out of that.
+    """
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(_SWITCH_S)
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+        sys.setswitchinterval(before)
