@@ -27,7 +27,7 @@ from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.help import Command
 from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
-from venus3d.scene.projections_panel import Picture, ShownSteps, Tiles
+from venus3d.scene.projections_panel import Picture, Tiles
 from venus3d.scene.server import start_server
 from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
@@ -246,7 +246,9 @@ class Viewer:
         return self._state.playing or self._tiles.waiting or bool(known and known.is_moving)
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
-        tiles, known = self._shown_steps(snapshot, state), self.page.knowledge
+        if snapshot is None or snapshot.target is None:
+            self._tiles.forget()
+        tiles, known = self._tiles.shown(), self.page.knowledge
         shapes = drawn = None
         if snapshot is not None:
             options = SceneOptions(
@@ -274,24 +276,24 @@ class Viewer:
             self.page.show(snapshot, state, tiles, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
+        # Only now, so that the scene with a new target need not share the processor with them.
+        self._order_steps(snapshot, state)
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         """Turn the tabs' cameras where it is needed."""
         outlook = self.page.outlook
         self._looking_at = outlook.follow(shapes, state.target, self._looking_at)
 
-    def _shown_steps(self, snapshot: Snapshot | None, state: ViewState) -> ShownSteps | None:
-        target = None if snapshot is None else snapshot.target
-        if snapshot is None or target is None or self._projections is None:
-            self._tiles.forget()
-            return None
-        key = (id(target), state.dark)
+    def _order_steps(self, snapshot: Snapshot | None, state: ViewState) -> None:
+        """Have the target's four steps drawn as the camera sees them, if they are not yet."""
+        if snapshot is None or snapshot.target is None or self._projections is None:
+            return
+        target, key = snapshot.target, (id(snapshot.target), state.dark)
         if key != self._tiles.key:
             pictures = self._projections.of(
                 target, snapshot.camera, snapshot.board, dark=state.dark, header=False
             )
             self._tiles.expect(key, target.steps, pictures)
-        return self._tiles.shown()
 
     def _draw_picture(self, came: Came) -> None:
         rgb, snapshot = small_picture(came[0], self._picture_width), self._snapshot
