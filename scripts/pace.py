@@ -4,10 +4,12 @@ Starts the program on the simulated camera, connects to it as a browser would, b
 messages, and measures the gaps between them: those that move the board and those that bring the
 live picture. A stall of the server is a gap, whatever caused it. The simulated camera renders its
 pictures on the same processor, which a real one does not: a recording tells more of real cameras.
-With --updates it goes on and tells the program's memory; a recording, which starts again at its
-end, suits that best. A benchmark, no test: it prints figures and fails at nothing.
+Meanwhile it presses C (capture: a calibration and a search) and K (another target: a search) in
+turn, so that both run for much of the time. With --updates it goes on and tells the program's
+memory; a recording, which starts again at its end, suits that best. A benchmark, no test: it prints
+figures and fails at nothing.
 
-    python scripts/pace.py [--seconds 40] [--json]
+    python scripts/pace.py [--seconds 40] [--press-every 1.7] [--json]
     python scripts/pace.py -- recording.mp4 --board.columns 12 ...
     python scripts/pace.py --updates 10000 -- recording.mp4
 """
@@ -15,6 +17,7 @@ end, suits that best. A benchmark, no test: it prints figures and fails at nothi
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import re
 import subprocess
@@ -22,8 +25,11 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 import msgspec
@@ -33,18 +39,80 @@ import viser
 import zstandard
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
+from websockets.sync.connection import Connection
+from websockets.typing import Subprotocol
 
 _WARM_UP_S = 8.0
 STALL_MS = 100.0
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": (1, 0, 0, 0),
+    "position": (0, 0, 0),
+    "look_at": (0, 0, 1),
+    "up_direction": (0, -1, 0),
+    "fov": 1.0,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 1080,
+    "image_width": 1920,
+}
 SIMULATED = ["sim", "--autopilot", "--speed", "2"]
 
 
 @dataclass
-class Arrivals:
-    """When messages of each kind came, seconds."""
+class Tab:
+    """What a tab has been sent, and its keyboard."""
 
+    socket: Connection
+    raw: SimpleQueue[tuple[float, bytes]] = field(default_factory=SimpleQueue)
+    """As it came, with the time, seconds."""
     scene: list[float] = field(default_factory=list)
+    """When the board was moved."""
     picture: list[float] = field(default_factory=list)
+    """When the live picture came."""
+    commands: dict[str, str] = field(default_factory=dict)
+    """Their names in the protocol, by key."""
+
+    def receive(self) -> None:
+        """Note when things come, and nothing else, which would delay the next one."""
+        with suppress(ConnectionClosed):
+            for raw in self.socket:
+                self.raw.put((time.monotonic(), bytes(raw)))  # type: ignore[arg-type]
+
+    def read(self) -> None:
+        """Look at all that has come."""
+        while not self.raw.empty():
+            now, raw = self.raw.get()
+            batch = messages(raw)
+            for message in batch:
+                if message["type"] == "RegisterCommandMessage":
+                    self.commands[message["props"]["hotkey"]] = message["uuid"]
+            kinds = {kind_of(message) for message in batch}
+            self.scene += [now] * ("scene" in kinds)
+            self.picture += [now] * ("picture" in kinds)
+
+    def press(self, key: str) -> None:
+        """Do what the page does when somebody presses this key."""
+        self.send({"type": "CommandTriggerMessage", "uuid": self.commands[key]})
+
+    def send(self, message: dict[str, Any]) -> None:
+        """One message to the program."""
+        self.socket.send(msgspec.msgpack.encode(message))
+
+
+@contextmanager
+def opened(address: str) -> Generator[Tab]:
+    """A tab on this page."""
+    with connect(
+        address.replace("http", "ws"),
+        subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
+        max_size=None,
+        compression=None,
+    ) as socket:
+        tab = Tab(socket)
+        tab.send(CAMERA)  # a tab that has not said where it looks from is not heard
+        threading.Thread(target=tab.receive, daemon=True).start()
+        yield tab
 
 
 def messages(raw: bytes) -> list[dict[str, Any]]:
@@ -52,32 +120,6 @@ def messages(raw: bytes) -> list[dict[str, Any]]:
     whole, packed = (int.from_bytes(raw[i : i + 8], "little") for i in (0, 8))
     inner = zstandard.ZstdDecompressor().decompress(raw[16 : 16 + packed], max_output_size=whole)
     return list(msgspec.msgpack.decode(inner)["messages"])
-
-
-def frames(address: str, stop: threading.Event) -> Iterator[tuple[float, list[dict[str, Any]]]]:
-    """What a tab on this page receives, with the time it came."""
-    protocol: Any = f"viser-v{viser.__version__}"
-    with connect(
-        address.replace("http", "ws"), subprotocols=[protocol], max_size=None, compression=None
-    ) as socket:
-        while not stop.is_set():
-            try:
-                raw = socket.recv(timeout=0.5)
-            except TimeoutError:
-                continue
-            except ConnectionClosed:
-                return
-            yield time.monotonic(), messages(bytes(raw))  # type: ignore[arg-type]
-
-
-def listen(address: str, arrivals: Arrivals, stop: threading.Event) -> None:
-    """Note when the board was moved and when the live picture came."""
-    for now, batch in frames(address, stop):
-        kinds = {kind for message in batch if (kind := kind_of(message))}
-        if "scene" in kinds:
-            arrivals.scene.append(now)
-        if "picture" in kinds:
-            arrivals.picture.append(now)
 
 
 def kind_of(message: dict[str, Any]) -> str:
@@ -116,6 +158,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seconds", type=float, default=40.0, help="how long gaps are measured")
     parser.add_argument("--updates", type=int, default=0, help="scene updates for the memory")
+    parser.add_argument(
+        "--press-every", type=float, default=1.7, help="seconds between C and K; 0: never"
+    )
     parser.add_argument("--port", type=int, default=8440)
     parser.add_argument("--json", action="store_true")
     parser.add_argument(
@@ -129,7 +174,6 @@ def main() -> None:
             stdout=subprocess.PIPE,
             text=True,
         )
-        stop, arrivals = threading.Event(), Arrivals()
         try:
             assert program.stdout is not None
             address = next(
@@ -137,41 +181,49 @@ def main() -> None:
                 for line in program.stdout
                 if (found := re.search(r"http://\S+", line))
             )
-            told = measured(address, program.pid, arrivals, stop, options)
+            with opened(address) as tab:
+                told = measured(tab, psutil.Process(program.pid), options)
         finally:
-            stop.set()
             program.terminate()
             program.wait(timeout=30)
+        results = sorted(Path(output).rglob("result.json"))
+        if results:
+            told["views"] = json.loads(results[-1].read_text())["views"]
+            print(f"views    {told['views']}")
     if options.json:
         print(json.dumps(told))
 
 
-def measured(
-    address: str,
-    pid: int,
-    arrivals: Arrivals,
-    stop: threading.Event,
-    options: argparse.Namespace,
-) -> dict[str, Any]:
+def measured(tab: Tab, program: psutil.Process, options: argparse.Namespace) -> dict[str, Any]:
     """The figures of a running program."""
-    process = psutil.Process(pid)
-    threading.Thread(target=listen, args=(address, arrivals, stop), daemon=True).start()
-    time.sleep(_WARM_UP_S)
+    keys = itertools.cycle("CK")
+    read_for(tab, _WARM_UP_S)
     since = time.monotonic()
-    time.sleep(options.seconds)
+    while time.monotonic() < since + options.seconds:
+        read_for(tab, options.press_every or 1.0)
+        if options.press_every:
+            tab.press(next(keys))
     told: dict[str, Any] = {
-        "scene": gaps_told("scene", arrivals.scene, since),
-        "picture": gaps_told("picture", arrivals.picture, since),
+        "scene": gaps_told("scene", tab.scene, since),
+        "picture": gaps_told("picture", tab.picture, since),
     }
     sizes: list[tuple[int, float]] = []
-    while len(arrivals.scene) < options.updates and psutil.pid_exists(pid):
-        sizes.append((len(arrivals.scene), process.memory_info().rss / 2**20))
-        time.sleep(5.0)
+    while len(tab.scene) < options.updates and program.is_running():
+        sizes.append((len(tab.scene), program.memory_info().rss / 2**20))
+        read_for(tab, 5.0)
     told["memory_mib"] = sizes
     if sizes:
         each = sizes[:: max(1, len(sizes) // 8)] + sizes[-1:]
         print("memory   " + ", ".join(f"{size:.0f} MiB at {count}" for count, size in each))
     return told
+
+
+def read_for(tab: Tab, seconds: float) -> None:
+    """Let the program work, and look at what comes."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        time.sleep(0.1)
+        tab.read()
 
 
 if __name__ == "__main__":

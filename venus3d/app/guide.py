@@ -11,6 +11,7 @@ from venus3d.app.audience import open_audience, said_of
 from venus3d.app.eyes import Eyes
 from venus3d.app.headless import run_headless
 from venus3d.app.live import LiveGuide
+from venus3d.app.promptness import leave_a_core
 from venus3d.app.trial import TrialResult, run_trial
 from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
@@ -134,6 +135,8 @@ def _possible(options: GuideOptions) -> GuideOptions:
 
 
 def _opened(options: GuideOptions, board: Board) -> Source:
+    if not options.headless:
+        leave_a_core()
     if options.source != "sim":
         return open_source(options.source, size=options.image_size, realtime=not options.headless)
     size = options.image_size

@@ -83,9 +83,14 @@ class LiveGuide(Watching):
             session.board_diagnoses = self._eyes.detector.diagnoses
             session.observe(observation)
         self._keep_picture(observation)
-        if not (self._think() or asked or observation is not None):
-            return
-        snapshot = session.snapshot()
+        if asked or observation is not None:
+            self._show()
+        # Only now: a board that moved need not wait to be seen for what came of the search.
+        if self._think():
+            self._show()
+
+    def _show(self) -> None:
+        snapshot = self._session.snapshot()
         if isinstance(self._source, Simulation):
             self._source.follow(snapshot.target, snapshot.pose)
         self._viewer.show(snapshot)

@@ -110,11 +110,6 @@ class Tiles:
         self._coming: tuple[Steps, tuple[Future[Picture], ...]] | None = None
         self._shown: ShownSteps | None = None
 
-    @property
-    def waiting(self) -> bool:
-        """Whether pictures are being drawn."""
-        return self._coming is not None
-
     def expect(self, key: object, steps: Steps, futures: tuple[Future[Picture], ...]) -> None:
         """Wait for these four pictures; the old ones stay until then."""
         self.key, self._coming = key, (steps, futures)

@@ -243,7 +243,7 @@ class Viewer:
     @property
     def _is_moving(self) -> bool:
         known = self.page.knowledge
-        return self._state.playing or self._tiles.waiting or bool(known and known.is_moving)
+        return self._state.playing or bool(known and known.is_moving)
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is None or snapshot.target is None:
@@ -276,7 +276,10 @@ class Viewer:
             self.page.show(snapshot, state, tiles, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
-        # Only now, so that the scene with a new target need not share the processor with them.
+        self.server.flush()
+        # Only now: the board that moved is to be seen before all that stands around it.
+        if known is not None and snapshot is not None:
+            known.show(snapshot, Theme(state.dark))
         self._order_steps(snapshot, state)
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
@@ -294,6 +297,7 @@ class Viewer:
                 target, snapshot.camera, snapshot.board, dark=state.dark, header=False
             )
             self._tiles.expect(key, target.steps, pictures)
+            pictures[-1].add_done_callback(lambda _: self._touch())
 
     def _draw_picture(self, came: Came) -> None:
         rgb, snapshot = small_picture(came[0], self._picture_width), self._snapshot

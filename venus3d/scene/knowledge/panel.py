@@ -71,6 +71,7 @@ class KnowledgePanel:
         self._pictures: dict[int, str] = {}
         self._snapshot: Snapshot | None = None
         self._theme = Theme(True)
+        self._wanted: tuple[object, ...] = ()
         self._drawn: tuple[object, ...] = ()
         self._card: tuple[object, ...] = ()
         self._bound: set[str] = set()
@@ -89,8 +90,8 @@ class KnowledgePanel:
 
     @property
     def is_moving(self) -> bool:
-        """Whether the scene changes by itself."""
-        return self._replay.is_moving
+        """Whether something is to be drawn soon, though nothing comes in."""
+        return self._replay.is_moving or self._wanted != self._drawn
 
     @property
     def caption(self) -> str:
@@ -107,17 +108,21 @@ class KnowledgePanel:
         self.on_change()
 
     def put(self, snapshot: Snapshot, shapes: tuple[Shape, ...], theme: Theme) -> tuple[Shape, ...]:
-        """Put what is known at this moment on the tab; the scene's shapes with what belongs there.
+        """The scene's shapes with what is known at this moment among them.
 
         A search that is replayed takes the steps' place.
         """
-        self._snapshot, self._theme, state = snapshot, theme, self.state
-        self._show_map(snapshot, state, theme)
-        self._show_views(snapshot, state)
+        state = self.state
         if state.ghosts and snapshot.views:
             ghosts = ghost_shapes(snapshot.board, snapshot.views, state.view, theme.dark)
             shapes = (*shapes, *ghosts)
         return self._replay.of(snapshot, shapes, on=state.watching, dark=theme.dark)
+
+    def show(self, snapshot: Snapshot, theme: Theme) -> None:
+        """Put what is known at this moment on the tab."""
+        self._snapshot, self._theme, state = snapshot, theme, self.state
+        self._show_map(snapshot, state, theme)
+        self._show_views(snapshot, state)
 
     def bind(self, scene: SceneView) -> None:
         """Let the captured views that have been drawn be clicked."""
@@ -161,7 +166,10 @@ class KnowledgePanel:
         # The scale of “now” is that of “next” as well.
         target = snapshot.target if state.topic in ("error", "after") else None
         key = (snapshot.calibration, target and target.pose, state.topic, theme.dark, chosen)
-        if key != self._drawn:
+        if key != self._wanted:
+            # A moment later: the scene with a new target, drawn now, has enough to do.
+            self._wanted = key
+        elif key != self._drawn:
             self._drawn = key
             shown = map_of(snapshot, state.topic, dark=theme.dark, chosen=chosen)
             self._map.content = map_html(shown)
