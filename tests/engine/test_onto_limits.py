@@ -10,7 +10,7 @@ from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.limits import Limits
 from venus3d.engine.onto_limits import onto_limits
-from venus3d.engine.pose import angles_of, rotations_of
+from venus3d.engine.pose import Pose, angles_of, rotations_of
 from venus3d.engine.space import Space, random_pose
 
 
@@ -59,6 +59,17 @@ def test_impossible_poses_do_no_harm(paper_camera: Camera, default_board: Board)
     )
     moved, good = onto_limits(Limits(), paper_camera, default_board, wild)
     np.testing.assert_array_equal(good, Limits().accepts(paper_camera, default_board, moved))
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_poses_that_no_step_brings_inside_are_not_compared_with_skipped_ones(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    limits = Limits.for_board(default_board, paper_camera)
+    skipped = Pose.from_vector([0, 0, 0, 0, 0, 0.5])
+    space = Space(default_board, paper_camera, limits, (skipped,))
+    poses = np.array([skipped.vector(), [20.0, 0, 0, 0, 0, 0.5], [0.0, 0, 0, 0, 0, 1e200]])
+    assert space.bring_inside(poses)[1].tolist() == [False, True, False]
 
 
 def test_rotations_and_angles_are_scipys(rng: np.random.Generator) -> None:

@@ -44,7 +44,8 @@ class Space:
         """Pose vectors (N, 6) moved onto the limits they break, and which (N,) are inside now."""
         moved, good = onto_limits(self.limits, self.camera, self.board, vectors)
         for pose in self.skipped:
-            good &= ~_near(moved, pose)
+            # Only those: a pose that no step brought inside can be anywhere, beyond all numbers.
+            good[good] = ~_near(moved[good], pose)
         return moved, good
 
     def excess(self, vectors: Array) -> Array:
