@@ -249,30 +249,11 @@ class Viewer:
         if snapshot is None or snapshot.target is None:
             self._tiles.forget()
         tiles, known = self._tiles.shown(), self.page.knowledge
-        shapes = drawn = None
-        if snapshot is not None:
-            options = SceneOptions(
-                step=state.step,
-                strip=state.strip,
-                dark=state.dark,
-                sweep=state.sweep,
-                show_live=not state.playing,
-            )
-            drawn = shapes = describe(snapshot, options)
-            if known is not None:
-                drawn = known.put(snapshot, shapes, Theme(state.dark))
-                note = note or known.caption
-            if not note and snapshot.phase in ("converged", "finished"):
-                note = self._saved
-            if not note and snapshot.warnings:
-                note = snapshot.warnings[-1]
         drawn_by = "" if self._projections is None else self._projections.note
         with self.server.atomic():
-            if shapes is not None and drawn is not None:
-                self._scene.draw(drawn, dark=state.dark)
-                self._look(shapes, state)
-                if known is not None:
-                    known.bind(self._scene)
+            if snapshot is not None:
+                self._draw_scene(snapshot, state)
+                note = note or self._standing_note(snapshot)
             self.page.show(snapshot, state, tiles, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
@@ -281,6 +262,29 @@ class Viewer:
         if known is not None and snapshot is not None:
             known.show(snapshot, Theme(state.dark))
         self._order_steps(snapshot, state)
+
+    def _draw_scene(self, snapshot: Snapshot, state: ViewState) -> None:
+        options = SceneOptions(
+            step=state.step,
+            strip=state.strip,
+            dark=state.dark,
+            sweep=state.sweep,
+            show_live=not state.playing,
+        )
+        shapes, known = describe(snapshot, options), self.page.knowledge
+        with_known = shapes if known is None else known.put(snapshot, shapes, Theme(state.dark))
+        self._scene.draw(with_known, dark=state.dark)
+        self._look(shapes, state)
+        if known is not None:
+            known.bind(self._scene)
+
+    def _standing_note(self, snapshot: Snapshot) -> str:
+        """What is said while nothing new is."""
+        if self.page.knowledge is not None and self.page.knowledge.caption:
+            return self.page.knowledge.caption
+        if self._saved and snapshot.phase in ("converged", "finished"):
+            return self._saved
+        return snapshot.warnings[-1] if snapshot.warnings else ""
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         """Turn the tabs' cameras where it is needed."""

@@ -120,6 +120,7 @@ class PracticePage:
             if before is None or before.free != moment.free:
                 self._sliders.enable(moment.free)
                 self._gizmo.offer(moment.free)
+        self._client.flush()
         if before is None or (before.look, before.target) != (moment.look, moment.target):
             self._view.go(moment, at_once=before is None)
 
@@ -134,6 +135,7 @@ class PracticePage:
     def show_picture(self, rgb: Picture) -> None:
         """What the camera sees, (H, W, 3) RGB."""
         self._picture.image = rgb
+        self._client.flush()
 
     def show_target_picture(self, rgb: Picture) -> None:
         """What the camera should see, (H, W, 3) RGB."""

@@ -197,6 +197,7 @@ class TeachViewer:
         with self._server.atomic():
             self._scene.draw(shapes, dark=state.dark)
             self._page.show(moment, state)
+        self._server.flush()
         self._look(moment, state, shapes)
         self._wanted = (moment, state)
         self._wanted_came.set()
@@ -237,6 +238,7 @@ class TeachViewer:
                 sheet = self._pictures.sheet(*wanted, fine=fine, wanted=self._still(fine))
                 if sheet is not None:
                     self._page.show_sheet(sheet)
+                    self._server.flush()
                     sheet_of = wanted
 
     def _still(self, fine: bool) -> Callable[[], bool]:
