@@ -309,3 +309,4 @@ class Viewer:
         if snapshot is not None:
             self._draw_on(rgb, snapshot, self._state.seeing(snapshot))
         self.page.show_picture(rgb)
+        self.server.flush()
