@@ -14,6 +14,7 @@ from venus3d.engine.board import Board
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import VenusError
 from venus3d.options import TeachOptions
+from venus3d.storage.folder import write_bytes
 
 OWN = """
 title = "Mine"
@@ -76,3 +77,17 @@ def test_an_own_lesson_comes_first_and_a_wrong_name_is_one_sentence(
         assert number is None or served["lesson"] == number
     with pytest.raises(VenusError, match="gimbal-lock"):
         teach.run_teach(TeachOptions(lesson="gimbal-luck"))
+
+
+def test_a_file_is_dark_where_that_is_asked_for(tmp_path: Path) -> None:
+    own = tmp_path / "mine.toml"
+    own.write_text(OWN, encoding="utf-8")
+    for dark in (False, True):
+        options = TeachOptions(lesson=str(own), export=tmp_path / "mine.gif", dark=dark)
+        options.check()
+        path = write_bytes(tmp_path / f"{dark}.gif", teach.export_lesson(options, "gif")[0][0])
+        _, first = cv2.VideoCapture(str(path)).read()
+        assert bool(np.median(first) < 60) is dark
+    for export in (None, tmp_path / "mine.png"):
+        with pytest.raises(VenusError, match="--dark goes with --export"):
+            TeachOptions(export=export, dark=True).check()

@@ -106,7 +106,8 @@ def export_lesson(options: TeachOptions, kind: Kind) -> tuple[tuple[bytes, ...],
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     lesson = lesson_of(options.lesson)
     with closing(Offscreen()) as offscreen:
-        return exported(lesson, kind, PoseStudy(camera, board), offscreen), offscreen.note
+        study = PoseStudy(camera, board)
+        return exported(lesson, kind, study, offscreen, dark=options.dark), offscreen.note
 
 
 def _lessons(choice: str) -> tuple[tuple[Lesson, ...], int | None]:

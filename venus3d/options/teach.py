@@ -8,7 +8,8 @@ from typing import Annotated
 
 from tyro.conf import Positional, arg
 
-from venus3d.options.common import BoardOptions, check_range
+from venus3d.engine.errors import VenusError
+from venus3d.options.common import BoardOptions, Switch, check_range
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,8 @@ class TeachOptions:
     export: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
     """Write the lesson to a file and end: .html (plays offline), .png (a sheet of the four steps),
     .mp4 or .gif (the animation)."""
+    dark: Switch = False
+    """With --export: .html, .mp4 or .gif in dark colours, for a dark room."""
     host: str = "127.0.0.1"
     """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
     port: int = 8080
@@ -35,4 +38,9 @@ class TeachOptions:
     def check(self) -> None:
         """Raises `VenusError` for the first option that cannot be met."""
         self.board.board()
+        if self.dark and (self.export is None or self.export.suffix.lower() == ".png"):
+            raise VenusError(
+                "--dark goes with --export and a file that is shown on a screen (.html, .mp4, "
+                ".gif): a sheet is for paper, and on the page the key B does it."
+            )
         check_range("--port", self.port, 1, 65535)
