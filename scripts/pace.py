@@ -5,9 +5,9 @@ messages, and measures the gaps between them: those that move the board and thos
 live picture. A stall of the server is a gap, whatever caused it. The simulated camera renders its
 pictures on the same processor, which a real one does not: a recording tells more of real cameras.
 Meanwhile it presses C (capture: a calibration and a search) and K (another target: a search) in
-turn, so that both run for much of the time. With --updates it goes on and tells the program's
-memory; a recording, which starts again at its end, suits that best. A benchmark, no test: it prints
-figures and fails at nothing.
+turn, so that a calibration or a search begins that often. With --updates it goes on and tells the
+program's memory; a recording, which starts again at its end, suits that best. A benchmark, no test:
+it prints figures and fails at nothing.
 
     python scripts/pace.py [--seconds 40] [--press-every 1.7] [--json]
     python scripts/pace.py -- recording.mp4 --board.columns 12 ...

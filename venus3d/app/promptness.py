@@ -14,8 +14,8 @@ _SWITCH_S = 0.0005
 def leave_a_core() -> None:
     """Keep OpenGL, where it draws on the processor, from taking all cores for one picture.
 
-    Each picture takes up to half as long again, and nothing else waits for it. Mesa reads this when
-    the first context is opened, so it is called before that; graphics hardware does not heed it.
+    Each picture takes up to half as long again; what moves is the better for it. Mesa reads this
+    when the first context is opened, so it is called before; graphics hardware does not heed it.
     """
     os.environ.setdefault("LP_NUM_THREADS", str(max(1, (os.cpu_count() or 1) - 1)))
 

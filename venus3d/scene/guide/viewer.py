@@ -258,7 +258,7 @@ class Viewer:
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
         self.server.flush()
-        # Only now: the board that moved is to be seen before all that stands around it.
+        # Only now: the board that moved is to be seen before maps, and pictures of a new target.
         if known is not None and snapshot is not None:
             known.show(snapshot, Theme(state.dark))
         self._order_steps(snapshot, state)
