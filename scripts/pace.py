@@ -132,14 +132,12 @@ def kind_of(message: dict[str, Any]) -> str:
     return ""
 
 
-def gaps_told(name: str, times: list[float], since: float) -> dict[str, float]:
-    """Rate and gaps of the messages that came after `since`."""
-    kept = np.array([moment for moment in times if moment >= since])
-    gaps = 1000 * np.diff(kept)
-    if gaps.size == 0:
-        return {}
+def gaps_told(name: str, times: list[float], since: float, until: float) -> dict[str, float]:
+    """Rate and gaps of the messages between two times; that none came any more is a gap, too."""
+    kept = [moment for moment in times if since <= moment <= until]
+    gaps = 1000 * np.diff([since, *kept, until])
     told = {
-        "per_second": float(len(gaps) / (kept[-1] - kept[0])),
+        "per_second": len(kept) / (until - since),
         "median_ms": float(np.median(gaps)),
         "p99_ms": float(np.percentile(gaps, 99)),
         "longest_ms": float(gaps.max()),
@@ -168,7 +166,8 @@ def main() -> None:
     )
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as output:
-        where = ["--port", str(options.port), "--output", output]
+        # So many views that the search goes on whatever is captured.
+        where = ["--port", str(options.port), "--output", output, "--max-views", "1000"]
         program = subprocess.Popen(
             [sys.executable, "-m", "venus3d", "guide", *options.arguments, *where],
             stdout=subprocess.PIPE,
@@ -182,7 +181,7 @@ def main() -> None:
                 if (found := re.search(r"http://\S+", line))
             )
             with opened(address) as tab:
-                told = measured(tab, psutil.Process(program.pid), options)
+                told = measured(tab, program, options)
         finally:
             program.terminate()
             program.wait(timeout=30)
@@ -194,7 +193,9 @@ def main() -> None:
         print(json.dumps(told))
 
 
-def measured(tab: Tab, program: psutil.Process, options: argparse.Namespace) -> dict[str, Any]:
+def measured(
+    tab: Tab, program: subprocess.Popen[str], options: argparse.Namespace
+) -> dict[str, Any]:
     """The figures of a running program."""
     keys = itertools.cycle("CK")
     read_for(tab, _WARM_UP_S)
@@ -203,13 +204,15 @@ def measured(tab: Tab, program: psutil.Process, options: argparse.Namespace) -> 
         read_for(tab, options.press_every or 1.0)
         if options.press_every:
             tab.press(next(keys))
+    until = time.monotonic()
     told: dict[str, Any] = {
-        "scene": gaps_told("scene", tab.scene, since),
-        "picture": gaps_told("picture", tab.picture, since),
+        "scene": gaps_told("scene", tab.scene, since, until),
+        "picture": gaps_told("picture", tab.picture, since, until),
     }
     sizes: list[tuple[int, float]] = []
-    while len(tab.scene) < options.updates and program.is_running():
-        sizes.append((len(tab.scene), program.memory_info().rss / 2**20))
+    while len(tab.scene) < options.updates and program.poll() is None:
+        sizes.append((len(tab.scene), psutil.Process(program.pid).memory_info().rss / 2**20))
+        tab.press("K")  # no C: another view is rightly kept
         read_for(tab, 5.0)
     told["memory_mib"] = sizes
     if sizes:

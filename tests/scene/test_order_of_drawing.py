@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from tests.scene.raw_client import RawClient
 from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.guide.viewer import Viewer
+from venus3d.scene.knowledge.watching import SearchReplay
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.projections import Projections
+
+MAP = "class='v-map'"
 
 
 def test_the_board_moves_before_maps_and_pictures_come(
@@ -17,30 +22,73 @@ def test_the_board_moves_before_maps_and_pictures_come(
 ) -> None:
     """These take longer than all the rest, and nobody waits for them. All come, too, though no
     frame comes any more."""
-    viewer = Viewer("127.0.0.1", 8310, projections=Projections(painter))
+    came = shown(guided, Projections(painter), MAP, "<img alt='Step 4")
+    assert 0 <= board_in(came) < place_of(MAP, came)
+
+
+def test_the_map_comes_by_itself(guided: Snapshot) -> None:
+    """It is drawn a moment after the scene, without a frame or a picture that calls for it."""
+    came = shown(guided, None, MAP)
+    assert 0 <= board_in(came) < place_of(MAP, came)
+
+
+def test_a_replayed_search_ends_although_nothing_comes(guided: Snapshot) -> None:
+    now = [100.0]
+    viewer = Viewer("127.0.0.1", 8312)
     try:
-        with RawClient(viewer.port) as tab:
-            tab.look()
-            tab.backlog()
-            viewer.show(guided)
-            came: list[dict[str, Any]] = []
-            until = time.monotonic() + 20
-            while time.monotonic() < until and not (
-                first(came, "class='v-map'") and first(came, "<img alt='Step 4")
-            ):
-                came += tab.window(timeout=20)
-        board = next(
-            place for place, message in enumerate(came) if message.get("name") == "/board/live"
-        )
-        drawn = first(came, "class='v-map'"), first(came, "<img alt='Step 4")
-        assert board < min(drawn) < len(came), [message["type"] for message in came]
+        known = viewer.page.knowledge
+        assert known is not None and guided.walk is not None
+        known._replay = SearchReplay(clock=lambda: now[0])  # pyright: ignore[reportPrivateUsage]
+        known._toggle_watching()  # pyright: ignore[reportPrivateUsage]
+        viewer.show(guided)
+        assert soon(lambda: is_searching(viewer))
+        # Nothing else is to be drawn either: the map is on the page.
+        assert soon(lambda: MAP in known._map.content)  # pyright: ignore[reportPrivateUsage]
+        time.sleep(0.1)
+        now[0] += 1000
+        assert soon(lambda: not is_searching(viewer))
     finally:
         viewer.close()
 
 
-def first(came: list[dict[str, Any]], text: str) -> int:
-    """Place of the first message that puts this on the page; 0 if none came yet."""
+def shown(snapshot: Snapshot, projections: Projections | None, *wanted: str) -> list[Any]:
+    """What a tab is sent after this snapshot alone, until all this is on the page."""
+    viewer = Viewer("127.0.0.1", 8310, projections=projections)
+    came: list[dict[str, Any]] = []
+    try:
+        with RawClient(viewer.port) as tab, suppress(TimeoutError):
+            tab.look()
+            tab.backlog()
+            viewer.show(snapshot)
+            while min(place_of(text, came) for text in wanted) < 0:
+                came += tab.window(timeout=10)
+    finally:
+        viewer.close()
+    missing = [text for text in wanted if place_of(text, came) < 0]
+    assert not missing
+    return came
+
+
+def board_in(came: list[dict[str, Any]]) -> int:
+    """Place of the first message on the board that moves; -1 if none came."""
+    places = (i for i, message in enumerate(came) if message.get("name") == "/board/live")
+    return next(places, -1)
+
+
+def is_searching(viewer: Viewer) -> bool:
+    return any(name.startswith("/search") for name in viewer.scene_names)
+
+
+def soon(holds: Callable[[], bool]) -> bool:
+    until = time.monotonic() + 10
+    while not holds() and time.monotonic() < until:
+        time.sleep(0.01)
+    return holds()
+
+
+def place_of(text: str, came: list[dict[str, Any]]) -> int:
+    """Place of the first message that puts this on the page; -1 if none came."""
     for place, message in enumerate(came):
         if text in str(message.get("updates", {}).get("content", "")):
             return place
-    return 0
+    return -1

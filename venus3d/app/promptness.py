@@ -17,7 +17,8 @@ def leave_a_core() -> None:
     Each picture takes up to half as long again; what moves is the better for it. Mesa reads this
     when the first context is opened, so it is called before; graphics hardware does not heed it.
     """
-    os.environ.setdefault("LP_NUM_THREADS", str(max(1, (os.cpu_count() or 1) - 1)))
+    ours = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    os.environ.setdefault("LP_NUM_THREADS", str(max(1, (ours or 1) - 1)))
 
 
 @contextmanager

@@ -62,7 +62,8 @@ class SceneView:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the shapes that are visible now."""
-        return tuple(name for name, node in self._nodes.items() if node.handle.visible)
+        nodes = tuple(self._nodes.items())  # another thread may be drawing
+        return tuple(name for name, node in nodes if node.handle.visible)
 
     def node(self, name: str) -> Any:
         """viser's handle of a shape that has been drawn, to bind gestures to; None before that."""

@@ -221,16 +221,20 @@ class Viewer:
             raise self._failure
 
     def _scene_loop(self) -> None:
-        before = time.monotonic()
+        before, moved = time.monotonic(), False
         while not self._stop.is_set():
             with self._wake:
                 if not self._changed:
-                    self._wake.wait(timeout=_SCENE_PERIOD_S if self._is_moving else 0.5)
+                    moving = moved or self._is_moving
+                    self._wake.wait(timeout=_SCENE_PERIOD_S if moving else 0.5)
                 now = time.monotonic()
                 state = self._state.after(now - before)
                 if self._snapshot is not None:
                     state = state.seeing(self._snapshot)
-                due = self._changed or self._is_moving or (self._note and now > self._note_until)
+                # Once more after what moved has ended, or its last moment would stay.
+                moved, ended = self._is_moving, moved
+                over = self._note and now > self._note_until
+                due = self._changed or moved or ended or over
                 self._state, self._changed, snapshot = state, False, self._snapshot
                 if now > self._note_until:
                     self._note = ""
@@ -257,10 +261,12 @@ class Viewer:
             self.page.show(snapshot, state, tiles, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
+            if known is not None and snapshot is not None:
+                known.show(snapshot, Theme(state.dark))
         self.server.flush()
         # Only now: the board that moved is to be seen before maps, and pictures of a new target.
         if known is not None and snapshot is not None:
-            known.show(snapshot, Theme(state.dark))
+            known.show_map(snapshot, Theme(state.dark))
         self._order_steps(snapshot, state)
 
     def _draw_scene(self, snapshot: Snapshot, state: ViewState) -> None:

@@ -119,10 +119,24 @@ class KnowledgePanel:
         return self._replay.of(snapshot, shapes, on=state.watching, dark=theme.dark)
 
     def show(self, snapshot: Snapshot, theme: Theme) -> None:
-        """Put what is known at this moment on the tab."""
-        self._snapshot, self._theme, state = snapshot, theme, self.state
-        self._show_map(snapshot, state, theme)
-        self._show_views(snapshot, state)
+        """Put what is known at this moment on the tab, all but the map."""
+        self._snapshot, self._theme = snapshot, theme
+        self._show_views(snapshot, self.state)
+
+    def show_map(self, snapshot: Snapshot, theme: Theme) -> None:
+        """Have the map on the tab drawn if it shows something else now: not in this call but in the
+        next, since the scene with a new target, drawn just before, has had enough to do."""
+        state = self.state
+        chosen = state.view if state.topic == "misfit" else None
+        # The scale of “now” is that of “next” as well.
+        target = snapshot.target if state.topic in ("error", "after") else None
+        key = (snapshot.calibration, target and target.pose, state.topic, theme.dark, chosen)
+        if key != self._wanted:
+            self._wanted = key
+        elif key != self._drawn:
+            self._drawn = key
+            shown = map_of(snapshot, state.topic, dark=theme.dark, chosen=chosen)
+            self._map.content = map_html(shown)
 
     def bind(self, scene: SceneView) -> None:
         """Let the captured views that have been drawn be clicked."""
@@ -160,19 +174,6 @@ class KnowledgePanel:
         )
         self._drop.on_click(lambda _: self._leave_out(self.state.view))
         self._map = gui.add_html("")
-
-    def _show_map(self, snapshot: Snapshot, state: KnowledgeState, theme: Theme) -> None:
-        chosen = state.view if state.topic == "misfit" else None
-        # The scale of “now” is that of “next” as well.
-        target = snapshot.target if state.topic in ("error", "after") else None
-        key = (snapshot.calibration, target and target.pose, state.topic, theme.dark, chosen)
-        if key != self._wanted:
-            # A moment later: the scene with a new target, drawn now, has enough to do.
-            self._wanted = key
-        elif key != self._drawn:
-            self._drawn = key
-            shown = map_of(snapshot, state.topic, dark=theme.dark, chosen=chosen)
-            self._map.content = map_html(shown)
 
     def _show_views(self, snapshot: Snapshot, state: KnowledgeState) -> None:
         numbers = [view.number for view in snapshot.views]

@@ -140,6 +140,7 @@ class PracticePage:
     def show_target_picture(self, rgb: Picture) -> None:
         """What the camera should see, (H, W, 3) RGB."""
         self._target_picture.image = rgb
+        self._client.flush()
 
     def warn(self, text: str) -> None:
         """Say that something went wrong, in a note that stays."""

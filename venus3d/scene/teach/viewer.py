@@ -233,6 +233,7 @@ class TeachViewer:
             picture = self._pictures.moment(*wanted, fine=fine)
             self._page.show_moment(picture)
             self._scene.set_picture(picture)
+            self._server.flush()
             shown = wanted
             if fine or sheet_of is None or _sheet_differs(sheet_of, wanted):
                 sheet = self._pictures.sheet(*wanted, fine=fine, wanted=self._still(fine))
