@@ -6,10 +6,13 @@ labels and backgrounds are `offscreen`'s.
 pyrender's last release dates from 2021 and three of its habits do not suit: it reads the depth
 picture back each time, it drops from the graphics memory whatever the present scene does not show,
 and it sorts translucent meshes by the position of their frames. The subclass below changes those.
+It also pins a PyOpenGL of 2014, which does not know where Python has kept one of its types since
+3.12; that is mended first of all.
 """
 
 from __future__ import annotations
 
+import ctypes
 from collections import OrderedDict
 from collections.abc import Sequence
 from typing import Any
@@ -19,6 +22,7 @@ import pyrender
 import trimesh
 from numpy.typing import NDArray
 from OpenGL import EGL, GL
+from OpenGL.plugins import FormatHandler
 from pyrender.platforms.egl import EGLPlatform, get_device_by_index
 from pyrender.renderer import Renderer
 
@@ -26,6 +30,17 @@ from venus3d.engine.camera import Camera
 from venus3d.scene.ribbon import ribbon
 from venus3d.scene.shading import shaded_colours
 from venus3d.scene.shapes import Colour, LineShape, MeshShape
+
+# What `ctypes.byref` makes is called `builtins.CArgObject` up to Python 3.11 and
+# `_ctypes.CArgObject` from 3.12 on. PyOpenGL 3.1.0 finds the handler of an argument by that name,
+# knows the old one only, and so can make no texture. 3.1.10 knows both, but pyrender pins 3.1.0,
+# and pip and uv hold to it. A second entry for a name that is known changes nothing.
+_by_reference = type(ctypes.byref(ctypes.c_int()))
+FormatHandler(
+    "ctypesparameter",
+    "OpenGL.arrays.ctypesparameters.CtypesParameterHandler",
+    [f"{_by_reference.__module__}.{_by_reference.__name__}"],
+)
 
 KEPT_MESHES = 64
 _FLAGS = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN | pyrender.RenderFlags.RGBA
