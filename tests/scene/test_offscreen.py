@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -14,7 +15,7 @@ from venus3d.engine.camera import Camera
 from venus3d.engine.pose import Pose
 from venus3d.scene.board_shape import board_ghost, board_outline, board_shape
 from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.shapes import LabelShape
+from venus3d.scene.shapes import LabelShape, Shape
 
 GREY = (90, 100, 110)
 
@@ -181,3 +182,119 @@ def test_closing_twice_and_a_second_renderer_that_lives_on(
     other.close()
     other.close()
     np.testing.assert_array_equal(gl.render(paper_camera, shapes), one)
+
+
+def lose_the_context(offscreen: Offscreen, _: pytest.MonkeyPatch) -> None:
+    from OpenGL import EGL
+
+    platform: Any = offscreen._renderer._platform  # type: ignore[attr-defined]
+    display, context = platform._egl_display, platform._egl_context
+    # A context that is in use would live on until it is left.
+    nothing = (EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, EGL.EGL_NO_CONTEXT)
+    offscreen._thread.submit(EGL.eglMakeCurrent, display, *nothing).result()
+    offscreen._thread.submit(EGL.eglDestroyContext, display, context).result()
+
+
+def let_the_second_reading_fail(_: Offscreen, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a driver fails: after one half of a picture, with an error of OpenGL's own."""
+    from OpenGL import GL
+
+    read, done = GL.glReadPixels, list[Any]()
+
+    def reading(*arguments: Any) -> Any:
+        if done:
+            GL.glEnable(0xDEAD)
+        done.append(read(*arguments))
+        return done[-1]
+
+    monkeypatch.setattr(GL, "glReadPixels", reading)
+
+
+def run_out_of_memory(offscreen: Offscreen, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: Any) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(offscreen._renderer._renderer, "render", full)  # type: ignore[attr-defined]
+
+
+BREAKING = [
+    (lose_the_context, "err = 12294"),  # EGL_BAD_CONTEXT
+    (let_the_second_reading_fail, "err = 1280"),  # GL_INVALID_ENUM
+    (run_out_of_memory, "MemoryError"),
+]
+Break = Callable[[Offscreen, pytest.MonkeyPatch], None]
+
+
+@pytest.fixture
+def scene(default_board: Board) -> list[Shape]:
+    pose = Pose.from_vector([20, -30, 10, 0.1, 0.05, 0.6])
+    return [
+        board_shape(default_board, pose),
+        board_outline(default_board, pose, "/a", (255, 255, 255), 3.0),
+        LabelShape("/t", "+30°", np.array([0.0, 0.0, 0.5]), (255, 255, 255)),
+    ]
+
+
+@pytest.mark.usefixtures("gl")
+@pytest.mark.parametrize(("breaks", "cause"), BREAKING)
+def test_where_opengl_fails_in_mid_session_the_painter_goes_on(
+    painter: Offscreen,
+    paper_camera: Camera,
+    scene: list[Shape],
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    breaks: Break,
+    cause: str,
+) -> None:
+    # A picture behind: two halves are drawn, and both have to come from the same hand.
+    behind = np.full((720, 1280, 3), GREY, dtype=np.uint8)
+    with Offscreen() as offscreen:
+        for _ in range(2):
+            drawn = offscreen.render(paper_camera, scene, background=behind)
+        assert offscreen.backend == "gl" and not offscreen.note
+        breaks(offscreen, monkeypatch)
+        pictures = [offscreen.render(paper_camera, scene, background=behind) for _ in range(2)]
+        assert offscreen.backend == "painter"
+        assert cause in offscreen.note and len(offscreen.note.splitlines()) == 1
+    painted = painter.render(paper_camera, scene, background=behind)
+    assert (painted != drawn).any()
+    np.testing.assert_array_equal(pictures, [painted, painted])
+    assert caplog.messages == [offscreen.note]
+
+
+@pytest.mark.usefixtures("gl")
+def test_shapes_that_nobody_can_draw_are_no_fault_of_opengl(
+    paper_camera: Camera, default_board: Board, scene: list[Shape]
+) -> None:
+    ghost = board_ghost(default_board, Pose.from_vector([0, 0, 0, 0, 0, 0.5]), "/a", (9, 9, 9), 1)
+    with Offscreen() as offscreen:
+        drawn = offscreen.render(paper_camera, scene)
+        with pytest.raises(AttributeError):
+            offscreen.render(paper_camera, [*scene, replace(ghost, textured=True)])
+        assert offscreen.backend == "gl" and not offscreen.note
+        np.testing.assert_array_equal(offscreen.render(paper_camera, scene), drawn)
+
+
+@pytest.mark.usefixtures("gl")
+def test_who_asks_for_opengl_alone_is_told_of_its_failures(
+    paper_camera: Camera, scene: list[Shape], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Offscreen("gl") as offscreen, monkeypatch.context() as broken:
+        run_out_of_memory(offscreen, broken)
+        with pytest.raises(MemoryError):
+            offscreen.render(paper_camera, scene)
+        assert offscreen.backend == "gl" and not offscreen.note
+
+
+@pytest.mark.usefixtures("gl")
+def test_a_lost_context_is_closed_without_fuss(monkeypatch: pytest.MonkeyPatch) -> None:
+    offscreen, alone = Offscreen(), Offscreen("gl")
+    for one in (offscreen, alone):
+        lose_the_context(one, monkeypatch)
+    offscreen.close()
+    offscreen.close()
+    with pytest.raises(Exception, match="err = 12294"):
+        alone.close()
+    for one in (offscreen, alone):
+        with pytest.raises(RuntimeError, match="shutdown"):
+            one.submit(Camera(64, 64, 50, 50, 32, 32), [])

@@ -107,7 +107,8 @@ def export_lesson(options: TeachOptions, kind: Kind) -> tuple[tuple[bytes, ...],
     lesson = lesson_of(options.lesson)
     with closing(Offscreen()) as offscreen:
         study = PoseStudy(camera, board)
-        return exported(lesson, kind, study, offscreen, dark=options.dark), offscreen.note
+        note = offscreen.note  # one that comes later is logged
+        return exported(lesson, kind, study, offscreen, dark=options.dark), note
 
 
 def _lessons(choice: str) -> tuple[tuple[Lesson, ...], int | None]:

@@ -111,9 +111,11 @@ class GlRenderer:
 
     def close(self) -> None:
         """Release the graphics memory and the context."""
-        self._platform.make_current()
-        self._renderer.delete()
-        self._platform.delete_context()
+        try:
+            self._platform.make_current()
+            self._renderer.delete()
+        finally:
+            self._platform.delete_context()
 
     def _node_of(self, shape: MeshShape, used: set[tuple[Any, ...]]) -> Any:
         key = _key(shape)

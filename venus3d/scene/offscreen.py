@@ -1,16 +1,19 @@
 """Pictures of shapes as a camera with a lens would take them, without a screen.
 
-One thread of its own owns OpenGL; anyone may ask it for pictures. Where OpenGL is missing, the
-painter draws the same shapes with OpenCV. Both draw through the same lens map.
+One thread of its own owns OpenGL; anyone may ask it for pictures. Where OpenGL is missing, or fails
+while it draws, the painter draws the same shapes with OpenCV. Both draw through the same lens map.
 """
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
+from textwrap import shorten
 from typing import Any, Literal, Protocol
 
 import cv2
@@ -22,10 +25,12 @@ from venus3d.scene.lens import lens_of
 from venus3d.scene.painter import Painter
 from venus3d.scene.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
 from venus3d.scene.text import paint_labels
-from venus3d.scene.texts.common import NO_OPENGL
+from venus3d.scene.texts.common import NO_OPENGL, OPENGL_FAILED
 
 Image = NDArray[np.uint8]
 Backend = Literal["gl", "painter"]
+_LOG = logging.getLogger(__name__)
+_CAUSE_LENGTH = 160
 
 
 class Renderer(Protocol):
@@ -51,13 +56,16 @@ class Offscreen:
         """Start the render thread. Without `smooth`, OpenGL leaves the edges of shapes ragged and
         takes half the time: for pictures that are blurred anyway.
 
-        Raises `RuntimeError` if `backend` is "gl" and OpenGL cannot be had.
+        Raises `RuntimeError` if `backend` is "gl" and OpenGL cannot be had; with "gl", what fails
+        later is raised too, instead of being painted.
         """
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="offscreen")
         self._closed = False
         self.note = ""
-        """One sentence that says why the painter draws; empty when OpenGL does."""
+        """One sentence that says why the painter draws; empty while OpenGL does. It may come late:
+        then it is logged as well."""
         self.backend: Backend = "painter"
+        self._falls_back = backend == "auto"
         self._renderer: Renderer = Painter()
         if backend != "painter":
             try:
@@ -66,10 +74,10 @@ class Offscreen:
             except Exception as error:
                 # Whatever keeps OpenGL from starting (no library, no device, no pyrender), the
                 # pictures are still needed.
-                if backend == "gl":
+                if not self._falls_back:
                     self._thread.shutdown()
                     raise RuntimeError(f"OpenGL cannot be used: {error}") from error
-                self.note = NO_OPENGL.format(cause=f"{type(error).__name__}: {error}")
+                self.note = NO_OPENGL.format(cause=_cause(error))
 
     def submit(
         self,
@@ -94,7 +102,9 @@ class Offscreen:
 
         def draw() -> Image:
             seen = tuple(shapes() if callable(shapes) else shapes)
-            picture = self._draw(camera, seen, background, size or camera.image_size, supersample)
+            picture = self._draw(
+                partial(_picture, camera, seen, background, size or camera.image_size, supersample)
+            )
             return picture if finish is None else finish(picture)
 
         return self._thread.submit(draw)
@@ -107,8 +117,8 @@ class Offscreen:
         """Finish what was asked for and release OpenGL. May be called twice."""
         if not self._closed:
             self._closed = True
-            self._thread.submit(self._renderer.close).result()
-            self._thread.shutdown()
+            with self._thread:
+                self._thread.submit(self._release).result()
 
     def __enter__(self) -> Offscreen:
         return self
@@ -116,32 +126,62 @@ class Offscreen:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _draw(
-        self,
-        camera: Camera,
-        shapes: tuple[Shape, ...],
-        background: Colour | Image,
-        size: tuple[int, int],
-        supersample: int,
-    ) -> Image:
-        seen = [s for s in shapes if s.in_projection]
-        solids = [s for s in seen if isinstance(s, MeshShape | LineShape)]
-        labels = [s for s in seen if isinstance(s, LabelShape)]
-        lens = lens_of(camera.scaled((size[0] * supersample, size[1] * supersample)))
+    def _draw(self, picture: Callable[[Renderer], Image]) -> Image:
+        try:
+            return picture(self._renderer)
+        except Exception as error:
+            # A lost context, a driver's error, too little memory: the picture is still needed.
+            if self.backend == "painter" or not self._falls_back:
+                raise
+            painter = Painter()
+            # If this fails as well, the shapes are at fault: it is raised, and OpenGL goes on.
+            painted = picture(painter)
+            self._release()
+            self._renderer, self.backend = painter, "painter"
+            self.note = OPENGL_FAILED.format(cause=_cause(error))
+            _LOG.warning("%s", self.note)
+            return painted
 
-        def draw(ground: Colour) -> Image:
-            picture = self._renderer.render(lens.ideal, _widened(solids, supersample), ground)
-            # Bending all four channels first is quicker than dropping one before.
-            picture = cv2.cvtColor(lens.bend(picture, (*ground, 255)), cv2.COLOR_RGBA2RGB)
-            if supersample > 1:
-                picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
-            return np.asarray(picture, dtype=np.uint8)
+    def _release(self) -> None:
+        try:
+            self._renderer.close()
+        except Exception:
+            # What fails while it draws may fail here too, and nothing more is asked of it.
+            if not self._falls_back:
+                raise
 
-        if isinstance(background, tuple):
-            picture = draw(background)
-        else:
-            picture = _over(draw((0, 0, 0)), draw((255, 255, 255)), background)
-        return paint_labels(picture, labels, camera.scaled(size)) if labels else picture
+
+def _picture(
+    camera: Camera,
+    shapes: tuple[Shape, ...],
+    background: Colour | Image,
+    size: tuple[int, int],
+    supersample: int,
+    renderer: Renderer,
+) -> Image:
+    seen = [s for s in shapes if s.in_projection]
+    solids = [s for s in seen if isinstance(s, MeshShape | LineShape)]
+    labels = [s for s in seen if isinstance(s, LabelShape)]
+    lens = lens_of(camera.scaled((size[0] * supersample, size[1] * supersample)))
+
+    def draw(ground: Colour) -> Image:
+        picture = renderer.render(lens.ideal, _widened(solids, supersample), ground)
+        # Bending all four channels first is quicker than dropping one before.
+        picture = cv2.cvtColor(lens.bend(picture, (*ground, 255)), cv2.COLOR_RGBA2RGB)
+        if supersample > 1:
+            picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+        return np.asarray(picture, dtype=np.uint8)
+
+    if isinstance(background, tuple):
+        picture = draw(background)
+    else:
+        picture = _over(draw((0, 0, 0)), draw((255, 255, 255)), background)
+    return paint_labels(picture, labels, camera.scaled(size)) if labels else picture
+
+
+def _cause(error: Exception) -> str:
+    # PyOpenGL's errors take several lines and name every argument.
+    return shorten(f"{type(error).__name__}: {error}", _CAUSE_LENGTH, placeholder=" ...")
 
 
 def _widened(shapes: list[MeshShape | LineShape], factor: int) -> list[MeshShape | LineShape]:

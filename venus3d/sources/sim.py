@@ -113,8 +113,6 @@ class Simulation:
         self._owned = offscreen is None
         # The lens's map and the blur smooth the paper's edges; what is printed on it is filtered.
         self._offscreen = Offscreen(smooth=False) if offscreen is None else offscreen
-        self.notes: tuple[str, ...] = (self._offscreen.note,) if self._offscreen.note else ()
-        """What a person should know: that OpenGL is missing."""
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -125,6 +123,11 @@ class Simulation:
     def is_live(self) -> bool:
         """Whether it keeps to the clock."""
         return self._realtime
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a person should know: that OpenGL is missing, or has failed."""
+        return (self._offscreen.note,) if self._offscreen.note else ()
 
     @property
     def hand(self) -> Pose:

@@ -46,3 +46,4 @@ NO_OPENGL = (
     "OpenGL cannot be used here, so OpenCV paints the pictures; install libegl1 and "
     "libgl1-mesa-dri ({cause})."
 )
+OPENGL_FAILED = "OpenGL failed while it drew, so OpenCV paints the pictures from now on ({cause})."
