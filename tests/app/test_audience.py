@@ -104,10 +104,9 @@ def test_the_second_monitors_keys_are_nobody_elses_and_stand_in_the_help() -> No
     audience = Audience("127.0.0.1", _PORT)
     viewer = Viewer(port=_PORT + 1, draggable_board=True)
     try:
-        controls = AudienceControls(viewer.server, audience)
-        viewer.explain(controls.commands)  # raises for a key that the page has
+        viewer.extend(lambda server: AudienceControls(server, audience).commands)
         with pytest.raises(ValueError, match="two commands for one key"):
-            viewer.explain(controls.commands)
+            viewer.extend(lambda server: AudienceControls(server, audience).commands)
     finally:
         viewer.close()
         audience.close()

@@ -1,8 +1,7 @@
-"""A server for those who only look: whatever a browser sends, nothing changes.
+"""What servers hear of a browser: ours what a person could do, one for those who only look nothing.
 
 A page without inputs is not enough: any program on the network can open the websocket and send
-what it likes. So one does here, all there is, at a server that would obey, and at one that must
-not.
+what it likes. So one does here, all there is, at viser's own server, which obeys, and at ours.
 """
 
 from __future__ import annotations
@@ -16,15 +15,14 @@ import numpy as np
 import pytest
 import viser
 
+from tests.scene.ports import free_port
 from tests.scene.raw_client import RawClient, every_message
 from venus3d.scene.audience.audience import Audience
 from venus3d.scene.audience.controls import AudienceControls
 from venus3d.scene.audience.look import Look
 from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.server import start_read_only_server, start_server
+from venus3d.scene.server import LocalServer, ReadOnlyServer, start_read_only_server
 from venus3d.scene.texts import audience as texts
-
-_PORTS = iter(range(8364, 8380))
 
 
 def with_everything_that_listens(server: viser.ViserServer) -> list[str]:
@@ -91,21 +89,36 @@ def buffer_of(server: Any) -> dict[int, str]:
     return {key: repr(message) for key, message in dict(buffer.message_from_id).items()}
 
 
-def test_a_server_that_listens_hears_it_all() -> None:
-    """The other test would hold nothing down if these messages reached nobody anywhere."""
-    server, _ = start_server("127.0.0.1", next(_PORTS))
+class ObedientServer(viser.ViserServer):
+    """viser's own, which would only ask a public host for a tunnel as well."""
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        return None
+
+
+@pytest.mark.parametrize(
+    ("make", "kinds"),
+    [
+        # The other tests would hold nothing down if these messages reached nobody anywhere.
+        (ObedientServer, "box button held upload form command gizmo click drag pointer"),
+        # No page of ours has buttons that are held, uploads, forms, or a pointer in empty space.
+        (LocalServer, "box button command gizmo click drag"),
+        (ReadOnlyServer, ""),
+    ],
+)
+def test_which_messages_reach_a_callback(make: type[viser.ViserServer], kinds: str) -> None:
+    server = make("127.0.0.1", free_port(), verbose=False)
     try:
         heard = with_everything_that_listens(server)
         say_everything(server.get_port(), server.get_clients)
         server._thread_executor.shutdown(wait=True)
-        kinds = "box button held upload form command gizmo click drag pointer"
         assert set(heard) == set(kinds.split())
     finally:
         server.stop()
 
 
 def test_a_read_only_server_hears_nothing_whatever_is_on_it() -> None:
-    server = start_read_only_server("127.0.0.1", next(_PORTS))
+    server = start_read_only_server("127.0.0.1", free_port())
     try:
         heard = with_everything_that_listens(server)
         with RawClient(server.get_port()) as other:
@@ -124,8 +137,8 @@ def test_a_read_only_server_hears_nothing_whatever_is_on_it() -> None:
 
 def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() -> None:
     """All of it at a real audience page beside a real operator's page."""
-    viewer = Viewer(port=next(_PORTS), draggable_board=True)
-    audience = Audience("127.0.0.1", next(_PORTS), Look(mirror=True))
+    viewer = Viewer(port=free_port(), draggable_board=True)
+    audience = Audience("127.0.0.1", free_port(), Look(mirror=True))
     try:
         AudienceControls(viewer.server, audience)
         with RawClient(audience.port) as other, RawClient(viewer.port) as operator:
@@ -162,7 +175,9 @@ NONSENSE: tuple[dict[str, Any], ...] = (
 
 def test_a_browser_that_says_nonsense_stops_nobody() -> None:
     """Where it looks from is computed with: a string or a zero there must not end the program."""
-    audience = Audience("127.0.0.1", next(_PORTS))
+    audience = Audience("127.0.0.1", free_port())
+    failures: list[str] = []
+    audience.on_failure = failures.append
     try:
         talkers = [RawClient(audience.port) for _ in NONSENSE]
         for talker, said in zip(talkers, NONSENSE, strict=True):
@@ -177,14 +192,14 @@ def test_a_browser_that_says_nonsense_stops_nobody() -> None:
         with RawClient(audience.port) as client:
             settled(lambda: texts.PAUSED[2] in str(buffer_of(audience.server)))
             assert client.backlog()
-        audience._threads.raise_failure()  # pyright: ignore[reportPrivateUsage]
+        assert failures == []
     finally:
         audience.close()
 
 
 def test_pictures_do_not_queue_up_for_a_browser_that_is_slow() -> None:
     """Megabytes on their way would show it the past: it must skip pictures instead."""
-    server = start_read_only_server("127.0.0.1", next(_PORTS))
+    server = start_read_only_server("127.0.0.1", free_port())
     noise = np.random.default_rng(1).integers(0, 255, (270, 480, 3), np.uint8)
     picture = server.scene.add_image("/picture", noise, 1, 1, jpeg_quality=80)
     count = 120

@@ -24,12 +24,14 @@ from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 import viser
 
 from venus3d.app.practice_trainee import Course, Trainee
 from venus3d.app.promptness import prompt
 from venus3d.engine.errors import StorageError
 from venus3d.options import PracticeOptions
+from venus3d.scene.drawing import Failures
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.practice.moment import PracticeMoment, Wish
 from venus3d.scene.practice.page import PracticePage
@@ -42,6 +44,7 @@ from venus3d.scene.practice.shapes import (
 )
 from venus3d.scene.server import LocalServer, start_server
 from venus3d.scene.shapes import Shape
+from venus3d.scene.texts.common import DRAWN_ANEW_WHY
 from venus3d.scene.texts.practice import BROKEN
 from venus3d.sources.sim import PAPER_CAMERA
 from venus3d.storage.camera_yaml import read_camera_yaml
@@ -50,6 +53,8 @@ from venus3d.storage.practice import PracticeFile
 FILE = "practice.csv"
 _PERIOD_S = 1 / 30
 _PICTURE_ROOM = (480, 270)
+_FORGIVEN_S = 60.0
+"""So long after a page was drawn anew, the next failure counts as the first."""
 _ROUND_S = 0.12
 """So long after the last look at what people did, pictures wait for the next round."""
 
@@ -63,6 +68,8 @@ class Desk:
     page: PracticePage
     wishes: queue.SimpleQueue[Wish]
     shown: PracticeMoment | None = field(default=None)
+    failed_at: float = -np.inf
+    """When its page was drawn anew, seconds of the clock."""
 
 
 def run_practice(options: PracticeOptions) -> None:
@@ -100,6 +107,7 @@ class Hall:
         self._stop = threading.Event()
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="rows")
         self._turns = Turns()
+        self._failures = Failures()
         camera = server.initial_camera
         camera.near, camera.far = 0.01, 50.0
         server.on_client_connect(self._enter)
@@ -141,19 +149,22 @@ class Hall:
             return
         trainee = Trainee(self._course, number + 1)
         wishes: queue.SimpleQueue[Wish] = queue.SimpleQueue()
-
-        def wish(asked: Wish) -> None:
-            wishes.put(asked)
-            self._wake.set()
-
-        page = PracticePage(client, wish, trainee.moment(time.monotonic()), self._course.reach)
-        desk = Desk(client, trainee, page, wishes)
+        desk = Desk(client, trainee, self._page(client, trainee, wishes), wishes)
         with self._lock:
             self._desks[number] = desk
         # It may have gone while its page was laid out; then nobody else would clear the desk.
         if number not in self._server.get_clients():
             self._leave(client)
         self._wake.set()
+
+    def _page(
+        self, client: viser.ClientHandle, trainee: Trainee, wishes: queue.SimpleQueue[Wish]
+    ) -> PracticePage:
+        def wish(asked: Wish) -> None:
+            wishes.put(asked)
+            self._wake.set()
+
+        return PracticePage(client, wish, trainee.moment(time.monotonic()), self._course.reach)
 
     def _leave(self, client: viser.ClientHandle) -> None:
         with self._lock:
@@ -227,12 +238,25 @@ class Hall:
         return False
 
     def _failed(self, desk: Desk, error: Exception) -> None:
-        gone = desk.client.client_id not in self._server.get_clients()
-        self._leave(desk.client)
-        if gone:  # what is drawn for a tab that has just been closed may fail in any way
+        """Draw one tab's page anew; one that breaks again at once stands still until reloaded."""
+        client, now = desk.client, time.monotonic()
+        if client.client_id not in self._server.get_clients():
+            self._leave(client)  # what is drawn for a tab that was just closed may fail in any way
             return
-        traceback.print_exception(error, file=sys.stderr)
-        desk.page.warn(BROKEN)
+        self._failures.tell(error, "drawing a trainee's page failed, so it is drawn anew")
+        self._turns.forget(client.client_id)
+        again, desk.failed_at = now - desk.failed_at < _FORGIVEN_S, now
+        try:
+            if again:
+                raise error
+            client.gui.reset()
+            client.scene.reset()
+            desk.page, desk.shown = self._page(client, desk.trainee, desk.wishes), None
+            desk.page.warn(DRAWN_ANEW_WHY.format(cause=type(error).__name__))
+        except Exception as worse:
+            self._failures.tell(worse, "a trainee's page could not be drawn anew")
+            self._leave(client)
+            desk.page.warn(BROKEN)
 
     def _written(self, future: Future[None]) -> None:
         error = future.exception()

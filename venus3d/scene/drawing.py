@@ -1,23 +1,66 @@
-"""The small threads that draw a page: started together, ended together, and what broke one is told.
+"""The small threads that draw a page: started together, ended together, and none takes more along.
 
 What they draw and what they wait for is the page's own.
 """
 
 from __future__ import annotations
 
+import logging
 import threading
+import time
 from collections.abc import Callable
+from traceback import extract_tb
+
+import viser
+
+from venus3d.scene.texts import common as texts
+
+_LOG = logging.getLogger(__name__)
+_LONGEST_WAIT_S = 30.0
+_FORGIVEN_S = 60.0
+"""So long after the last failure, the next one counts as the first."""
+_TOLD_S = 20.0
+"""So long tabs come back to a page that was drawn anew."""
+
+
+class Failures:
+    """What broke something that goes on all the same: told on the terminal, each once."""
+
+    def __init__(self) -> None:
+        self._told: set[tuple[object, ...]] = set()
+
+    def tell(self, error: Exception, what: str) -> None:
+        """Log `what` failed and how, unless the same thing was logged before."""
+        place = extract_tb(error.__traceback__)[-1:]
+        key = (type(error), *((frame.filename, frame.lineno) for frame in place))
+        if key not in self._told:
+            self._told.add(key)
+            _LOG.error(
+                "venus3d: %s; if it happens again, this is not repeated.", what, exc_info=error
+            )
 
 
 class DrawingThreads:
-    """Loops that run until `stop` is set. What breaks one is raised where the page is fed."""
+    """Loops that draw one page until `stop` is set.
 
-    def __init__(self, **loops: Callable[[], None]) -> None:
-        """One thread for each loop, by its name; `start` starts them."""
+    What breaks one never reaches whoever feeds the page: it is logged, the page is drawn anew, and
+    the loops go on. If it breaks at once again, this is tried less and less often.
+    """
+
+    def __init__(self, draw_anew: Callable[[Exception], None], **loops: Callable[[], None]) -> None:
+        """One thread for each loop, by its name; `start` starts them.
+
+        Args:
+            draw_anew: puts a new page in the old one's place, after this error. Called by one
+                thread at a time, while the others may still draw on the old page.
+        """
         self.stop = threading.Event()
         """Set when the page is closed; a loop that has broken does not set it."""
-        self._ended = threading.Event()
-        self._failure: BaseException | None = None
+        self._draw_anew = draw_anew
+        self._failures = Failures()
+        self._mending = threading.Lock()
+        self._page = 0  # counts the pages
+        self._wait_s, self._failed_at = 0.0, -_FORGIVEN_S
         self._threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
             for name, loop in loops.items()
@@ -28,31 +71,51 @@ class DrawingThreads:
         for thread in self._threads:
             thread.start()
 
-    def raise_failure(self) -> None:
-        """Raise what has broken a loop, if anything has."""
-        if self._failure is not None:
-            raise self._failure
-
-    def wait(self, seconds: float) -> None:
-        """Wait while they run; raises what has broken one."""
-        self._ended.wait(seconds)
-        self.raise_failure()
-
     def end(self, wake: Callable[[], None]) -> bool:
         """Stop them; `wake` rouses those that wait. False if it was done before."""
         if self.stop.is_set():
             return False
         self.stop.set()
-        self._ended.set()
         wake()
         for thread in self._threads:
             thread.join(timeout=5)
         return True
 
     def _guarded(self, loop: Callable[[], None]) -> None:
-        try:
-            loop()
-        except BaseException as error:  # raised in the thread that feeds the page
-            if not self.stop.is_set():
-                self._failure = error
-                self._ended.set()
+        while not self.stop.is_set():
+            page = self._page
+            try:
+                loop()
+            except Exception as error:
+                if not self.stop.is_set():
+                    self._mend(error, page)
+
+    def _mend(self, error: Exception, page: int) -> None:
+        with self._mending:
+            if page != self._page:
+                return  # it broke on a page that another thread has replaced meanwhile
+            self._failures.tell(error, "drawing a page failed, so it is drawn anew")
+            if time.monotonic() - self._failed_at > _FORGIVEN_S:
+                self._wait_s = 0.0
+            self.stop.wait(self._wait_s)
+            self._wait_s = min(_LONGEST_WAIT_S, max(1.0, 2 * self._wait_s))
+            if self.stop.is_set():
+                return
+            try:
+                self._draw_anew(error)
+            except Exception as again:
+                self._failures.tell(again, "a page could not be drawn anew; it is tried again")
+            self._page += 1
+            self._failed_at = time.monotonic()
+
+
+def tell_of_failure(server: viser.ViserServer, error: Exception) -> None:
+    """Say in every tab that comes to this new page why it is new, and that nothing is lost."""
+    text = texts.DRAWN_ANEW_WHY.format(cause=type(error).__name__)
+
+    def told(client: viser.ClientHandle) -> None:
+        if time.monotonic() < until:
+            client.add_notification(texts.DRAWN_ANEW, text, color="yellow")
+
+    until = time.monotonic() + _TOLD_S
+    server.on_client_connect(told)

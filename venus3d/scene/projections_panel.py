@@ -13,11 +13,13 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.decomposition import Step, Steps
+from venus3d.scene.drawing import Failures
 from venus3d.scene.palette import step_style
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import guide as say
 
 Picture = NDArray[np.uint8]
+FAILED = "failed"
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class ShownSteps:
 
     steps: Steps
     sources: tuple[str, ...]
-    """Of the four images; an empty one is still being drawn."""
+    """Of the four images; an empty one is still being drawn, `FAILED` could not be."""
 
 
 class ProjectionsPanel:
@@ -89,6 +91,8 @@ def _tile(step: Step, source: str, theme: Theme) -> str:
 
 
 def _inside(number: int, source: str) -> str:
+    if source == FAILED:
+        return f"<div class='v-wait'>{say.TILE_FAILED}</div>"
     if not source:
         return f"<div class='v-wait'>{say.TILE_WAITING.format(number=number)}</div>"
     return f"<img alt='{say.TILE_ALT.format(number=number)}' src='{source}'>"
@@ -106,6 +110,7 @@ class Tiles:
 
     def __init__(self) -> None:
         """No pictures yet."""
+        self._failures = Failures()
         self.key: object = None
         self._coming: tuple[Steps, tuple[Future[Picture], ...]] | None = None
         self._shown: ShownSteps | None = None
@@ -121,10 +126,17 @@ class Tiles:
         self.key = self._coming = self._shown = None
 
     def shown(self) -> ShownSteps | None:
-        """What there is to be seen now; never waits. Raises what broke the drawing of a picture."""
+        """What there is to be seen now; never waits."""
         if self._coming is not None:
             steps, futures = self._coming
             if all(future.done() for future in futures):
-                sources = tuple(encoded(future.result()) for future in futures)
-                self._shown, self._coming = ShownSteps(steps, sources), None
+                self._shown, self._coming = ShownSteps(steps, self._sources(futures)), None
         return self._shown
+
+    def _sources(self, futures: tuple[Future[Picture], ...]) -> tuple[str, ...]:
+        try:
+            return tuple(encoded(future.result()) for future in futures)
+        except Exception as error:
+            # A mistake of ours, in these pictures only: the next target gets its own.
+            self._failures.tell(error, "the pictures of the four steps could not be drawn")
+            return (FAILED,) * len(futures)

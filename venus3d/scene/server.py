@@ -1,32 +1,40 @@
 """The web servers of the pages: viser's, bound with care and never tunnelled to the outside.
 
-`LocalServer` is for those who act; `ReadOnlyServer` is for those who only look.
+`LocalServer` is for those who act; `ReadOnlyServer` is for those who only look. Who may connect is
+`handshake`'s, what is heard of a browser `incoming`'s.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import errno
 import io
 import socket
-from collections.abc import Callable
+import threading
+import time
+from collections.abc import Callable, Generator
 from typing import Any, TypeVar
 
-import numpy as np
 import viser
-
-# What a browser sends; viser has no public name for it.
-from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
+import websockets.asyncio.server as websockets_server
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
 
 from venus3d.engine.errors import VenusError
+from venus3d.scene.handshake import refusal
+from venus3d.scene.incoming import is_heard, is_point_of_view
 from venus3d.scene.texts.common import PORT_TAKEN
 
 _PORTS_TRIED = 100
 _EVERYWHERE = ("0.0.0.0", "::", "")
 _ON_ITS_WAY_BYTES = 131072
 """A browser behind a slow line skips pictures; megabytes on their way would come seconds late."""
-_FARTHEST = 1e4
-"""No point of view and no window is larger, metres or pixels."""
+_FREE_AGAIN_S = 10.0
+_FAREWELL_S = 1.0
+"""So long a browser may take to close its connection when the server stops, seconds."""
+_LARGEST_MESSAGE_BYTES = 65536
+"""From a browser. viser takes 50 MB, for uploads and screenshots; of our pages none has any."""
 
 
 _Kind = TypeVar("_Kind", bound="LocalServer")
@@ -37,7 +45,25 @@ class AddressError(VenusError):
 
 
 class LocalServer(viser.ViserServer):
-    """viser's server without the public tunnel that any client could otherwise ask for."""
+    """viser's server, without what would let others in or let a browser end the program.
+
+    - Nobody can ask for the public tunnel.
+    - Only our own page may connect (`handshake`), and of a browser only what a person could do on
+      the page is heard (`incoming`).
+    - Any thread may change what is shown while any number of browsers come and go.
+    """
+
+    def __init__(self, host: str, port: int, **options: Any) -> None:
+        """Serve on this address; `options` are viser's."""
+        complete = asyncio.Event()  # nobody is let in before
+        with _serve_as(lambda *given, **more: self._serve(complete, host, *given, **more)):
+            super().__init__(host, port, **options)
+        # Looked up here: should viser rename one, no page is served rather than an open one.
+        self._sockets: Any = vars(self)["_websock_server"]
+        self._sockets_thread = int(self._sockets._server_thread.ident)
+        self._make_safe(self._sockets.get_message_buffer())
+        self._sockets.on_client_connect(self._welcome)
+        self._sockets._background_event_loop.call_soon_threadsafe(complete.set)
 
     @property
     def url(self) -> str:
@@ -54,62 +80,112 @@ class LocalServer(viser.ViserServer):
         with contextlib.redirect_stdout(io.StringIO()):
             super().stop()
 
+    def _hears(self, raw: bytes, client_id: int) -> bool:
+        """Whether viser is to be told of this message."""
+        client = self.get_clients().get(client_id)
+        return is_heard(raw, (self.gui,) if client is None else (self.gui, client.gui))
+
+    def _welcome(self, client: Any) -> None:
+        self._make_safe(client.get_message_buffer())
+        self._sockets._live_connections[client.client_id].client_id = client.client_id
+
+    def _make_safe(self, buffer: Any) -> None:
+        """Let any thread push messages: viser's event may be set in its own thread only, and is
+        set in any; with many browsers that raises in the thread that draws."""
+        assert isinstance(buffer.message_event, asyncio.Event)
+        buffer.message_event = _LoopEvent(self._sockets_thread)
+        # Whoever draws for a tab that has just gone made no mistake; viser would warn of it.
+        buffer._sanctioned_dead_writes += 1
+
+    def _serve(
+        self, complete: asyncio.Event, host: str, handler: Any, *address: Any, **options: Any
+    ) -> Any:
+        answer: Callable[[ServerConnection, Request], Response | None]
+        answer = options["process_request"]
+
+        async def let_in(connection: ServerConnection, request: Request) -> Response | None:
+            await complete.wait()
+            refused = refusal(request.headers, host)
+            if refused:
+                return connection.respond(403, f"{refused}\n")
+            return answer(connection, request)
+
+        def connection(*given: Any, **more: Any) -> _Connection:
+            return _Connection(self._hears, *given, **more)
+
+        ours = {
+            "process_request": let_in,
+            "create_connection": connection,
+            "max_size": _LARGEST_MESSAGE_BYTES,
+            "close_timeout": _FAREWELL_S,
+        }
+        return _plain_serve(handler, *address, **{**options, **ours})
+
 
 class ReadOnlyServer(LocalServer):
     """A server that shows and does not listen: nothing that a browser sends changes anything.
 
-    Every message that comes in passes one of two doors, the server's or that browser's own. The
-    server's is walled up, the browser's lets through only where that browser looks from. So it
-    does not matter what is on the page: there is no way from a browser to a callback.
+    It hears where a browser looks from, which is that browser's own matter. So it does not matter
+    what is on the page: there is no way from a browser to a callback.
     """
 
-    def __init__(self, host: str, port: int, **options: Any) -> None:
-        super().__init__(host, port, **options)
-        websockets: Any = vars(self)["_websock_server"]
-        _narrow(websockets, lambda _: False)
+    def _hears(self, raw: bytes, client_id: int) -> bool:
+        return is_point_of_view(raw)
 
-        def welcome(connection: Any) -> None:
-            _narrow(connection, _is_point_of_view)
-            line = websockets._live_connections[connection.client_id].transport
-            line.get_extra_info("socket").setsockopt(
-                socket.SOL_SOCKET, socket.SO_SNDBUF, _ON_ITS_WAY_BYTES
-            )
-
-        websockets.on_client_connect(welcome)
-        # Whoever was quicker than these lines comes back through the narrow doors.
-        websockets.disconnect_all_clients()
+    def _welcome(self, client: Any) -> None:
+        super()._welcome(client)
+        line = self._sockets._live_connections[client.client_id].transport
+        line.get_extra_info("socket").setsockopt(
+            socket.SOL_SOCKET, socket.SO_SNDBUF, _ON_ITS_WAY_BYTES
+        )
 
 
-def _narrow(door: Any, hears: Callable[[object], bool]) -> None:
-    """Let one of viser's message handlers hear of these messages and of no others."""
-    # Looked up first: should viser rename it, no page is served rather than an open one.
-    dispatch = door._handle_incoming_message
+class _Connection(ServerConnection):
+    """A browser's connection; what is not heard of it is as if it had not been sent."""
 
-    async def dispatch_heard(client_id: int, message: object) -> None:
-        if hears(message):
-            await dispatch(client_id, message)
+    client_id = -1
+    """viser's number of it."""
 
-    door._handle_incoming_message = dispatch_heard
+    def __init__(self, hears: Callable[[bytes, int], bool], *given: Any, **more: Any) -> None:
+        super().__init__(*given, **more)
+        self._hears = hears
+
+    async def recv(self, decode: bool | None = None) -> Any:
+        while True:
+            raw = await super().recv(decode)
+            if isinstance(raw, bytes) and self._hears(raw, self.client_id):
+                return raw
 
 
-def _is_point_of_view(message: object) -> bool:
-    """Whether a browser says where it looks from and how large it is, in numbers that can be.
+class _LoopEvent(asyncio.Event):
+    """An event that is set by the thread of its loop only.
 
-    Others would break what is computed from them, and so the page of all.
+    viser sets it where a message is pushed, in any thread, and has its loop do the same right
+    after: the former is left out.
     """
-    if not isinstance(message, messages.ViewerCameraMessage):
-        return False
-    m = message
-    try:
-        numbers = [*m.wxyz, *m.position, *m.look_at, *m.up_direction, m.fov, m.near, m.far]
-        numbers = np.array([*numbers, m.image_width, m.image_height], dtype=np.float64)
-    except (TypeError, ValueError):
-        return False
-    if numbers.shape != (18,) or not (np.abs(numbers) <= _FARTHEST).all():
-        return False
-    turn, position, look_at, up = np.split(numbers[:13], [4, 7, 10])
-    lengths = [float(np.linalg.norm(v)) for v in (turn, look_at - position, up)]
-    return min(lengths) > 1e-6 and bool((numbers[-2:] >= 1).all())
+
+    def __init__(self, thread: int) -> None:
+        super().__init__()
+        self._thread = thread
+
+    def set(self) -> None:
+        if threading.get_ident() == self._thread:
+            super().set()
+
+
+_plain_serve = websockets_server.serve
+_serving = threading.Lock()
+
+
+@contextlib.contextmanager
+def _serve_as(serve: Callable[..., Any]) -> Generator[None, None, None]:
+    """While this lasts, viser opens its websocket with `serve`; it has no option for that."""
+    with _serving:
+        websockets_server.serve = serve  # pyright: ignore[reportAttributeAccessIssue]
+        try:
+            yield
+        finally:
+            websockets_server.serve = _plain_serve
 
 
 def start_server(host: str, port: int) -> tuple[LocalServer, str]:
@@ -145,6 +221,22 @@ def start_read_only_server(host: str, port: int) -> ReadOnlyServer:
         server.stop()
         raise taken
     return server
+
+
+def serve_anew(server: _Kind) -> _Kind:
+    """A new server in this one's place, which is stopped: same kind, same address, nothing on it.
+
+    Browsers that were connected come back by themselves. Raises `AddressError` if the address is
+    not free again soon.
+    """
+    host, port = server.get_host(), server.get_port()
+    server.stop()
+    deadline = time.monotonic() + _FREE_AGAIN_S
+    while not _is_free(host, port):
+        if time.monotonic() > deadline:
+            raise AddressError(f"Port {port} on {host} is not free any more; start again.")
+        time.sleep(0.05)
+    return _quietly(type(server), host, port)
 
 
 def _quietly(kind: type[_Kind], host: str, port: int) -> _Kind:

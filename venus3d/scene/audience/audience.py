@@ -1,6 +1,7 @@
 """The second monitor: takes snapshots and pictures as the viewer does, and gives nothing back.
 
-Any thread may call it. Two small threads draw, each from a one-slot box in which the newest wins.
+Any thread may call it. Two small threads draw, each from a one-slot box in which the newest wins;
+what goes wrong there is logged, told to the operator (`on_failure`), and the page is drawn anew.
 What its browsers send reaches nobody (`scene.server.ReadOnlyServer`). Another program can feed it:
 `Audience("127.0.0.1", 8090).show(snapshot)`.
 """
@@ -20,8 +21,9 @@ from venus3d.scene.audience.overlay import LensOverlay
 from venus3d.scene.audience.page import AudiencePage
 from venus3d.scene.drawing import DrawingThreads
 from venus3d.scene.picture import LivePicture, annotate, small_picture
-from venus3d.scene.server import start_read_only_server
+from venus3d.scene.server import ReadOnlyServer, serve_anew, start_read_only_server
 from venus3d.scene.style import Theme
+from venus3d.scene.texts import audience as texts
 from venus3d.scene.view import SceneView
 
 PICTURE_WIDTH = 960
@@ -41,8 +43,10 @@ class Audience:
 
         Raises `AddressError` if the address cannot be bound or the port is taken.
         """
-        self.server = start_read_only_server(host, port)
+        server = start_read_only_server(host, port)
         self.host, self.port = host, port
+        self.on_failure: Callable[[str], None] = lambda text: None
+        """Called on a drawing thread with a sentence for the operator."""
         self._look = look or Look()
         self._snapshot: Snapshot | None = None
         self._achieved: tuple[Cue, Moment] | None = None
@@ -50,9 +54,10 @@ class Audience:
         self._paused, self._changed = False, True
         self._wake = threading.Condition()
         self._picture_came = threading.Event()
-        self._scene = SceneView(self.server)
-        self._page = AudiencePage(self.server, self._came_or_changed)
-        self._threads = DrawingThreads(audience=self._loop, audience_picture=self._picture_loop)
+        self._lay_out(server)
+        self._threads = DrawingThreads(
+            self._draw_anew, audience=self._loop, audience_picture=self._picture_loop
+        )
         self._threads.start()
 
     @property
@@ -73,8 +78,7 @@ class Audience:
         self._picture_came.set()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show this moment; the newest wins. Raises what broke the drawing, if anything did."""
-        self._threads.raise_failure()
+        """Show this moment; the newest wins."""
         with self._wake:
             # What was achieved is seen here, since not every snapshot is drawn.
             self._achieved = achieved(self._snapshot, snapshot) or self._achieved
@@ -84,7 +88,6 @@ class Audience:
     def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
         """Show this live picture (BGR or grey), with the corners of `observation`, or by default
         of the newest snapshot; the newest wins."""
-        self._threads.raise_failure()
         self._picture = (image, observation)
         self._picture_came.set()
 
@@ -100,6 +103,16 @@ class Audience:
 
     # -- drawing ---------------------------------------------------------------------------------
 
+    def _lay_out(self, server: ReadOnlyServer) -> None:
+        self.server = server
+        self._scene = SceneView(server)
+        self._page = AudiencePage(server, self._came_or_changed)
+
+    def _draw_anew(self, error: Exception) -> None:
+        self._lay_out(serve_anew(self.server))
+        self.on_failure(texts.DRAWN_ANEW.format(cause=type(error).__name__))
+        self._came_or_changed()
+
     def _touch(self) -> None:
         with self._wake:
             self._changed = True
@@ -110,7 +123,7 @@ class Audience:
         self._picture_came.set()  # who comes while no frame does sees the last one
 
     def _loop(self) -> None:
-        overlay, dressed = LensOverlay(), None
+        overlay, dressed = LensOverlay(), None  # the page and the look that it has
         praise: Moment | None = None
         until = 0.0
         while not self._threads.stop.is_set():
@@ -124,9 +137,9 @@ class Audience:
             if now > until:
                 praise = None
             with self.server.atomic():
-                if look != dressed:
+                if (self._page, look) != dressed:
                     self._page.dress(look)
-                    dressed = look
+                    dressed = (self._page, look)
                 if news is not None:
                     praise, until = news[1], now + _SHOWN_S[news[0]]
                     if look.sound:

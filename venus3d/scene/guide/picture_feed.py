@@ -1,4 +1,4 @@
-"""The live picture's own thread: newest picture in, drawn on and shown, at most so many a second.
+"""The live picture's own loop: newest picture in, drawn on and shown, at most so many a second.
 
 So the picture waits for nothing else that is drawn, and nothing else for the picture.
 """
@@ -19,20 +19,13 @@ Came = tuple[LivePicture, Observation | None]
 
 
 class PictureFeed:
-    """A box with one slot in which the newest picture wins, and the thread that empties it."""
+    """A box with one slot in which the newest picture wins, and the loop that empties it."""
 
-    def __init__(self, draw: Callable[[Came], None], guard: Callable[[Callable[[], None]], None]):
-        """`draw` shows one picture; `guard` runs the loop and keeps what breaks it."""
+    def __init__(self, draw: Callable[[Came], None]) -> None:
+        """`draw` shows one picture."""
         self._draw = draw
         self.newest: Came | None = None
         self._came, self._stop = threading.Event(), threading.Event()
-        self._thread = threading.Thread(
-            target=guard, args=(self._loop,), name="picture", daemon=True
-        )
-
-    def start(self) -> None:
-        """Begin to show."""
-        self._thread.start()
 
     def put(self, image: LivePicture, observation: Observation | None) -> None:
         """Show this one next."""
@@ -44,12 +37,12 @@ class PictureFeed:
         self._came.set()
 
     def stop(self) -> None:
-        """Stop, and wait for what is being drawn."""
+        """End the loop, after what is being drawn."""
         self._stop.set()
         self._came.set()
-        self._thread.join(timeout=5)
 
-    def _loop(self) -> None:
+    def loop(self) -> None:
+        """Show what comes, until `stop`."""
         while not self._stop.is_set():
             self._came.wait()
             self._came.clear()

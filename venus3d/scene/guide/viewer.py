@@ -18,6 +18,7 @@ from venus3d.engine.observation import Observation
 from venus3d.engine.pose import Pose
 from venus3d.engine.snapshot import Snapshot
 from venus3d.scene.describe import SceneOptions, describe
+from venus3d.scene.drawing import DrawingThreads, tell_of_failure
 from venus3d.scene.gizmo import BoardGizmo
 from venus3d.scene.guide import intents
 from venus3d.scene.guide.control_panel import Action, after_action
@@ -28,17 +29,23 @@ from venus3d.scene.help import Command
 from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Picture, Tiles
-from venus3d.scene.server import start_server
+from venus3d.scene.server import LocalServer, serve_anew, start_server
 from venus3d.scene.shapes import Shape
 from venus3d.scene.style import Theme
 from venus3d.scene.view import SceneView
 
 _SCENE_PERIOD_S = 1 / 50
 _NOTE_SECONDS = 6.0
+Addition = Callable[[LocalServer], Sequence[Command]]
+"""Puts something on a page; gives back the commands, for the page's help."""
 
 
 class Viewer:
-    """One page, shared by all tabs that are open on it."""
+    """One page, shared by all tabs that are open on it.
+
+    What goes wrong in drawing stays here: it is logged, the page is drawn anew, whoever looks is
+    told, and whoever feeds the page hears nothing of it.
+    """
 
     _picture_width = PICTURE_WIDTH
 
@@ -65,30 +72,24 @@ class Viewer:
 
         Raises `AddressError` if the address cannot be bound.
         """
-        self.server, note = start_server(host, port)
-        self.host, self.port = host, self.server.get_port()
+        server, note = start_server(host, port)
+        self.host, self.port = host, server.get_port()
         self.notes: tuple[str, ...] = (note,) if note else ()
         self._intents: queue.SimpleQueue[intents.Intent] = queue.SimpleQueue()
         self._wake = threading.Condition()
         self._state = ViewState(dark=dark, autopilot=autopilot)
         self._snapshot: Snapshot | None = None
         self._changed = True
-        self._looking_at: object = (False, 1.0)
         self._note, self._note_until, self._saved = "", 0.0, ""
-        self._stop = threading.Event()
-        self._failure: BaseException | None = None
         self._projections, self._tiles = projections, Tiles()
-        self._scene = SceneView(self.server)
-        self.page = self._make_page(dark=dark, simulated=draggable_board, tour=tour)
-        if self.page.knowledge is not None:
-            self.page.knowledge.on_change = self._touch
-        self._gizmo = BoardGizmo(self.server, self._dragged) if draggable_board else None
-        self._pictures = PictureFeed(self._draw_picture, self._guarded)
-        self._thread = threading.Thread(
-            target=self._guarded, args=(self._scene_loop,), name="scene", daemon=True
+        self._additions: list[Addition] = []
+        self._draggable, self._tour = draggable_board, tour
+        self._lay_out(server)
+        self._pictures = PictureFeed(self._draw_picture)
+        self._threads = DrawingThreads(
+            self._draw_anew, scene=self._scene_loop, picture=self._pictures.loop
         )
-        self._thread.start()
-        self._pictures.start()
+        self._threads.start()
 
     @property
     def url(self) -> str:
@@ -107,8 +108,7 @@ class Viewer:
         return self._scene.names
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show this moment; the newest wins. Raises what broke the drawing, if anything did."""
-        self._raise_failure()
+        """Show this moment; the newest wins."""
         self._snapshot = snapshot
         self._touch()
         if self._state.paused:
@@ -117,7 +117,6 @@ class Viewer:
     def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
         """Show this live picture (BGR or grey), with the corners of `observation`, or by default
         of the newest snapshot; the newest wins."""
-        self._raise_failure()
         self._pictures.put(image, observation)
 
     def keep_view(self, number: int, image: LivePicture) -> None:
@@ -136,9 +135,13 @@ class Viewer:
         self._saved = text
         self._touch()
 
-    def explain(self, commands: Sequence[Command]) -> None:
-        """List commands that others have added to the page in its help, too."""
-        self.page.help.explain(commands)
+    def extend(self, addition: Addition) -> None:
+        """Put something more on the page, now and whenever the page is drawn anew.
+
+        Raises `ValueError` if a command has a key that the page has.
+        """
+        self.page.help.explain(addition(self.server))
+        self._additions.append(addition)
 
     def drain_intents(self) -> list[intents.Intent]:
         """What people asked for since the last call, in order."""
@@ -149,13 +152,8 @@ class Viewer:
 
     def close(self) -> None:
         """Stop drawing and serving. May be called twice."""
-        if self._stop.is_set():
-            return
-        self._stop.set()
-        self._touch()
-        self._thread.join(timeout=5)
-        self._pictures.stop()
-        self.server.stop()
+        if self._threads.end(self._end_loops):
+            self.server.stop()
 
     # -- what a subclass may show otherwise ------------------------------------------------------
 
@@ -209,20 +207,37 @@ class Viewer:
 
     # -- drawing ---------------------------------------------------------------------------------
 
-    def _guarded(self, loop: Callable[[], None]) -> None:
-        try:
-            loop()
-        except BaseException as error:  # raised in the thread that feeds us
-            if not self._stop.is_set():
-                self._failure = error
+    def _lay_out(self, server: LocalServer) -> None:
+        """Put an empty page on a server without one."""
+        self.server = server
+        self._scene = SceneView(server)
+        self._looking_at: object = (False, 1.0)
+        self.page = self._make_page(
+            dark=self._state.dark, simulated=self._draggable, tour=self._tour
+        )
+        if self.page.knowledge is not None:
+            self.page.knowledge.on_change = self._touch
+        self._gizmo = BoardGizmo(server, self._dragged) if self._draggable else None
+        for addition in self._additions:
+            self.page.help.explain(addition(server))
 
-    def _raise_failure(self) -> None:
-        if self._failure is not None:
-            raise self._failure
+    def _draw_anew(self, error: Exception) -> None:
+        """A new server in the old one's place: whatever broke, nothing of it is left."""
+        known = self.page.knowledge
+        self._lay_out(serve_anew(self.server))
+        if known is not None and self.page.knowledge is not None:
+            self.page.knowledge.go_on_from(known)
+        tell_of_failure(self.server, error)
+        self._pictures.again()
+        self._touch()
+
+    def _end_loops(self) -> None:
+        self._pictures.stop()
+        self._touch()
 
     def _scene_loop(self) -> None:
-        before, moved = time.monotonic(), False
-        while not self._stop.is_set():
+        before, moved, stop = time.monotonic(), False, self._threads.stop
+        while not stop.is_set():
             with self._wake:
                 if not self._changed:
                     moving = moved or self._is_moving
@@ -242,7 +257,7 @@ class Viewer:
             before = now
             if due:
                 self._draw(snapshot, state, note)
-            self._stop.wait(max(0.0, now + _SCENE_PERIOD_S - time.monotonic()))
+            stop.wait(max(0.0, now + _SCENE_PERIOD_S - time.monotonic()))
 
     @property
     def _is_moving(self) -> bool:

@@ -98,6 +98,10 @@ class KnowledgePanel:
         """What the scene shows of a search, in one line; empty if nothing."""
         return self._replay.caption
 
+    def go_on_from(self, other: KnowledgePanel) -> None:
+        """Take over what was chosen and kept on a page that this one replaces."""
+        self.state, self._pictures = other.state, other._pictures
+
     # -- what the page's threads call ------------------------------------------------------------
 
     def keep(self, number: int, image: LivePicture) -> None:
@@ -241,7 +245,9 @@ class KnowledgePanel:
         self.on_change()
 
     def _pick_topic(self, label: str) -> None:
-        self._change(topic=TOPICS[[*texts.TOPICS.values()].index(_bare(label))])
+        for topic in TOPICS:
+            if texts.TOPICS[topic] == _bare(label):
+                self._change(topic=topic)
 
     def _next_topic(self) -> None:
         self._change(topic=TOPICS[(TOPICS.index(self.state.topic) + 1) % len(TOPICS)])
@@ -249,7 +255,7 @@ class KnowledgePanel:
     def _pick_switch(self, label: str) -> None:
         if _bare(label) == texts.SHOW_VIEWS:
             self._toggle_ghosts()
-        else:
+        elif _bare(label) == texts.SHOW_SEARCH:
             self._toggle_watching()
 
     def _toggle_ghosts(self) -> None:

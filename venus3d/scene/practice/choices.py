@@ -47,7 +47,7 @@ class ChoicePanel:
         self._look = gui.add_button_group(say.LOOK, say.LOOKS, hint=say.LOOK_HINT)
         self._look.on_click(self._looked)
         pose = gui.add_button_group(say.POSE, (say.AGAIN, say.GIVE_UP), hint=say.POSE_HINT)
-        pose.on_click(lambda event: self._wish(_POSE[str(event.target.value)]))
+        pose.on_click(self._pressed)
         self._name = gui.add_text(say.NAME, "", hint=say.NAME_HINT)
         self._on_change(self._level, lambda: ChooseLevel(LEVELS[levels.index(self._level.value)]))
         self._on_change(
@@ -79,6 +79,11 @@ class ChoicePanel:
                 self._wish(asked())
 
         control.on_update(changed)
+
+    def _pressed(self, event: Any) -> None:
+        wish = _POSE.get(str(event.target.value))
+        if wish is not None:
+            self._wish(wish)
 
     def _looked(self, event: Any) -> None:
         if str(event.target.value).endswith(say.LOOKS[1]) != self._through:

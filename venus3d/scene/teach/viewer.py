@@ -18,9 +18,9 @@ import numpy as np
 from venus3d.engine.camera import Camera
 from venus3d.engine.errors import VenusError
 from venus3d.lessons.lesson import Lesson
-from venus3d.scene.drawing import DrawingThreads
+from venus3d.scene.drawing import DrawingThreads, tell_of_failure
 from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.server import start_server
+from venus3d.scene.server import LocalServer, serve_anew, start_server
 from venus3d.scene.shapes import Shape
 from venus3d.scene.teach.controls import after_action
 from venus3d.scene.teach.moment import TeachMoment
@@ -69,8 +69,8 @@ class TeachViewer:
 
         Raises `AddressError` if the address cannot be bound.
         """
-        self._server, note = start_server(host, port)
-        self.host, self.port = host, self._server.get_port()
+        server, note = start_server(host, port)
+        self.host, self.port = host, server.get_port()
         self.notes: tuple[str, ...] = tuple(n for n in (note, offscreen.note) if n)
         self._study, self._save = study, save
         self._pictures = TeachPictures(offscreen)
@@ -80,21 +80,11 @@ class TeachViewer:
         self._studied: tuple[object, TeachMoment] | None = None
         self._wanted: tuple[TeachMoment, TeachState] | None = None
         self._wanted_came = threading.Event()
-        self._drawn: TeachState | None = None
-        self._looking: tuple[object, ...] | None = None
-        self._scene = SceneView(self._server)
-        self._flight = Flight(self._server)
-        self._page = TeachPage(
-            self._server,
-            self._act,
-            lessons,
-            on_pose=lambda vector: self.change(lambda state: state.posed(vector)),
-            on_lesson=lambda number: self.change(lambda state: state.opened(number)),
-            on_way=lambda share: self.change(lambda state: state.scrubbed(share)),
-            kinds=kinds,
-            aspect=camera.width / camera.height,
+        self._kinds, self._aspect = kinds, camera.width / camera.height
+        self._lay_out(server)
+        self._threads = DrawingThreads(
+            self._draw_anew, scene=self._scene_loop, pictures=self._picture_loop
         )
-        self._threads = DrawingThreads(scene=self._scene_loop, pictures=self._picture_loop)
         self._threads.start()
 
     @property
@@ -120,8 +110,8 @@ class TeachViewer:
             return self._state
 
     def wait(self, seconds: float) -> None:
-        """Wait while the page lives; raises what broke the drawing, if anything did."""
-        self._threads.wait(seconds)
+        """Wait while the page is open."""
+        self._threads.stop.wait(seconds)
 
     def close(self) -> None:
         """Stop drawing and serving. May be called twice."""
@@ -159,6 +149,29 @@ class TeachViewer:
         self._page.say(client, texts.SAVED.format(name=name), seconds=8.0)
 
     # -- drawing ----------------------------------------------------------------------------------
+
+    def _lay_out(self, server: LocalServer) -> None:
+        """Put an empty page on a server without one."""
+        self._server = server
+        self._drawn: TeachState | None = None
+        self._looking: tuple[object, ...] | None = None
+        self._scene = SceneView(server)
+        self._flight = Flight(server)
+        self._page = TeachPage(
+            server,
+            self._act,
+            self._state.lessons,
+            on_pose=lambda vector: self.change(lambda state: state.posed(vector)),
+            on_lesson=lambda number: self.change(lambda state: state.opened(number)),
+            on_way=lambda share: self.change(lambda state: state.scrubbed(share)),
+            kinds=self._kinds,
+            aspect=self._aspect,
+        )
+
+    def _draw_anew(self, error: Exception) -> None:
+        self._lay_out(serve_anew(self._server))
+        tell_of_failure(self._server, error)
+        self._rouse()
 
     def _rouse(self) -> None:
         self._wanted_came.set()

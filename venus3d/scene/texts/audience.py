@@ -58,3 +58,4 @@ CONTROLS = (
 ANNOUNCED = "Second monitor: {url}   (it only shows; {open_to})"
 THIS_MACHINE = "for this machine"
 NETWORK = "anybody on the network can look, without a password"
+DRAWN_ANEW = "The second page was drawn anew: drawing it failed ({cause}). Nothing is lost."

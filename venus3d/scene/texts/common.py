@@ -47,3 +47,8 @@ NO_OPENGL = (
     "libgl1-mesa-dri ({cause})."
 )
 OPENGL_FAILED = "OpenGL failed while it drew, so OpenCV paints the pictures from now on ({cause})."
+DRAWN_ANEW = "The page was drawn anew"
+DRAWN_ANEW_WHY = (
+    "Drawing it failed ({cause}). Nothing is lost, and it goes on where it was. The terminal tells "
+    "more."
+)

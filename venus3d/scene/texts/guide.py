@@ -41,6 +41,7 @@ TILES_HINT = (
 TILES_EMPTY = "The four steps of the next target appear here."
 TILE_ALT = "Step {number} as the camera sees it"
 TILE_WAITING = "Step {number}"
+TILE_FAILED = "This picture could not be drawn; the terminal tells why."
 
 # -- controls --------------------------------------------------------------------------------------
 

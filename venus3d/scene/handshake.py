@@ -1,0 +1,82 @@
+"""Who may connect to a page: its own page in a browser, and programs on this machine.
+
+Any page on the web can tell a browser to open a websocket to this machine, and a name that is
+rebound to this machine makes a foreign page look like ours. Both would see the camera and press
+the buttons. A browser tells the truth about two things: Host, the name by which it asked for us,
+and Origin, the page that asks. A program that is no browser sends no Origin, and may connect: it
+could send any.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+from functools import lru_cache
+from urllib.parse import SplitResult, urlsplit
+
+from websockets import Headers
+
+_PORTS = {"http": 80, "https": 443}
+
+
+def refusal(headers: Headers, host: str) -> str:
+    """Why a request may not be answered, in one sentence; empty if it may.
+
+    Args:
+        headers: the request's.
+        host: the address that the server listens on.
+    """
+    hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
+    asked = _split(f"//{hosts[0]}") if len(hosts) == 1 else None
+    if asked is None or not _is_ours(asked.hostname or "", host):
+        return (
+            "This is not a name by which this page is known; open it by the address that the "
+            "program printed, or by this machine's IP address."
+        )
+    if not origins:
+        return ""
+    page = _split(origins[0]) if len(origins) == 1 else None
+    if page is None or page.scheme not in _PORTS:
+        return "Only the page itself may connect; open it by the address that the program printed."
+    usual = _PORTS[page.scheme]
+    if (page.hostname, page.port or usual) != (asked.hostname, asked.port or usual):
+        return (
+            "Another page may not connect; open this one by the address that the program printed."
+        )
+    return ""
+
+
+def _split(address: str) -> SplitResult | None:
+    try:
+        parts = urlsplit(address)
+        _ = parts.port  # raises for one that is none
+        return parts
+    except ValueError:
+        return None
+
+
+def _is_ours(name: str, host: str) -> bool:
+    """Whether this name of a request is ours, on a server that listens on `host`.
+
+    An IP address can't be rebound, a name can: so of names only this machine's own count.
+    """
+    if name == "localhost":
+        return True
+    try:
+        address = ipaddress.ip_address(name)
+    except ValueError:
+        return not _is_loopback(host) and name.rstrip(".") in {host.lower(), *_own_names()}
+    return address.is_loopback or not _is_loopback(host)
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host.lower() == "localhost"
+
+
+@lru_cache(maxsize=1)
+def _own_names() -> frozenset[str]:
+    name = socket.gethostname().lower()
+    return frozenset({name, f"{name}.local", socket.getfqdn().lower()})

@@ -1,0 +1,161 @@
+"""What a browser may tell a page: values, clicks, commands, and where it looks from.
+
+Everything that comes in passes `is_heard` before viser sees it. viser itself checks little: whoever
+can open the websocket can set any property of a widget, or a camera that breaks what is computed
+from it, and the error comes up later, in a thread of ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields
+from typing import Any
+
+import msgspec
+import numpy as np
+import viser
+
+# What a browser sends; viser has no public name for it.
+from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
+
+_FARTHEST = 1e4
+"""No point, no window is larger, metres or pixels."""
+_LONGEST_TEXT = 1000
+_SHORTEST = 1e-6
+"""A vector that is shorter has no direction."""
+
+
+def is_point_of_view(raw: bytes) -> bool:
+    """Whether a browser says where it looks from, and nothing else."""
+    return _kind_of(raw) is messages.ViewerCameraMessage and is_heard(raw, ())
+
+
+def is_heard(raw: bytes, guis: Sequence[viser.GuiApi]) -> bool:
+    """Whether a message, as it came over the websocket, is one that a page listens to.
+
+    Args:
+        guis: whose widgets the browser may change.
+    """
+    kind = _kind_of(raw)
+    rule = None if kind is None else _RULES.get(kind)
+    if kind is None or rule is None:
+        return False
+    try:
+        content: dict[str, Any] = msgspec.msgpack.decode(raw)
+        del content["type"]
+        known = {field.name for field in fields(kind)}
+        return (
+            known.issuperset(content)
+            and all(abs(number) <= _FARTHEST for number in _numbers(content.values()))
+            and rule(content, guis)
+        )
+    # A browser sends no such things; whoever does may have thought of anything.
+    except Exception:
+        return False
+
+
+def _kind_of(raw: bytes) -> type[Any] | None:
+    try:
+        return _KINDS.get(msgspec.msgpack.decode(raw, type=_Tagged).type)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        return None
+
+
+class _Tagged(msgspec.Struct):
+    type: str
+
+
+def _numbers(values: Iterable[Any]) -> Iterator[float]:
+    """All numbers in nested lists; those that are none fail every comparison."""
+    for value in values:
+        if isinstance(value, (list, tuple)):
+            yield from _numbers(value)  # pyright: ignore[reportUnknownArgumentType]
+        elif isinstance(value, (int, float)):
+            yield value
+
+
+_Rule = Callable[[dict[str, Any], Sequence[viser.GuiApi]], bool]
+
+
+def _as(kind: type[Any]) -> _Rule:
+    """Whether all fields are there and of their types."""
+
+    def rule(content: dict[str, Any], _: Sequence[viser.GuiApi]) -> bool:
+        msgspec.convert(content, kind)  # raises
+        return all(len(v) <= _LONGEST_TEXT for v in content.values() if isinstance(v, str))
+
+    return rule
+
+
+def _is_view(content: dict[str, Any], _: Sequence[viser.GuiApi]) -> bool:
+    # By hand: a window's size may come as a fraction, which viser rounds.
+    vectors = ("wxyz", "position", "look_at", "up_direction")
+    turn, position, look_at, up = (np.array(content[name], dtype=np.float64) for name in vectors)
+    shapes = [vector.shape for vector in (turn, position, look_at, up)]
+    plain = [float(content[name]) for name in ("fov", "near", "far")]
+    size = [float(content["image_width"]), float(content["image_height"])]
+    lengths = [float(np.linalg.norm(vector)) for vector in (turn, look_at - position, up)]
+    return (
+        shapes == [(4,), (3,), (3,), (3,)]
+        and min(lengths) > _SHORTEST
+        and min(plain) > 0
+        and plain[0] < np.pi
+        and min(size) >= 1
+    )
+
+
+def _is_turned(content: dict[str, Any], guis: Sequence[viser.GuiApi]) -> bool:
+    return (
+        _as(messages.TransformControlsUpdateMessage)(content, guis)
+        and float(np.linalg.norm(content["wxyz"])) > _SHORTEST
+    )
+
+
+def _is_value(content: dict[str, Any], guis: Sequence[viser.GuiApi]) -> bool:
+    updates: Mapping[str, Any] = content["updates"]
+    if list(updates) != ["value"]:
+        return False
+    for gui in guis:
+        widget = vars(gui)["_gui_input_handle_from_uuid"].get(content["uuid"])
+        if widget is not None:
+            return _can_hold(widget, updates["value"])
+    return False
+
+
+def _can_hold(widget: Any, value: Any) -> bool:
+    """Whether a person could give this widget this value. A kind that no page has holds nothing."""
+    if widget.disabled or not widget.visible:
+        return False
+    if isinstance(widget, viser.GuiButtonHandle):
+        return value is True
+    if isinstance(widget, viser.GuiCheckboxHandle):
+        return isinstance(value, bool)
+    if isinstance(widget, viser.GuiDropdownHandle):
+        return isinstance(value, str) and value in widget.options
+    # A row of buttons as well: its labels may have changed while the click was on its way, and
+    # pages know what they were.
+    if isinstance(widget, viser.GuiTextHandle | viser.GuiButtonGroupHandle):
+        return isinstance(value, str) and len(value) <= _LONGEST_TEXT
+    if isinstance(widget, viser.GuiSliderHandle):
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        return number and bool(widget.min <= value <= widget.max)
+    return False
+
+
+_RULES: dict[type[Any], _Rule] = {
+    messages.ViewerCameraMessage: _is_view,
+    messages.GuiUpdateMessage: _is_value,
+    messages.TransformControlsUpdateMessage: _is_turned,
+    **{
+        kind: _as(kind)
+        for kind in (
+            messages.CommandTriggerMessage,
+            messages.TransformControlsDragStartMessage,
+            messages.TransformControlsDragEndMessage,
+            messages.SceneNodeClickMessage,
+            messages.SceneNodeDragMessage,
+            messages.LocalStorageGetItemResponseMessage,
+        )
+    },
+}
+_KINDS = {kind.__name__: kind for kind in _RULES}
