@@ -7,7 +7,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
-PINS := pyproject.toml constraints.txt scripts/setup.sh
+PINS := pyproject.toml constraints.txt constraints-3.14.txt scripts/setup.sh
 
 .DEFAULT_GOAL := help
 .PHONY: help run test test-all lint format gallery pace clean
@@ -49,16 +49,16 @@ format: $(VENV)/.ready-test
 
 $(VENV)/.ready-run: $(PINS)
 	@$(SETUP) system-run
-	@$(SETUP) venv $(VENV) '.[study]'
+	@$(SETUP) venv $(VENV) '-e.[study]'
 	@touch $@
 
 $(VENV)/.ready-test: $(PINS)
 	@$(SETUP) system-test
-	@$(SETUP) venv $(VENV) '.[test]'
+	@$(SETUP) venv $(VENV) '-e.[test]'
 	@touch $@ $(VENV)/.ready-run
 
 .venv-opencv4/.ready: $(PINS)
-	@$(SETUP) venv .venv-opencv4 '.[test]' opencv-contrib-python-headless==4.10.0.84
+	@$(SETUP) venv .venv-opencv4 '-e.[test]' opencv-contrib-python-headless==4.10.0.84
 	@touch $@
 
 clean:

@@ -2,8 +2,8 @@
 # What the Makefile needs around it. POSIX sh; python3 is the only other program assumed.
 #   setup.sh system-run                       EGL and Mesa for offscreen pictures
 #   setup.sh system-test                      the same, and Chromium for the browser tests
-#   setup.sh venv DIR REQUIREMENT [NAME==VERSION]   an environment with this project in it, as
-#                                             constraints.txt pins it but for the one named
+#   setup.sh venv DIR REQUIREMENT [NAME==VERSION]   an environment with this project in it, as the
+#                                             constraints pin it but for the one named
 set -eu
 
 python=${PYTHON:-python3}
@@ -75,6 +75,12 @@ need_python() {
     }
 }
 
+# Writes NAME==VERSION into the file $pins, in place of what it says of that name.
+pin() {
+    others=$(grep -v "^${1%%==*}==" "$pins")
+    printf '%s\n' "$others" "$1" >"$pins"
+}
+
 make_venv() {
     directory=$1 requirement=$2 instead=${3:-}
     need_python
@@ -85,10 +91,13 @@ make_venv() {
     say "Installing into $directory (the first time takes a minute or two) ..."
     pins=$(mktemp)
     trap 'rm -f "$pins"' EXIT
-    grep -v "^${instead%%==*}==" constraints.txt >"$pins"
-    [ -z "$instead" ] || echo "$instead" >>"$pins"
+    cat constraints.txt >"$pins"
+    if "$directory/bin/python" -c 'import sys; sys.exit(sys.version_info < (3, 14))'; then
+        for newer in $(grep -v '^#' constraints-3.14.txt); do pin "$newer"; done
+    fi
+    [ -z "$instead" ] || pin "$instead"
     "$directory/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
-        -c "$pins" -e "$requirement"
+        -c "$pins" "$requirement"
 }
 
 case "${1:-}" in
