@@ -1,0 +1,264 @@
+"""The commands that serve a page, attacked from outside by whoever can open a websocket to them.
+
+Seen before: thirty ordinary tabs, one forged message, or a camera that looks nowhere ended guide
+and teach, and what had been captured was lost. Longer crowds: `python -m tests.attacks.crowd`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+from tests.attacks.crowd import burst, stay
+from tests.scene.ports import free_port
+from tests.scene.raw_client import RawClient, every_message
+
+pytestmark = pytest.mark.slow
+
+PAGES = {
+    "guide": "guide sim --autopilot --speed 4 --no-tour --output {folder} --port {port}",
+    "trial": "guide sim --autopilot --trial --output {folder} --port {port}",
+    "audience": "guide sim --autopilot --speed 4 --output {folder} --port {other}"
+    " --audience {port}",
+    "teach": "teach --port {port}",
+    "practice": "practice --output {folder} --port {port}",
+}
+_TABS_S = float(os.environ.get("VENUS3D_CROWD_S", "4"))
+
+
+class Program:
+    """One of the commands, running."""
+
+    def __init__(self, page: str, folder: Path) -> None:
+        self.page, self.folder, self.port = page, folder, free_port()
+        words = PAGES[page].format(port=self.port, other=free_port(), folder=folder).split()
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "venus3d", *words],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        )
+        assert self.process.stdout is not None and self.process.stderr is not None
+        self.said: list[str] = []
+        wanted = re.compile(rf"http://\S+:{self.port}\b")
+        while not any(wanted.search(line) for line in self.said):
+            line = self.process.stdout.readline()
+            assert line, self.process.stderr.read()
+            self.said.append(line)
+        self.complaints: list[str] = []
+        self._readers = [
+            threading.Thread(target=self._read, args=pair, daemon=True)
+            for pair in (
+                (self.process.stdout, self.said),
+                (self.process.stderr, self.complaints),
+            )
+        ]
+        for reader in self._readers:
+            reader.start()
+
+    @staticmethod
+    def _read(stream: Any, lines: list[str]) -> None:
+        lines.extend(stream)
+
+    def goes_on(self) -> bool:
+        """Whether a new tab gets the page, and something moves on it."""
+        if self.process.poll() is not None:
+            return False
+        with RawClient(self.port) as tab:
+            tab.look()
+            came, sliders = list[dict[str, Any]](), list[dict[str, Any]]()
+            while not any(message["type"] == "ReplayDoneMessage" for message in came):
+                came += tab.window(timeout=30)
+            moves = self.page in ("guide", "trial", "audience")
+            while not moves and not sliders:
+                sliders = [
+                    m
+                    for m in came
+                    if m["type"] == "GuiSliderMessage" and not m["props"]["disabled"]
+                ]
+                came += [] if sliders else tab.window(timeout=30)
+            for slider in sliders[-1:]:
+                with contextlib.suppress(TimeoutError):  # what is still on its way
+                    while True:
+                        tab.window(timeout=1.0)
+                tab.send(value(slider["uuid"], slider["props"]["max"]))
+                tab.send(value(slider["uuid"], slider["props"]["min"]))
+            return bool(tab.window(timeout=30))
+
+    def end(self) -> str:
+        """Ctrl-C; what it said on stderr."""
+        self.process.send_signal(signal.SIGINT)
+        assert self.process.wait(timeout=60) in (0, 130)
+        for reader in self._readers:
+            reader.join(timeout=10)
+        return "".join(self.complaints)
+
+
+@pytest.fixture(scope="module", params=list(PAGES))
+def program(request: pytest.FixtureRequest, tmp_path_factory: Any) -> Iterator[Program]:
+    program = Program(request.param, tmp_path_factory.mktemp(request.param))
+    yield program
+    program.process.kill()
+    program.process.wait()
+
+
+def value(uuid: str, value: Any) -> dict[str, Any]:
+    return {"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}}
+
+
+FORGED: tuple[dict[str, Any], ...] = (
+    {"removed": True},
+    {"props": None},
+    {"props": {"value": 1}},
+    {"options": []},
+    {"label": 7},
+    {"visible": "no"},
+    {"order": "last"},
+    {"is_button": False},
+    {"sync_cb": None},
+    {"update_cb": []},
+    {"update_timestamp": "now"},
+    {"uuid": "another"},
+    {"value": {"a": [1, 2, {}]}},
+    {"value": float("nan")},
+    {"value": 1e308},
+    {"value": -(2**62)},
+    {"value": "x" * 2000},
+    {"value": None},
+    {"value": []},
+    {},
+    {"value": "nothing of the list", "options": ["nothing of the list"]},
+)
+CAMERAS: tuple[dict[str, Any], ...] = (
+    {"up_direction": (0, 0, 0)},
+    {"position": (0, 0, 1), "look_at": (0, 0, 1)},
+    {"wxyz": (0, 0, 0, 0)},
+    {"position": (float("nan"), 0, 0)},
+    {"position": (1e308, 0, 0)},
+    {"position": ("a", "b", "c")},
+    {"look_at": (1, 2)},
+    {"fov": None},
+    {"fov": 0.0},
+    {"image_width": 0},
+    {"image_height": -5},
+)
+# A person may do these: they would only end the session, or take the board out of the hand.
+ALLOWED = re.compile("GuiUpdateMessage|CommandTriggerMessage|TransformControls(Update|Drag).*")
+BYTES = (
+    b"",
+    b"\xc1",
+    b"\x80",
+    b"\x81\xa4type\xc0",
+    b"\x81\xa4type\xa1x",
+    b"\x91" * 60_000,
+    b"\x81\xa4type\xb3ViewerCameraMessage",
+    bytes(range(256)) * 200,
+)
+
+
+def test_forged_messages_change_nothing(program: Program) -> None:
+    """Every property of every widget, uploads to what is none, cameras that cannot be, noise."""
+    with RawClient(program.port) as tab:
+        backlog = tab.backlog()
+        tab.look()
+        with contextlib.suppress(TimeoutError):  # practice lays a page out for each tab
+            while program.page == "practice":
+                backlog += tab.window(timeout=1.5)
+        uuids = sorted({m["uuid"] for m in backlog if "uuid" in m})
+        names = sorted({m["name"] for m in backlog if "name" in m})
+        assert uuids and (names or program.page == "audience")
+        drain = threading.Thread(target=read_all, args=(tab,), daemon=True)
+        drain.start()
+        for uuid in uuids:
+            for updates in FORGED:
+                tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates})
+            for parts in (0, 1):
+                tab.send(
+                    {
+                        "type": "FileTransferStartUpload",
+                        "source_component_uuid": uuid,
+                        "transfer_uuid": uuid,
+                        "filename": "../x",
+                        "mime_type": "text/plain",
+                        "part_count": parts,
+                        "size_bytes": 0,
+                    }
+                )
+        for message in every_message(uuids, names):
+            if not ALLOWED.fullmatch(message["type"]):
+                tab.send(message)
+        for camera in CAMERAS:
+            tab.look(**camera)
+        for raw in BYTES:
+            tab._socket.send(raw)  # pyright: ignore[reportPrivateUsage]
+        tab._socket.send("a text")  # pyright: ignore[reportPrivateUsage]
+        tab.look(position=(0.0, 0.0, -1.0))
+        assert program.goes_on()
+        time.sleep(1.0)  # what is raised in a thread of ours comes a moment later
+    assert program.goes_on()
+
+
+def read_all(tab: RawClient) -> None:
+    with contextlib.suppress(ConnectionClosed):
+        while True:
+            tab.window()
+
+
+def test_a_large_message_ends_that_connection_only(program: Program) -> None:
+    with RawClient(program.port) as tab, pytest.raises(ConnectionClosed):
+        tab._socket.send(b"x" * 20_000_000)  # pyright: ignore[reportPrivateUsage]
+        read_large(tab)
+    assert program.goes_on()
+
+
+def read_large(tab: RawClient) -> None:
+    while True:
+        tab.window(timeout=20)
+
+
+def test_another_page_does_not_connect(program: Program) -> None:
+    for headers in ({"Origin": "http://example.org"}, {"Origin": "null"}):
+        with (
+            pytest.raises(InvalidStatus, match="403"),
+            connect(f"ws://127.0.0.1:{program.port}", additional_headers=headers),
+        ):
+            pass
+
+
+def test_a_crowd_is_served(program: Program) -> None:
+    """Three hundred connections in a burst, thirty tabs that stay, three hundred again."""
+    for crowd in (
+        burst(program.port, 300),
+        stay(program.port, 30, _TABS_S),
+        burst(program.port, 300),
+    ):
+        assert crowd.closed == 0
+        assert crowd.complete == crowd.connected
+        assert crowd.connected in (30, 300)
+    assert program.goes_on()
+
+
+def test_after_all_this_it_ends_as_ever(program: Program) -> None:
+    """The last one: nothing was printed but what it says of its result, which is there."""
+    if program.page in ("guide", "audience"):
+        result, end = program.folder / "result.json", time.monotonic() + 90
+        while not result.exists() and time.monotonic() < end:
+            time.sleep(0.2)
+        assert json.loads(result.read_text())["views"] >= 1
+    complaints = program.end()
+    assert "Traceback" not in complaints and "Warning" not in complaints, complaints
