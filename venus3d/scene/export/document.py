@@ -2,26 +2,30 @@
 
 Everything is inside: viser's player once, a recording and four pictures for each page. Nothing is
 fetched from anywhere. Without JavaScript the first page's words and pictures still show.
+
+What a lesson says is text. Should that ever fail, the document's own policy still holds: no script
+runs in it but the player's and ours, and nothing is loaded from outside.
 """
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-from markdown_it import MarkdownIt
-
 from venus3d.engine.decomposition import Step
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
 from venus3d.scene.export.pose_line import for_hands, pose_line
-from venus3d.scene.export.scene3d import ASPECT
+from venus3d.scene.export.scene3d import ASPECT, player_scripts
 from venus3d.scene.knowledge.fields import (
     distortion_magnification,
     distortion_picture,
     largest_shift_px,
 )
+from venus3d.scene.lesson_text import LESSON_TEXT_SHEET, lesson_text_html
 from venus3d.scene.palette import ground, hex_of, mixed, step_style, text_on
 from venus3d.scene.projections import Picture
 from venus3d.scene.projections_panel import encoded
@@ -59,11 +63,16 @@ def document(
     )
     recordings = [content.recording for content in contents]
     sheet = _SHEET.replace("ASPECT", f"{ASPECT}").replace("BAR", f"{_PLAYER_BAR_PX}")
-    script = _SCRIPT.replace("DARK", json.dumps(dark))
+    given = _GIVEN.replace("DARK", json.dumps(dark))
+    script = _SCRIPT.replace("GIVEN", json.dumps(given))
+    players = player_scripts(player)
+    policy = _policy((script, given, *players) if players else None)
     return (
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
+        f"<meta http-equiv='Content-Security-Policy' content=\"{policy}\">"
         "<meta name='viewport' content='width=device-width,initial-scale=1'>"
-        f"<title>{escape(lesson.title)}</title><style>{_root(dark)}{sheet}</style></head><body>"
+        f"<title>{escape(lesson.title)}</title>"
+        f"<style>{_root(dark)}{sheet}{LESSON_TEXT_SHEET}</style></head><body>"
         f"<header><h1>{escape(lesson.title)}</h1><p>{escape(lesson.summary)}</p></header>"
         f"<main><div class='words'>{pages}</div><section class='scene'>"
         f"<h3>{texts.SCENE_TITLE}</h3><iframe id='scene' title='{texts.SCENE_TITLE}'></iframe>"
@@ -75,14 +84,28 @@ def document(
     )
 
 
+def _policy(scripts: Sequence[str] | None) -> str:
+    """Lets these scripts run and nothing be loaded; the scene's frame inherits it.
+
+    Args:
+        scripts: None if they are not all known; then those run that stand in the document.
+    """
+    allowed = "'unsafe-inline'"
+    if scripts is not None:
+        digests = (hashlib.sha256(script.encode()).digest() for script in scripts)
+        allowed = " ".join(f"'sha256-{base64.b64encode(each).decode()}'" for each in digests)
+    return (
+        f"default-src 'none'; script-src {allowed} 'wasm-unsafe-eval'; style-src 'unsafe-inline'; "
+        "img-src data: blob:; connect-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+
+
 def _inside(value: object) -> str:
     """JSON that cannot end the script element it stands in."""
     return json.dumps(value).replace("</", "<\\/").replace("<!--", "<\\u0021--")
 
 
 def _page(lesson: Lesson, number: int, page: LessonPage, content: PageContent, dark: bool) -> str:
-    # A teacher's text is text: HTML in it is shown, not run.
-    text = MarkdownIt("commonmark", {"html": False}).disable("image").render(page.text)
     count = texts.PAGE_OF.format(page=number + 1, pages=len(lesson.pages))
     turn = (
         f"<nav><button data-go='-1'>{texts.BACK}</button><span>{count}</span>"
@@ -96,7 +119,7 @@ def _page(lesson: Lesson, number: int, page: LessonPage, content: PageContent, d
     )
     return (
         f"<article data-page='{number}'{'' if number == 0 else ' hidden'}>{turn}"
-        f"<h2>{escape(page.title)}</h2>{text}{_shown(page, content, dark)}"
+        f"<h2>{escape(page.title)}</h2>{lesson_text_html(page.text)}{_shown(page, content, dark)}"
         f"{_question(page.question)}<h3>{texts.POSE_TITLE}</h3><p>{pose_line(page.pose)}</p>"
         f"{fit_html(content.moment, live=False)}"
         f"<h3>{texts.STEPS_TITLE}</h3><div class='steps'>{steps}</div></article>"
@@ -164,7 +187,8 @@ def _root(dark: bool) -> str:
 _SHEET = """
 *{box-sizing:border-box}[hidden]{display:none!important}
 body{margin:0;background:var(--bg);color:var(--text);font:17px/1.45 Inter,"Segoe UI",Roboto,
-"Helvetica Neue",Arial,sans-serif;min-height:100vh;display:flex;flex-direction:column}
+"Helvetica Neue",Arial,sans-serif;min-height:100vh;display:flex;flex-direction:column;
+overflow-wrap:break-word}
 header{padding:14px 24px 4px}header h1{margin:0;font-size:28px;line-height:1.2}
 header p{margin:2px 0 0;color:var(--soft)}
 main{flex:1;display:grid;grid-template-columns:minmax(380px,5fr) 7fr;gap:24px;padding:10px 24px}
@@ -198,6 +222,9 @@ header{padding:12px 14px 2px}
 .scene{position:static;order:-1}.steps{grid-template-columns:1fr}}
 """
 # The player reads its recording from a global when it starts, so each page gets a fresh frame.
+_GIVEN = (
+    "window.__VISER_EMBED_DATA__=parent.recording;window.__VISER_EMBED_CONFIG__={darkMode:DARK};"
+)
 _SCRIPT = """
 const read = id => JSON.parse(document.getElementById(id).textContent);
 const player = read('player'), recordings = read('recordings');
@@ -207,8 +234,8 @@ function show(page) {
   if (page < 0 || page >= pages.length || page === shown) return;
   shown = page;
   pages.forEach((element, i) => { element.hidden = i !== page; });
-  const given = '<script>window.__VISER_EMBED_DATA__="' + recordings[page] +
-    '";window.__VISER_EMBED_CONFIG__={darkMode:DARK};<' + '/script><style>' +
+  window.recording = recordings[page];
+  const given = '<script>' + GIVEN + '<' + '/script><style>' +
     // Orange is only that no graphics card helps. Errors are red and stay.
     '.mantine-Notification-root[style*="orange"]{display:none}</style>';
   const at = player.indexOf('</head>');

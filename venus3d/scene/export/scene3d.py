@@ -7,8 +7,12 @@ stand around it, in `document`.
 from __future__ import annotations
 
 import base64
+import json
+import re
 from importlib.util import find_spec
 from pathlib import Path
+
+import zstandard
 
 from venus3d.scene.export.journey import journey
 from venus3d.scene.server import LocalServer
@@ -21,6 +25,13 @@ FPS = 15
 _BEFOREHAND = 8  # states; every step is longer
 ASPECT = 1.3
 """Width over height of the scene in the document, at least: a view cannot be told anew there."""
+_LOADER = re.compile(
+    r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">'
+    r'(.*?const A=("(?:[^"\\]|\\.)*");.*?)</script>',
+    re.DOTALL,
+)
+"""The player's one script: what is packed, the sizes of the style sheet and of the script in it,
+what unpacks them, and its digits."""
 
 
 def recorded(server: LocalServer, moment: TeachMoment, state: TeachState) -> str:
@@ -50,6 +61,36 @@ def player() -> str:
     spec = find_spec("viser")
     assert spec is not None and spec.origin is not None
     return (Path(spec.origin).parent / "client" / "build" / "index.html").read_text("utf-8")
+
+
+def player_scripts(player: str) -> tuple[str, ...]:
+    """All scripts that the player runs: the one in its document, and the one that this unpacks.
+
+    None if the player is packed in another way than viser 1.1 does it.
+    """
+    loader = _LOADER.search(player)
+    if loader is None:
+        return ()
+    packed, style_size, size, script, alphabet = loader.groups()
+    try:
+        content = zstandard.ZstdDecompressor().decompress(
+            _bytes_of(packed, json.loads(alphabet)), max_output_size=int(style_size) + int(size)
+        )
+        return script, content[int(style_size) :].decode()
+    except (ValueError, OverflowError, zstandard.ZstdError):
+        return ()
+
+
+def _bytes_of(digits: str, alphabet: str) -> bytes:
+    """viser's way to write bytes as text: four as five digits."""
+    values = {digit: value for value, digit in enumerate(alphabet)}
+    content = bytearray()
+    for start in range(0, len(digits), 5):
+        group, number = digits[start : start + 5], 0
+        for digit in group:
+            number = number * len(alphabet) + values.get(digit, 0)
+        content += number.to_bytes(len(group) - 1, "big")
+    return bytes(content)
 
 
 def _look(server: LocalServer, moment: TeachMoment, state: TeachState) -> None:

@@ -25,7 +25,7 @@ from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.pose_words import (
     fit_html,
     lens_html,
-    lesson_markdown,
+    lesson_html,
     question_html,
     sigma_html,
     why_html,
@@ -61,7 +61,7 @@ class LessonPanel:
                 on_lesson(number if number < len(lessons) else None)
 
         self._choice.on_update(chosen)
-        self._text = gui.add_markdown("")
+        self._text = gui.add_html("")
         self._question = gui.add_html("", visible=False)
         self._answers = [self._answer_button(gui, act, n) for n in range(1, _ANSWERS + 1)]
         self._pages = ButtonRow(gui, texts.PAGES, PAGE_ROW, act, texts.PAGES_HINT)
@@ -102,10 +102,10 @@ class LessonPanel:
         if self._choice.value != title:
             self._choice.value = title
         if lesson is None or page is None:
-            self._text.content = lesson_markdown(texts.FREE_TITLE, "", texts.FREE_TEXT)
+            self._text.content = lesson_html(texts.FREE_TITLE, "", texts.FREE_TEXT)
         else:
             where = texts.PAGE_OF.format(page=state.page + 1, pages=len(lesson.pages))
-            self._text.content = lesson_markdown(page.title, where, page.text.strip())
+            self._text.content = lesson_html(page.title, where, page.text)
 
     def _show_answers(self, state: TeachState) -> None:
         if not self._changed("answers", (state.lesson, state.page, state.answer)):

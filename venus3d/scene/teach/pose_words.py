@@ -6,6 +6,7 @@ from html import escape
 
 import numpy as np
 
+from venus3d.scene.lesson_text import LESSON_TEXT_SHEET, lesson_text_html
 from venus3d.scene.style import Theme
 from venus3d.scene.teach.moment import TeachMoment
 from venus3d.scene.teach.state import TeachState
@@ -13,11 +14,9 @@ from venus3d.scene.texts import teach as texts
 
 _LISTED = 3
 _SHEET = """<style>
-.v-lesson,.v-question{font-size:clamp(17px,2.35vh,27px);line-height:1.34;color:var(--text)}
-.v-lesson p,.v-lesson ul,.v-lesson ol,.v-lesson li{font-size:inherit!important;
-line-height:inherit!important;margin:0 0 .5em}
-.v-lesson li{margin:0 0 .25em}
-.v-lesson h2{font-size:1.28em!important;line-height:1.15;margin:0 0 .1em}
+.v-lesson,.v-question{font-size:clamp(17px,2.35vh,27px);line-height:1.34;color:var(--text);
+overflow-wrap:anywhere}
+.v-lesson>h2{font-size:1.28em;line-height:1.15;margin:0 0 .1em}
 .v-where{font-size:max(13px,.62em);color:var(--soft);margin-bottom:.5em}
 .v-question{font-size:clamp(16px,2.1vh,24px)}
 .v-question>b{display:block;line-height:1.25;font-weight:700}
@@ -43,10 +42,14 @@ def _wrapped(body: str) -> str:
     return f"{_SHEET}<div class='v-progress'>{body}</div>" if body else ""
 
 
-def lesson_markdown(title: str, where: str, text: str) -> str:
-    """A page's title, which page it is, and its text, in letters that a class can read."""
-    small = f"<div class='v-where'>{where}</div>\n\n" if where else ""
-    return f"<div class='v-lesson'>\n\n## {title}\n\n{small}{text}\n\n</div>"
+def lesson_html(title: str, where: str, text: str) -> str:
+    """A page's title, which page it is, and its text (Markdown), in letters that a class can
+    read."""
+    small = f"<div class='v-where'>{escape(where)}</div>" if where else ""
+    return _wrapped(
+        f"<style>{LESSON_TEXT_SHEET}</style><div class='v-lesson'><h2>{escape(title)}</h2>{small}"
+        f"{lesson_text_html(text)}</div>"
+    )
 
 
 def fit_html(moment: TeachMoment, *, live: bool = True) -> str:
