@@ -1,6 +1,6 @@
 #!/bin/sh
 # What the Makefile needs around it. POSIX sh; python3 is the only other program assumed.
-#   setup.sh system-run                       EGL and Mesa for offscreen pictures
+#   setup.sh system-run                       EGL, OpenGL and Mesa for offscreen pictures
 #   setup.sh system-test                      the same, and Chromium for the browser tests
 #   setup.sh venv DIR REQUIREMENT [NAME==VERSION]   an environment with this project in it, as the
 #                                             constraints pin it but for the one named
@@ -39,18 +39,19 @@ missing() {
     done
 }
 
-has_egl() {
-    "$python" -c 'import ctypes; ctypes.CDLL("libEGL.so.1")' 2>/dev/null
+has_opengl() {
+    "$python" -c 'import ctypes; ctypes.CDLL("libEGL.so.1"); ctypes.CDLL("libGL.so.1")' 2>/dev/null
 }
 
 system_run() {
     if command -v dpkg-query >/dev/null 2>&1; then
-        lacking=$(missing libegl1 libgl1-mesa-dri)
+        # pyrender opens libGL by its name, which EGL itself does without.
+        lacking=$(missing libegl1 libgl1 libgl1-mesa-dri)
         # shellcheck disable=SC2086
         [ -z "$lacking" ] || apt_install $lacking ||
             say "Please install: $(echo $lacking) (apt-get install ...); without them the pictures are painted without OpenGL."
     else
-        has_egl || say "Please install EGL and Mesa's software renderer; without them the pictures are painted without OpenGL."
+        has_opengl || say "Please install EGL, OpenGL and Mesa's software renderer; without them the pictures are painted without OpenGL."
     fi
 }
 

@@ -43,7 +43,7 @@ IN_ALL = "{length} in all"
 ONE_CORNER_OUTSIDE = "1 corner leaves the image in this step"
 CORNERS_OUTSIDE = "{count} corners leave the image in this step"
 NO_OPENGL = (
-    "OpenGL cannot be used here, so OpenCV paints the pictures; install libegl1 and "
+    "OpenGL cannot be used here, so OpenCV paints the pictures; install libegl1, libgl1 and "
     "libgl1-mesa-dri ({cause})."
 )
 OPENGL_FAILED = "OpenGL failed while it drew, so OpenCV paints the pictures from now on ({cause})."
