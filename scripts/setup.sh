@@ -45,7 +45,7 @@ has_opengl() {
 
 system_run() {
     if command -v dpkg-query >/dev/null 2>&1; then
-        # pyrender opens libGL by its name, which EGL itself does without.
+        # PyOpenGL opens libGL by its name; EGL itself does without.
         lacking=$(missing libegl1 libgl1 libgl1-mesa-dri)
         # shellcheck disable=SC2086
         [ -z "$lacking" ] || apt_install $lacking ||
