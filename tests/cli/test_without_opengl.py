@@ -12,17 +12,13 @@ from PIL import Image
 # Without its handler for what `ctypes.byref` makes, PyOpenGL opens a context and can make no
 # texture: it is as on Python 3.12 and newer if nobody told PyOpenGL of the type's new name.
 PROGRAM = """
-import os, sys
-os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
-try:
-    import venus3d.scene.gl_renderer
-    from OpenGL.plugins import FormatHandler
-except ImportError:
-    pass  # no EGL: nothing to be broken
-else:
-    for handler in FormatHandler.all():
-        handler.check = [name for name in handler.check or () if "CArgObject" not in name]
+import sys
+from OpenGL.plugins import FormatHandler
 from venus3d.cli import main
+from venus3d.scene.offscreen import Offscreen
+Offscreen().close()
+for handler in FormatHandler.all():
+    handler.check = [name for name in handler.check or () if "CArgObject" not in name]
 sys.exit(main(sys.argv[1:]))
 """
 POSE = ("30", "-20", "10", "50", "0", "500")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -173,6 +174,13 @@ def test_a_machine_without_opengl_gets_the_painter_and_is_told(
             assert re.search(rf"\b{package}[ ,]", offscreen.note)
     with pytest.raises(RuntimeError, match="no EGL"):
         Offscreen("gl")
+
+
+@pytest.mark.usefixtures("gl")
+def test_opengl_looks_for_no_screen() -> None:
+    # A window's pyglet needs libraries of X that a machine without a screen does not have.
+    assert "pyglet.window" in sys.modules
+    assert "pyglet.gl.xlib" not in sys.modules
 
 
 def test_closing_twice_and_a_second_renderer_that_lives_on(

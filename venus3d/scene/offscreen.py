@@ -199,6 +199,8 @@ def _over(on_black: Image, on_white: Image, ground: Image) -> Image:
 def _open_gl(smooth: bool) -> Renderer:
     if sys.platform.startswith("linux"):
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+        # pyrender brings a window along, whose pyglet looks for X otherwise, screen or not.
+        os.environ.setdefault("PYGLET_HEADLESS", "true")
     from venus3d.scene.gl_renderer import GlRenderer
 
     return GlRenderer(smooth=smooth)
