@@ -143,6 +143,7 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
     assert viewer.page.knowledge._pictures  # pyright: ignore[reportPrivateUsage]
 
 
+@pytest.mark.slow
 def test_a_page_that_always_breaks_is_tried_less_and_less_often(
     viewer: Viewer,
     guided: Snapshot,
@@ -269,8 +270,7 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
             first.shown = None  # to be drawn again
             assert soon(lambda: first.page is not pages[0] and first.shown is not None)
             assert second.page is pages[1] and first.trainee.name == "Anna"
-            tabs = {first.client.client_id: one, second.client.client_id: other}
-            tab, came = tabs[first.client.client_id], ""
+            tab, came = (one, other)[first.client.client_id], ""  # numbered as they came
             while common.DRAWN_ANEW_WHY.split("(")[0] not in came or "/board/live" not in came:
                 came += str(tab.window(timeout=20))
             # At once again: it stands still and says so, and the others go on.

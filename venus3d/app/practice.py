@@ -44,8 +44,8 @@ from venus3d.scene.practice.shapes import (
 )
 from venus3d.scene.server import LocalServer, start_server
 from venus3d.scene.shapes import Shape
-from venus3d.scene.texts.common import DRAWN_ANEW_WHY
-from venus3d.scene.texts.practice import BROKEN
+from venus3d.scene.texts.common import DRAWING_FAILED, DRAWN_ANEW_WHY
+from venus3d.scene.texts.practice import BROKEN, STANDS_STILL
 from venus3d.sources.sim import PAPER_CAMERA
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.practice import PracticeFile
@@ -243,7 +243,7 @@ class Hall:
         if client.client_id not in self._server.get_clients():
             self._leave(client)  # what is drawn for a tab that was just closed may fail in any way
             return
-        self._failures.tell(error, "drawing a trainee's page failed, so it is drawn anew")
+        self._failures.tell(error, DRAWING_FAILED)
         self._turns.forget(client.client_id)
         again, desk.failed_at = now - desk.failed_at < _FORGIVEN_S, now
         try:
@@ -254,7 +254,7 @@ class Hall:
             desk.page, desk.shown = self._page(client, desk.trainee, desk.wishes), None
             desk.page.warn(DRAWN_ANEW_WHY.format(cause=type(error).__name__))
         except Exception as worse:
-            self._failures.tell(worse, "a trainee's page could not be drawn anew")
+            self._failures.tell(worse, STANDS_STILL)
             self._leave(client)
             desk.page.warn(BROKEN)
 

@@ -30,14 +30,12 @@ class Failures:
         self._told: set[tuple[object, ...]] = set()
 
     def tell(self, error: Exception, what: str) -> None:
-        """Log `what` failed and how, unless the same thing was logged before."""
+        """Log what failed, one of the texts, and how, unless the same thing was logged before."""
         place = extract_tb(error.__traceback__)[-1:]
         key = (type(error), *((frame.filename, frame.lineno) for frame in place))
         if key not in self._told:
             self._told.add(key)
-            _LOG.error(
-                "venus3d: %s; if it happens again, this is not repeated.", what, exc_info=error
-            )
+            _LOG.error(texts.FAILED_ONCE, what, exc_info=error)
 
 
 class DrawingThreads:
@@ -94,7 +92,7 @@ class DrawingThreads:
         with self._mending:
             if page != self._page:
                 return  # it broke on a page that another thread has replaced meanwhile
-            self._failures.tell(error, "drawing a page failed, so it is drawn anew")
+            self._failures.tell(error, texts.DRAWING_FAILED)
             if time.monotonic() - self._failed_at > _FORGIVEN_S:
                 self._wait_s = 0.0
             self.stop.wait(self._wait_s)
@@ -104,7 +102,7 @@ class DrawingThreads:
             try:
                 self._draw_anew(error)
             except Exception as again:
-                self._failures.tell(again, "a page could not be drawn anew; it is tried again")
+                self._failures.tell(again, texts.DRAWING_ANEW_FAILED)
             self._page += 1
             self._failed_at = time.monotonic()
 

@@ -19,31 +19,34 @@ from websockets import Headers
 _PORTS = {"http": 80, "https": 443}
 
 
-def refusal(headers: Headers, host: str) -> str:
-    """Why a request may not be answered, in one sentence; empty if it may.
+class RefusedError(Exception):
+    """A request that is not answered; the text says why, to whoever reads it in a browser."""
 
-    Args:
-        headers: the request's.
-        host: the address that the server listens on.
+
+def check(headers: Headers, host: str) -> None:
+    """Check a request's headers for a server that listens on the address `host`.
+
+    Raises `RefusedError` if it is not from our own page, or from a program.
     """
-    hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
+    hosts, origins = headers.get_all("host"), headers.get_all("origin")
     asked = _split(f"//{hosts[0]}") if len(hosts) == 1 else None
     if asked is None or not _is_ours(asked.hostname or "", host):
-        return (
+        raise RefusedError(
             "This is not a name by which this page is known; open it by the address that the "
             "program printed, or by this machine's IP address."
         )
     if not origins:
-        return ""
+        return
     page = _split(origins[0]) if len(origins) == 1 else None
-    if page is None or page.scheme not in _PORTS:
-        return "Only the page itself may connect; open it by the address that the program printed."
-    usual = _PORTS[page.scheme]
-    if (page.hostname, page.port or usual) != (asked.hostname, asked.port or usual):
-        return (
+    usual = _PORTS.get("" if page is None else page.scheme)
+    if (
+        page is None
+        or usual is None
+        or (page.hostname, page.port or usual) != (asked.hostname, asked.port or usual)
+    ):
+        raise RefusedError(
             "Another page may not connect; open this one by the address that the program printed."
         )
-    return ""
 
 
 def _split(address: str) -> SplitResult | None:

@@ -17,6 +17,7 @@ from venus3d.scene.drawing import Failures
 from venus3d.scene.palette import step_style
 from venus3d.scene.style import Theme
 from venus3d.scene.texts import guide as say
+from venus3d.scene.texts.common import STEPS_FAILED
 
 Picture = NDArray[np.uint8]
 FAILED = "failed"
@@ -138,5 +139,5 @@ class Tiles:
             return tuple(encoded(future.result()) for future in futures)
         except Exception as error:
             # A mistake of ours, in these pictures only: the next target gets its own.
-            self._failures.tell(error, "the pictures of the four steps could not be drawn")
+            self._failures.tell(error, STEPS_FAILED)
             return (FAILED,) * len(futures)

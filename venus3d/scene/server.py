@@ -22,7 +22,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from venus3d.engine.errors import VenusError
-from venus3d.scene.handshake import refusal
+from venus3d.scene.handshake import RefusedError, check
 from venus3d.scene.incoming import is_heard, is_point_of_view
 from venus3d.scene.texts.common import PORT_TAKEN
 
@@ -105,8 +105,9 @@ class LocalServer(viser.ViserServer):
 
         async def let_in(connection: ServerConnection, request: Request) -> Response | None:
             await complete.wait()
-            refused = refusal(request.headers, host)
-            if refused:
+            try:
+                check(request.headers, host)
+            except RefusedError as refused:
                 return connection.respond(403, f"{refused}\n")
             return answer(connection, request)
 

@@ -52,3 +52,7 @@ DRAWN_ANEW_WHY = (
     "Drawing it failed ({cause}). Nothing is lost, and it goes on where it was. The terminal tells "
     "more."
 )
+FAILED_ONCE = "venus3d: %s; if it happens again, this is not repeated."
+DRAWING_FAILED = "drawing a page failed, so it is drawn anew"
+DRAWING_ANEW_FAILED = "a page could not be drawn anew; it is tried again"
+STEPS_FAILED = "the pictures of the four steps could not be drawn"
