@@ -7,7 +7,7 @@ from it, and the error comes up later, in a thread of ours.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -18,6 +18,7 @@ import viser
 # What a browser sends; viser has no public name for it.
 from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
 
+Find = Callable[[str], Any]
 _FARTHEST = 1e4
 """No point, no window is larger, metres or pixels."""
 _LONGEST_TEXT = 1000
@@ -27,14 +28,19 @@ _SHORTEST = 1e-6
 
 def is_point_of_view(raw: bytes) -> bool:
     """Whether a browser says where it looks from, and nothing else."""
-    return _kind_of(raw) is messages.ViewerCameraMessage and is_heard(raw, ())
+    return _kind_of(raw) is messages.ViewerCameraMessage and is_heard(raw, lambda _: None)
 
 
-def is_heard(raw: bytes, guis: Sequence[viser.GuiApi]) -> bool:
+def widget_of(gui: viser.GuiApi, uuid: str) -> Any:
+    """The widget of a server or a tab that viser knows by this name; None if it has none."""
+    return vars(gui)["_gui_input_handle_from_uuid"].get(uuid)
+
+
+def is_heard(raw: bytes, find: Find) -> bool:
     """Whether a message, as it came over the websocket, is one that a page listens to.
 
     Args:
-        guis: whose widgets the browser may change.
+        find: gives the widget of that name that the browser may change, or None.
     """
     kind = _kind_of(raw)
     rule = None if kind is None else _RULES.get(kind)
@@ -47,7 +53,7 @@ def is_heard(raw: bytes, guis: Sequence[viser.GuiApi]) -> bool:
         return (
             known.issuperset(content)
             and all(abs(number) <= _FARTHEST for number in _numbers(content.values()))
-            and rule(content, guis)
+            and rule(content, find)
         )
     # A browser sends no such things; whoever does may have thought of anything.
     except Exception:
@@ -74,20 +80,20 @@ def _numbers(values: Iterable[Any]) -> Iterator[float]:
             yield value
 
 
-_Rule = Callable[[dict[str, Any], Sequence[viser.GuiApi]], bool]
+_Rule = Callable[[dict[str, Any], Find], bool]
 
 
 def _as(kind: type[Any]) -> _Rule:
     """Whether all fields are there and of their types."""
 
-    def rule(content: dict[str, Any], _: Sequence[viser.GuiApi]) -> bool:
+    def rule(content: dict[str, Any], _: Find) -> bool:
         msgspec.convert(content, kind)  # raises
         return all(len(v) <= _LONGEST_TEXT for v in content.values() if isinstance(v, str))
 
     return rule
 
 
-def _is_view(content: dict[str, Any], _: Sequence[viser.GuiApi]) -> bool:
+def _is_view(content: dict[str, Any], _: Find) -> bool:
     # By hand: a window's size may come as a fraction, which viser rounds.
     vectors = ("wxyz", "position", "look_at", "up_direction")
     turn, position, look_at, up = (np.array(content[name], dtype=np.float64) for name in vectors)
@@ -104,22 +110,17 @@ def _is_view(content: dict[str, Any], _: Sequence[viser.GuiApi]) -> bool:
     )
 
 
-def _is_turned(content: dict[str, Any], guis: Sequence[viser.GuiApi]) -> bool:
+def _is_turned(content: dict[str, Any], find: Find) -> bool:
     return (
-        _as(messages.TransformControlsUpdateMessage)(content, guis)
+        _as(messages.TransformControlsUpdateMessage)(content, find)
         and float(np.linalg.norm(content["wxyz"])) > _SHORTEST
     )
 
 
-def _is_value(content: dict[str, Any], guis: Sequence[viser.GuiApi]) -> bool:
+def _is_value(content: dict[str, Any], find: Find) -> bool:
     updates: Mapping[str, Any] = content["updates"]
-    if list(updates) != ["value"]:
-        return False
-    for gui in guis:
-        widget = vars(gui)["_gui_input_handle_from_uuid"].get(content["uuid"])
-        if widget is not None:
-            return _can_hold(widget, updates["value"])
-    return False
+    widget = find(content["uuid"])
+    return widget is not None and list(updates) == ["value"] and _can_hold(widget, updates["value"])
 
 
 def _can_hold(widget: Any, value: Any) -> bool:

@@ -23,7 +23,7 @@ from websockets.http11 import Request, Response
 
 from venus3d.engine.errors import VenusError
 from venus3d.scene.handshake import RefusedError, check
-from venus3d.scene.incoming import is_heard, is_point_of_view
+from venus3d.scene.incoming import is_heard, is_point_of_view, widget_of
 from venus3d.scene.texts.common import PORT_TAKEN
 
 _PORTS_TRIED = 100
@@ -55,15 +55,19 @@ class LocalServer(viser.ViserServer):
 
     def __init__(self, host: str, port: int, **options: Any) -> None:
         """Serve on this address; `options` are viser's."""
-        complete = asyncio.Event()  # nobody is let in before
-        with _serve_as(lambda *given, **more: self._serve(complete, host, *given, **more)):
+        self._complete = asyncio.Event()  # nobody is let in before
+        self._serves = False
+        with _serve_as(lambda *given, **more: self._serve(host, *given, **more)):
             super().__init__(host, port, **options)
-        # Looked up here: should viser rename one, no page is served rather than an open one.
+        # Looked up here: should viser change one, no page is served rather than an open one.
+        if not self._serves:
+            raise RuntimeError("viser opens its websocket in another way; install viser 1.1")
+        widget_of(self.gui, "")
         self._sockets: Any = vars(self)["_websock_server"]
         self._sockets_thread = int(self._sockets._server_thread.ident)
         self._make_safe(self._sockets.get_message_buffer())
         self._sockets.on_client_connect(self._welcome)
-        self._sockets._background_event_loop.call_soon_threadsafe(complete.set)
+        self._sockets._background_event_loop.call_soon_threadsafe(self._complete.set)
 
     @property
     def url(self) -> str:
@@ -83,7 +87,12 @@ class LocalServer(viser.ViserServer):
     def _hears(self, raw: bytes, client_id: int) -> bool:
         """Whether viser is to be told of this message."""
         client = self.get_clients().get(client_id)
-        return is_heard(raw, (self.gui,) if client is None else (self.gui, client.gui))
+
+        def find(uuid: str) -> Any:
+            shared = widget_of(self.gui, uuid)
+            return shared if shared or client is None else widget_of(client.gui, uuid)
+
+        return is_heard(raw, find)
 
     def _welcome(self, client: Any) -> None:
         self._make_safe(client.get_message_buffer())
@@ -97,19 +106,17 @@ class LocalServer(viser.ViserServer):
         # Whoever draws for a tab that has just gone made no mistake; viser would warn of it.
         buffer._sanctioned_dead_writes += 1
 
-    def _serve(
-        self, complete: asyncio.Event, host: str, handler: Any, *address: Any, **options: Any
-    ) -> Any:
-        answer: Callable[[ServerConnection, Request], Response | None]
-        answer = options["process_request"]
+    def _serve(self, host: str, handler: Any, *address: Any, **options: Any) -> Any:
+        self._serves = True
+        answer: Any = options.get("process_request")
 
         async def let_in(connection: ServerConnection, request: Request) -> Response | None:
-            await complete.wait()
+            await self._complete.wait()
             try:
                 check(request.headers, host)
             except RefusedError as refused:
                 return connection.respond(403, f"{refused}\n")
-            return answer(connection, request)
+            return None if answer is None else answer(connection, request)
 
         def connection(*given: Any, **more: Any) -> _Connection:
             return _Connection(self._hears, *given, **more)
