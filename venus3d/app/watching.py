@@ -9,17 +9,16 @@ What is done with an observation is left to `live` (a calibration) and `trial` (
 
 from __future__ import annotations
 
-import signal
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from collections.abc import Callable
 
 from venus3d.app.eyes import Eyes
 from venus3d.app.promptness import prompt
 from venus3d.engine.observation import Observation
 from venus3d.scene.audience.audience import Audience
 from venus3d.scene.guide.viewer import Viewer
+from venus3d.signals import taken
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.latest import Latest
@@ -65,7 +64,7 @@ class Watching(ABC):
 
     @prompt()
     def _watch_until_stopped(self) -> None:
-        """Run the threads and `_guide`, until `stop`, Ctrl-C, a termination signal or a failure."""
+        """Run the threads and `_guide`, until `stop`, a signal that asks to end, or a failure."""
         threads = [
             threading.Thread(target=self._guarded, args=(step,), name=name, daemon=True)
             for name, step in (("watch", self._watch), ("look", self._look))
@@ -73,7 +72,8 @@ class Watching(ABC):
         for thread in threads:
             thread.start()
         try:
-            with _stopped_by_signals(self.stop):
+            # Instead of breaking off wherever we are.
+            with taken(self.stop):
                 while not self._stop.is_set():
                     self._guide()
         finally:
@@ -124,23 +124,3 @@ class Watching(ABC):
             # Replaced as a whole, since another thread looks up in it which frame a view is of.
             self._looked = (*self._looked[-2:], (seen, frame))
             self._observations.put(seen)
-
-
-@contextmanager
-def _stopped_by_signals(stop: Callable[[], None]) -> Generator[None, None, None]:
-    """Ctrl-C and a termination signal ask to stop instead of breaking off wherever we are."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # Python lets only the main thread take signals
-        return
-
-    def stop_now(*_: object) -> None:
-        stop()
-
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    for number in before:
-        signal.signal(number, stop_now)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

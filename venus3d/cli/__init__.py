@@ -7,11 +7,12 @@ in the module of its name. Heavy rooms are imported by the command that needs th
 
 from __future__ import annotations
 
+import errno
 import os
-import signal
 import sys
-import threading
+import traceback
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Annotated
 
 import tyro
@@ -21,6 +22,7 @@ from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
 from venus3d.cli.study import StudyOptions, study
 from venus3d.engine.errors import VenusError
 from venus3d.options import GuideOptions, PracticeOptions, TeachOptions
+from venus3d.signals import taken
 
 DESCRIPTION = """Camera calibration that a person can see.
 
@@ -77,6 +79,23 @@ OK, MISTAKE, INTERRUPTED = 0, 2, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Reads `sys.argv` if no arguments are given."""
     given = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        try:
+            return _run(given)
+        finally:
+            sys.stdout.flush()
+    except OSError as error:
+        # Whoever read our output (head, less) has had enough, or its terminal was closed.
+        if error.errno not in (errno.EPIPE, errno.EIO):
+            raise
+        if error.errno == errno.EIO:
+            with suppress(OSError):
+                print(f"venus3d: No more can be printed ({error.strerror}).", file=sys.stderr)
+        _silence()
+        return OK
+
+
+def _run(given: list[str]) -> int:
     if given == ["--version"]:
         print(f"venus3d {__version__}")
         return OK
@@ -87,21 +106,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
             description=DESCRIPTION,
             args=given or ["--help"],
         )
-        # A plain kill, a logout: what was captured is kept, as with Ctrl-C.
-        if threading.current_thread() is threading.main_thread():
-            signal.signal(signal.SIGTERM, signal.default_int_handler)
-        _command_of(options)()
+        # A plain kill, a closed terminal: what was captured is kept, as with Ctrl-C.
+        with taken(_interrupt, ctrl_c=False):
+            _command_of(options)()
     except VenusError as error:
         print(f"venus3d: {error}", file=sys.stderr)
+        if sys.flags.dev_mode and error.__cause__ is not None:
+            traceback.print_exception(error.__cause__)
         return MISTAKE
-    except BrokenPipeError:
-        # Whoever read our output (head, less) has had enough; Python must not complain at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except KeyboardInterrupt as stop:
         # What a study says of where it stopped; Ctrl-C itself says nothing.
         print("venus3d: " + ": ".join(["stopped", *map(str, stop.args)]) + ".", file=sys.stderr)
         return INTERRUPTED
     return OK
+
+
+def _interrupt() -> None:
+    raise KeyboardInterrupt
+
+
+def _silence() -> None:
+    """Let what is still in the streams that nobody reads go nowhere: Python complains at exit."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(nowhere, stream.fileno())
 
 
 def _command_of(options: object) -> Callable[[], None]:

@@ -10,7 +10,6 @@ import csv
 import io
 import json
 import logging
-import signal
 import threading
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
@@ -23,6 +22,7 @@ from typing import Any, Protocol, TypeVar
 import cv2
 
 from venus3d.engine.errors import StorageError, VenusError
+from venus3d.signals import taken
 from venus3d.storage.folder import write_bytes
 
 Value = str | int | float
@@ -106,21 +106,16 @@ def run_trials(
 
 @contextmanager
 def _asked_to_stop() -> Generator[threading.Event, None, None]:
-    """Set by Ctrl-C, which is raised as well: where joblib collects garbage Python drops it."""
+    """Set by a signal that asks to end, which is raised as well as a `KeyboardInterrupt`: where
+    joblib collects garbage Python drops it."""
     asked = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield asked  # Python lets only the main thread take signals
-        return
 
-    def stop(*_: object) -> None:
+    def stop() -> None:
         asked.set()
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, stop)
-    try:
+    with taken(stop):
         yield asked
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def needed(module: str, extra: str) -> Any:
