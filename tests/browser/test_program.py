@@ -15,6 +15,7 @@ from typing import Any
 import cv2
 import pytest
 
+from tests.cli.programs import free_port
 from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS, PICTURE_LEGEND, TOUR
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -182,3 +183,26 @@ def test_whoever_has_only_a_keyboard_calibrates(
     context.close()
     _, err = program.end()
     assert "Traceback" not in err and (tmp_path / "result.json").exists(), err
+
+
+def test_the_operator_is_told_of_what_cannot_be_saved(
+    chromium: Any, start: Start, tmp_path: Path
+) -> None:
+    """Guidance goes on meanwhile, and at the end the page says where the result is."""
+    folder = tmp_path / "out"
+    program = start(
+        *("guide", "sim", "--autopilot", "--speed", "4", "--port", free_port(), "--no-tour"),
+        *("--max-views", "4", "--output", str(folder)),
+    )
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page.set_default_timeout(_PATIENCE_MS)
+    page.goto(program.url)
+    folder.rename(tmp_path / "gone")
+    folder.write_text("in the way")
+    page.get_by_text("Not saved: camera.yaml and result.json cannot be written").wait_for()
+    folder.unlink()
+    page.get_by_text(f"Saved: camera.yaml and result.json in {folder}.").wait_for()
+    assert json.loads((folder / "result.json").read_text())["views"] == 4
+    page.close()
+    _, err = program.end()
+    assert "Traceback" not in err and err.count("Not saved: ") >= 1, err

@@ -11,33 +11,14 @@ import pytest
 from PIL import Image
 
 from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
 from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.errors import StorageError
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
 from venus3d.engine.snapshot import Calibration, Forecast, Progress
 from venus3d.storage.board_image import board_picture, write_board
 from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
 from venus3d.storage.folder import prepare, write_bytes
-from venus3d.storage.result import summary_of, write_result
-
-
-@pytest.fixture(scope="module")
-def calibration(paper_camera: Camera, default_board: Board) -> Calibration:
-    """Four noisy views of the paper's camera."""
-    rng = np.random.default_rng(3)
-    views = []
-    for p in (
-        [35, 0, 0, 0, 0, 0.5],
-        [0, 35, 5, 0, 0, 0.5],
-        [-30, -20, 0, 0, 0, 0.5],
-        [20, -30, 9, 0, 0, 0.5],
-    ):
-        corners = paper_camera.project(Pose.from_vector(p).apply(default_board.corners))
-        noisy = corners + rng.normal(0, 0.2, corners.shape)
-        views.append(Observation(np.arange(40), noisy, paper_camera.image_size, name=str(p[0])))
-    return calibrate(default_board, views)
+from venus3d.storage.result import summary_of
+from venus3d.storage.result_folder import ResultFolder
 
 
 def test_opencv_reads_camera_yaml(
@@ -89,7 +70,7 @@ def test_result_json(
     summary = summary_of(
         calibration, default_board, warnings=["w"], converged=True, truth=paper_camera
     )
-    _, path = write_result(tmp_path, calibration, default_board, summary, history)
+    _, path = ResultFolder(tmp_path).write(calibration, default_board, summary, history)
 
     def refuse(constant: str) -> None:
         raise AssertionError(f"{constant} is not JSON")
@@ -177,7 +158,7 @@ def test_promises_and_forecast_in_the_result(
         Progress(4, 0.3, np.ones(9), np.ones(9), 0.43, np.full(9, 0.5), 0.41),
     )
     summary = summary_of(calibration, default_board, forecast=Forecast(0.3, 3, 2, None, 10))
-    _, path = write_result(tmp_path, calibration, default_board, summary, history)
+    _, path = ResultFolder(tmp_path).write(calibration, default_board, summary, history)
     result = json.loads(path.read_text())
     assert result["forecast"] == {
         "wanted_px": 0.3,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from venus3d.app.audience import open_audience, said_of
 from venus3d.app.eyes import Eyes
 from venus3d.app.headless import run_headless
+from venus3d.app.keeper import Keeper
 from venus3d.app.live import LiveGuide
 from venus3d.app.promptness import leave_a_core
 from venus3d.app.trial import TrialResult, run_trial
@@ -51,12 +52,13 @@ class GuideResult:
 
 
 def run_guide(
-    options: GuideOptions, on_result: Callable[[GuideResult], str] | None = None
+    options: GuideOptions, keep: Callable[[GuideResult], str] = lambda _: ""
 ) -> GuideResult:
     """Guide one calibration as the options say, until it ends (headless) or is stopped (viewer).
 
-    `on_result` is called whenever a result is complete, while the viewer stays open; what it
-    returns is said on the screen. Raises `VenusError` for whatever the user can mend.
+    `keep` is called after every view, on a thread of its own; the newest view wins, and the last is
+    kept before this ends, however it ends. What it returns is said on the screen once all is over,
+    and what it raises at once. Raises `VenusError` for whatever the user can mend.
     """
     board = options.board.board()
     options = _possible(options)
@@ -75,8 +77,12 @@ def run_guide(
             final = replace(snapshot, diagnoses=worst_first(found))
             return GuideResult(final, tuple(dict.fromkeys(said)), truth)
 
+        def kept(snapshot: Snapshot) -> str:
+            return keep(result(snapshot))
+
         if options.headless:
-            broken = run_headless(session, source, eyes)
+            keeper = rooms.enter_context(closing(Keeper(kept)))
+            broken = run_headless(session, source, eyes, keeper.put)
             return result(session.snapshot(), (broken,) if broken else ())
         # First: its port was promised to somebody, while the viewer may take another.
         audience = open_audience(options)
@@ -96,24 +102,28 @@ def run_guide(
             )
         )
         for note in viewer.notes:
-            print(note, flush=True)
-        print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
+            _announce(note)
+        _announce(f"Viewer: {viewer.url}   (Ctrl-C ends it)")
 
         if audience is not None:
-            viewer.explain(AudienceControls(viewer.server, audience).commands)
-            print(said_of(audience), flush=True)
+            audience.on_failure = viewer.say
+            viewer.extend(lambda server: AudienceControls(server, audience).commands)
+            _announce(said_of(audience))
         if truth is not None and not options.autopilot:
             hint = "Drag the board by its handles in the scene, or press O for the autopilot."
             viewer.say(hint, seconds=60)
 
-        def hand_on(snapshot: Snapshot) -> str:
-            return "" if on_result is None else on_result(result(snapshot))
-
         def again() -> Source:
             return _opened(options, board)
 
-        live = LiveGuide(session, source, eyes, viewer, hand_on, again, audience)
+        keeper = rooms.enter_context(closing(Keeper(kept, viewer.saved, viewer.say)))
+        live = LiveGuide(session, source, eyes, viewer, keeper.put, again, audience)
         return result(live.run(), viewer.notes)
+
+
+def _announce(text: str) -> None:
+    with suppress(OSError):  # a terminal that is gone stops no calibration
+        print(text, flush=True)
 
 
 def run_guided_trial(options: GuideOptions, folder: Path) -> TrialResult:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from venus3d.app.eyes import Eyes
 from venus3d.engine.errors import CalibrationError, SourceError
 from venus3d.engine.session import Session
+from venus3d.engine.snapshot import Snapshot
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 
@@ -14,8 +15,12 @@ from venus3d.sources.sim import Simulation
 _PATIENCE_FRAMES = 400
 
 
-def run_headless(session: Session, source: Source, eyes: Eyes) -> str:
+def run_headless(
+    session: Session, source: Source, eyes: Eyes, keep: Callable[[Snapshot], None]
+) -> str:
     """Guide without a screen until convergence, enough views, or the recording's end.
+
+    `keep` is called after every view.
 
     Returns a sentence if it ended otherwise, because the source broke after views had been captured
     or because the simulated hand got nowhere; the views are kept. Raises `SourceError` if the
@@ -33,7 +38,9 @@ def run_headless(session: Session, source: Source, eyes: Eyes) -> str:
             session.use_board(eyes.detector.board)
             session.board_diagnoses = eyes.detector.diagnoses
             session.observe(observation)
-            work_out(session)
+            if session.pending is not None:
+                work_out(session)
+                keep(session.snapshot())
             if isinstance(source, Simulation):
                 snapshot = session.snapshot()
                 source.follow(snapshot.target, snapshot.pose)

@@ -13,11 +13,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 
 from venus3d.app.eyes import Eyes
 from venus3d.app.headless import work_out
 from venus3d.app.watching import Watching
-from venus3d.engine.errors import CalibrationError, StorageError, VenusError
+from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.observation import Observation
 from venus3d.engine.session import Session
 from venus3d.engine.snapshot import Snapshot
@@ -38,31 +39,39 @@ class LiveGuide(Watching):
         source: Source,
         eyes: Eyes,
         viewer: Viewer,
-        on_result: Callable[[Snapshot], str],
+        keep: Callable[[Snapshot], None],
         again: Callable[[], Source],
         audience: Audience | None = None,
     ) -> None:
-        """`again` opens a recording anew when it has ended; `source` is closed by `run`."""
+        """`keep` is called with every moment that may hold a new result, and must not wait; `again`
+        opens a recording anew when it has ended; `source` is closed by `run`."""
         super().__init__(source, eyes, viewer, again, audience)
-        self._session, self._on_result = session, on_result
+        self._session, self._keep = session, keep
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
-        self._settled_at: tuple[str, int] = ("", 0)
         self._frame: tuple[Observation, Frame] | None = None
 
     def run(self) -> Snapshot:
-        """Guide until stopped, by `stop`, Ctrl-C or a termination signal.
+        """Guide until stopped, by `stop`, Ctrl-C or a signal that asks to end.
 
-        Raises what broke the source, after what had been captured was handed on.
+        Raises what broke the source or anything else, after what had been captured was handed on.
         """
-        self._watch_until_stopped()
+        try:
+            self._watch_until_stopped()
+        except BaseException:
+            with suppress(Exception):  # the first error is the one to tell
+                self._concluded()
+            raise
+        snapshot = self._concluded()
+        if self._failure is not None:
+            raise self._failure
+        return snapshot
+
+    def _concluded(self) -> Snapshot:
         # A view that was captured a moment ago counts; there is no next pose to search.
         work_out(self._session, stop=lambda: True)
         snapshot = self._session.snapshot()
-        if self._failure is not None:
-            if snapshot.calibration is not None:
-                self._on_result(snapshot)
-            raise self._failure
+        self._keep(snapshot)
         return snapshot
 
     def _end(self) -> None:
@@ -96,13 +105,7 @@ class LiveGuide(Watching):
         self._viewer.show(snapshot)
         if self._audience is not None:
             self._audience.show(snapshot)
-        state = (snapshot.phase, len(snapshot.views))
-        if state != self._settled_at and snapshot.phase in ("converged", "finished"):
-            try:
-                self._viewer.saved(self._on_result(snapshot))
-            except StorageError as error:
-                self._viewer.say(str(error))
-        self._settled_at = state
+        self._keep(snapshot)
 
     def _keep_picture(self, observation: Observation | None) -> None:
         """Hand on the picture of a view that was captured just now."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from venus3d.cli.options import CalibrateOptions
-from venus3d.cli.report import deliver, print_result, tell
+from venus3d.cli.report import deliver, print_result, tell, write_first
 from venus3d.engine.calibration import calibrate
 from venus3d.engine.detection import Detector
 from venus3d.engine.diagnosis import diagnose, worst_first
@@ -16,6 +16,7 @@ from venus3d.engine.snapshot import Diagnosis
 from venus3d.sources.observing import observe_recording
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of
+from venus3d.storage.result_folder import ResultFolder
 
 FEWEST_VIEWS = 3
 """Two views determine nine parameters on paper only; three can contradict each other."""
@@ -54,9 +55,11 @@ def calibrate_command(options: CalibrateOptions) -> None:
     _check_count(seen, found)
     calibration = calibrate(detector.board, seen)
     diagnoses = worst_first(dict.fromkeys((*found, *diagnose(detector.board, calibration))))
-    print_result(calibration, warnings, diagnoses=diagnoses)
     summary = summary_of(calibration, detector.board, warnings=warnings, diagnoses=diagnoses)
-    deliver(summary, calibration, detector.board, output=options.output, as_json=options.json)
+    files = None if options.output is None else ResultFolder(options.output, tell)
+    written = write_first(files, calibration, detector.board, summary)
+    print_result(calibration, warnings, diagnoses=diagnoses)
+    deliver(summary, written, as_json=options.json)
 
 
 def _check_count(seen: Sequence[Observation], found: Sequence[Diagnosis]) -> None:

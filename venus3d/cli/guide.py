@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from venus3d.app import GuideResult, run_guide
-from venus3d.cli.report import deliver, print_result, tell
+from venus3d.app.keeper import is_over
+from venus3d.cli.report import deliver, print_result, tell, write_first
 from venus3d.cli.trial import trial
-from venus3d.engine.errors import CalibrationError
+from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.options import GuideOptions
 from venus3d.storage.folder import prepare
-from venus3d.storage.result import summary_of, write_result
+from venus3d.storage.result import summary_of
+from venus3d.storage.result_folder import ResultFolder
 
 RESULT_FOLDER = Path("venus3d-result")
 """Where a guided calibration with the viewer is written if no folder is named."""
@@ -29,42 +31,76 @@ def guide(options: GuideOptions) -> None:
         options = replace(options, output=RESULT_FOLDER)
     if options.output is not None:
         prepare(options.output)
-    result = run_guide(options, on_result=lambda complete: _keep(complete, options))
+    files = None if options.output is None else ResultFolder(options.output, tell)
+    result = _guided(options, files)
     snapshot = result.snapshot
     if snapshot.calibration is None:
-        if snapshot.diagnoses:
-            raise CalibrationError(str(snapshot.diagnoses[0]))
-        if options.headless:
-            raise CalibrationError(
-                "No view was captured, so there is no result; check the board's options, or use "
-                "venus3d calibrate for pictures taken without guidance."
-            )
-        print("No view was captured, so there is no result.")
+        _tell_of_nothing(result, options, files)
         return
+    summary = _summary(result)
+    written = write_first(files, snapshot.calibration, snapshot.board, summary, snapshot.history)
     print_result(snapshot.calibration, result.warnings, result.truth, snapshot.diagnoses)
-    deliver(
-        _summary(result),
-        snapshot.calibration,
-        snapshot.board,
-        output=options.output,
-        as_json=options.json,
-        history=snapshot.history,
-    )
+    deliver(summary, written, as_json=options.json)
 
 
-def _keep(result: GuideResult, options: GuideOptions) -> str:
-    """Write a result while the viewer stays open, so that nothing is lost if it is just killed.
+def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
+    """Guide; however that ends, the files hold what was captured, and it is told where they are.
 
-    Returns the sentence for the screen.
+    Raises `VenusError`, also for a mistake of ours: who holds a board is not helped by a traceback.
+    """
+    try:
+        return run_guide(options, lambda result: _keep(result, options, files))
+    except BaseException as error:
+        if files is not None and files.is_written:
+            _tell_written(files)
+        if isinstance(error, VenusError) or not isinstance(error, Exception):
+            raise
+        raise VenusError(
+            f"The guidance broke off unexpectedly ({type(error).__name__}: {error}); begin again, "
+            "and please report it with what python -X dev -m venus3d says then."
+        ) from error
+
+
+def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None) -> str:
+    """Write a result while the guidance goes on, so that nothing is lost if it is just killed.
+
+    Returns the sentence for the screen. Raises `StorageError`, which the terminal is told as well.
     """
     snapshot = result.snapshot
-    if options.output is None or snapshot.calibration is None:
+    if files is None or snapshot.calibration is None:
         return ""
-    for path in write_result(
-        options.output, snapshot.calibration, snapshot.board, _summary(result), snapshot.history
-    ):
+    try:
+        camera, complete = files.write(
+            snapshot.calibration, snapshot.board, _summary(result), snapshot.history
+        )
+    except StorageError as error:
+        tell(f"Not saved: {error}")
+        raise
+    if is_over(snapshot) and not options.headless:
+        _tell_written(files)
+    return f"Saved: {camera.name} and {complete.name} in {files.directory}."
+
+
+def _tell_written(files: ResultFolder) -> None:
+    for path in files.paths:
         tell(f"Written: {path}")
-    return f"Saved: camera.yaml and result.json in {options.output}."
+
+
+def _tell_of_nothing(
+    result: GuideResult, options: GuideOptions, files: ResultFolder | None
+) -> None:
+    """Print that there is no result, or raise it where it is a mistake."""
+    if files is not None and files.is_written:
+        print(f"No view is left; {files.directory} holds the last calibration that there was.")
+        return
+    if result.snapshot.diagnoses:
+        raise CalibrationError(str(result.snapshot.diagnoses[0]))
+    if options.headless:
+        raise CalibrationError(
+            "No view was captured, so there is no result; check the board's options, or use "
+            "venus3d calibrate for pictures taken without guidance."
+        )
+    print("No view was captured, so there is no result.")
 
 
 def _summary(result: GuideResult) -> dict[str, Any]:

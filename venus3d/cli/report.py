@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from venus3d.engine.board import Board
 from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.errors import StorageError
 from venus3d.engine.snapshot import Calibration, Diagnosis, Progress
 from venus3d.engine.words import PARAMETER_WORDS
-from venus3d.storage.result import to_json, write_result
+from venus3d.storage.result import to_json
+from venus3d.storage.result_folder import ResultFolder
 
 
 def parameter_table(calibration: Calibration, truth: Camera | None = None) -> str:
@@ -64,23 +68,43 @@ def print_result(
         print(f"Diagnosis: {diagnosis.cause}\n     Cure: {diagnosis.cure}")
 
 
-def deliver(
-    summary: dict[str, Any],
+Written = tuple[Path, ...] | StorageError
+"""The files that were written, or why they could not be."""
+
+
+def write_first(
+    files: ResultFolder | None,
     calibration: Calibration,
-    board: Any,
-    *,
-    output: Path | None,
-    as_json: bool,
+    board: Board,
+    summary: Mapping[str, Any],
     history: Sequence[Progress] = (),
-) -> None:
-    """Write the files and print the JSON line, as asked."""
-    if output is not None:
-        for path in write_result(output, calibration, board, summary, history):
-            print(f"Written: {path}")
+) -> Written:
+    """Write the files, if any are asked for, before anything is printed: a terminal may be gone.
+
+    What fails is given back for `deliver` to raise, so that the numbers are printed all the same.
+    """
+    if files is None:
+        return ()
+    try:
+        return files.write(calibration, board, summary, history)
+    except StorageError as error:
+        return error
+
+
+def deliver(summary: Mapping[str, Any], written: Written, *, as_json: bool) -> None:
+    """Print where the files are, and the JSON line if it is asked for.
+
+    Raises the `StorageError` of files that could not be written, once all is printed.
+    """
+    for path in () if isinstance(written, StorageError) else written:
+        print(f"Written: {path}")
     if as_json:
         print(to_json(summary))
+    if isinstance(written, StorageError):
+        raise written
 
 
 def tell(text: str) -> None:
     """A remark on how the work goes; to stderr, so that stdout holds results only."""
-    print(text, file=sys.stderr, flush=True)
+    with suppress(OSError):  # a terminal that is gone stops no work
+        print(text, file=sys.stderr, flush=True)

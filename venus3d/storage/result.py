@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,6 @@ from venus3d.engine.costs import mean_projection_error_px
 from venus3d.engine.observation import View
 from venus3d.engine.pose import Array
 from venus3d.engine.snapshot import Calibration, Diagnosis, Forecast, Progress
-from venus3d.storage.camera_yaml import write_camera_yaml
-from venus3d.storage.folder import write_bytes
 
 
 def summary_of(
@@ -100,19 +97,11 @@ def full_result(
     }
 
 
-def write_result(
-    directory: Path,
-    calibration: Calibration,
-    board: Board,
-    summary: Mapping[str, Any],
-    history: Sequence[Progress] = (),
-) -> tuple[Path, Path]:
-    """Write camera.yaml and result.json into `directory`. Raises `StorageError`."""
-    text = to_json(full_result(summary, calibration, history), indent=2) + "\n"
-    return (
-        write_camera_yaml(directory / "camera.yaml", calibration, board),
-        write_bytes(directory / "result.json", text.encode()),
-    )
+def result_json(
+    summary: Mapping[str, Any], calibration: Calibration, history: Sequence[Progress] = ()
+) -> str:
+    """The text of result.json."""
+    return to_json(full_result(summary, calibration, history), indent=2) + "\n"
 
 
 def to_json(content: Mapping[str, Any], indent: int | None = None) -> str:

@@ -1,0 +1,126 @@
+"""Nobody waits for the disk, the newest wins, and nothing pending is left behind."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import replace
+
+import pytest
+
+from tests.scene.guided import guided_session
+from venus3d.app.keeper import Keeper
+from venus3d.engine.board import Board
+from venus3d.engine.camera import Camera
+from venus3d.engine.errors import StorageError
+from venus3d.engine.settings import Settings
+from venus3d.engine.snapshot import Phase, Snapshot
+
+
+@pytest.fixture(scope="module")
+def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
+    """A session after five views."""
+    return guided_session(paper_camera, default_board, Settings())
+
+
+def anew(snapshot: Snapshot, phase: Phase = "guiding") -> Snapshot:
+    """The same after another calibration."""
+    assert snapshot.calibration is not None
+    return replace(snapshot, calibration=replace(snapshot.calibration), phase=phase)
+
+
+class Disk:
+    """Takes what is written, as slowly as it is told to."""
+
+    def __init__(self) -> None:
+        self.written: list[Snapshot] = []
+        self.threads: set[str] = set()
+        self.free = threading.Event()
+        self.free.set()
+        self.error: Exception | None = None
+
+    def write(self, snapshot: Snapshot) -> str:
+        self.threads.add(threading.current_thread().name)
+        assert self.free.wait(30)
+        if self.error is not None:
+            raise self.error
+        self.written.append(snapshot)
+        return f"{len(self.written)} written"
+
+    def wait_for(self, count: int) -> None:
+        end = time.monotonic() + 30
+        while len(self.written) < count:
+            assert time.monotonic() < end
+            time.sleep(0.005)
+
+
+def test_every_calibration_is_written_once(guided: Snapshot) -> None:
+    disk = Disk()
+    keeper = Keeper(disk.write)
+    views = [anew(guided) for _ in range(3)]
+    for count, view in enumerate(views, start=1):
+        for _ in range(5):  # a frame each
+            keeper.put(replace(view, number=count))
+        disk.wait_for(count)
+    keeper.put(replace(views[-1], calibration=None))  # all views were taken back
+    keeper.close()
+    assert [w.calibration for w in disk.written] == [v.calibration for v in views]
+    assert disk.threads == {"keep"}
+
+
+def test_nobody_waits_for_a_slow_disk_and_the_newest_wins(guided: Snapshot) -> None:
+    disk = Disk()
+    disk.free.clear()
+    keeper = Keeper(disk.write)
+    views = [anew(guided) for _ in range(6)]
+    keeper.put(views[0])
+    while not disk.threads:
+        time.sleep(0.001)
+    started = time.perf_counter()
+    for view in views[1:]:
+        keeper.put(view)
+    assert time.perf_counter() - started < 0.1 and not disk.written
+    disk.free.set()
+    keeper.close()
+    assert disk.written == [views[0], views[-1]]
+    keeper.put(anew(guided))  # too late
+    keeper.close()
+
+
+def test_the_place_is_said_when_it_is_over(guided: Snapshot) -> None:
+    disk, said = Disk(), list[str]()
+    keeper = Keeper(disk.write, said.append)
+    view = anew(guided)
+    keeper.put(view)
+    disk.wait_for(1)
+    assert not said
+    keeper.put(replace(view, phase="finished"))  # by the user, without another view
+    disk.wait_for(2)
+    keeper.put(replace(view, phase="finished", number=9))
+    keeper.put(anew(guided))  # one more view after all
+    disk.wait_for(3)
+    keeper.put(anew(guided, "converged"))
+    keeper.close()
+    assert said == ["2 written", "4 written"]
+
+
+@pytest.mark.parametrize("error", [StorageError("The disk is full."), ValueError("Odd.")])
+def test_what_fails_is_told_and_the_next_view_is_tried(guided: Snapshot, error: Exception) -> None:
+    disk, told = Disk(), list[str]()
+    disk.error = error
+    keeper = Keeper(disk.write, failed=told.append)
+    keeper.put(anew(guided))
+    while not told:
+        time.sleep(0.005)
+    assert told == [f"Not saved: {error} The next view is tried again."]
+    disk.error = None
+    keeper.put(last := anew(guided))
+    keeper.close()
+    assert disk.written == [last] and len(told) == 1
+
+
+def test_where_nothing_was_captured_there_is_no_thread() -> None:
+    before = threading.active_count()
+    keeper = Keeper(Disk().write)
+    assert threading.active_count() == before
+    keeper.close()

@@ -1,0 +1,134 @@
+"""Programs of ours in processes of their own, ended in every way that a process can end."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pty
+import re
+import signal
+import socket
+import subprocess
+import sys
+import termios
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from venus3d.storage.camera_yaml import read_camera_yaml
+
+PATIENCE_S = 120
+
+
+def free_port() -> str:
+    """A port that nobody listens on."""
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return str(found.getsockname()[1])
+
+
+def wait_until_there(path: Path) -> None:
+    """Fails if such a file does not come."""
+    end = time.monotonic() + PATIENCE_S
+    while not path.exists():
+        assert time.monotonic() < end, f"{path} never came"
+        time.sleep(0.001)
+
+
+class Program:
+    """`tests.cli.watched`, whose output is read line by line."""
+
+    def __init__(self, *arguments: str, prefix: tuple[str, ...] = (), **more: str) -> None:
+        """Run it with these arguments, after `prefix`, with `more` in its environment."""
+        self.process = subprocess.Popen(
+            [*prefix, sys.executable, "-m", "tests.cli.watched", *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **more},
+        )
+        # Whoever waits for a line in vain must hear of it.
+        self._end = threading.Timer(PATIENCE_S, self.process.kill)
+        self._end.start()
+
+    def wait_for(self, pattern: str) -> re.Match[str]:
+        """The next line with this in it."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            if found := re.search(pattern, line):
+                return found
+        raise AssertionError((pattern, self.process.communicate()[1]))
+
+    def wait_for_views(self, count: int) -> int:
+        """How many views there are once there are at least so many."""
+        while (views := int(self.wait_for(r"^views (\d+)")[1])) < count:
+            pass
+        return views
+
+    def send(self, *blows: signal.Signals) -> None:
+        """Send these signals, a tenth of a second after each other, while it runs."""
+        for blow in blows:
+            self.process.send_signal(blow)  # does nothing once it has ended and was waited for
+            with suppress(subprocess.TimeoutExpired):
+                self.process.wait(0.1)
+
+    def ended(self) -> tuple[int, str, str]:
+        """Exit code and the rest of both streams."""
+        out, err = self.process.communicate(timeout=PATIENCE_S)
+        return self.process.returncode, out, err
+
+    def kill(self) -> None:
+        """Without a chance to say or keep anything."""
+        self.process.kill()
+        self.process.communicate()
+        self._end.cancel()
+
+
+class OnATerminal:
+    """The same with a terminal of its own, which can be closed."""
+
+    def __init__(self, *arguments: str, log: Path) -> None:
+        """Run it with these arguments; stderr goes into `log`, where it can be read afterwards."""
+        self._master, slave = pty.openpty()
+        with log.open("wb") as errors:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "tests.cli.watched", *arguments],
+                stdin=slave,
+                stdout=slave,
+                stderr=errors,
+                start_new_session=True,
+                preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+            )
+        os.close(slave)
+        self._end = threading.Timer(PATIENCE_S, self.process.kill)
+        self._end.start()
+
+    def wait_for_views(self, count: int) -> None:
+        """Read what it prints until there are so many views."""
+        text = b""
+        while not re.search(rb"views %d\r\n" % count, text):
+            text += os.read(self._master, 4096)
+
+    def close_terminal(self) -> None:
+        """As when its window is closed."""
+        os.close(self._master)
+
+    def kill(self) -> None:
+        """Without a chance to say or keep anything."""
+        self.process.kill()
+        self.process.wait()
+        self._end.cancel()
+
+
+def kept(folder: Path) -> dict[str, Any]:
+    """The result in a folder, complete and of one piece, and nothing else beside it."""
+    result: dict[str, Any] = json.loads((folder / "result.json").read_text())
+    assert len(result["captured"]) == result["views"] == result["history"][-1]["views"]
+    camera = read_camera_yaml(folder / "camera.yaml")
+    assert [camera.fx, camera.cy] == [result["intrinsics"]["fx"], result["intrinsics"]["cy"]]
+    assert {path.name for path in folder.iterdir()} == {"camera.yaml", "result.json"}
+    return result

@@ -1,0 +1,137 @@
+"""camera.yaml and result.json of one session; what else has these names in the folder is kept."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from venus3d.engine.board import Board
+from venus3d.engine.errors import StorageError
+from venus3d.engine.snapshot import Calibration, Progress
+from venus3d.storage.camera_yaml import camera_yaml
+from venus3d.storage.folder import alone_in, reason, replace_files, sync_folder
+from venus3d.storage.result import result_json
+
+
+class ResultFolder:
+    """Where one session writes its result, again and again. Used by one thread at a time.
+
+    A file that is not this session's own is put under another name before it is replaced: an
+    earlier result, another program's, one that was edited. Two sessions may share a folder: the one
+    that began to write first goes on under the names that its files were given.
+    """
+
+    def __init__(self, directory: Path, tell: Callable[[str], None] = lambda _: None) -> None:
+        """Nothing is written yet. `tell` hears under which names an earlier result is kept."""
+        self.directory = directory
+        self._tell = tell
+        self._tail = ""
+        self._own: dict[Path, bytes] = {}
+        self._kept: dict[Path, bytes] = {}
+
+    @property
+    def paths(self) -> tuple[Path, Path]:
+        """Where camera.yaml and result.json are, or will be."""
+        return self._paths(self._tail)
+
+    @property
+    def is_written(self) -> bool:
+        """Whether this session has written a result."""
+        return bool(self._own)
+
+    def write(
+        self,
+        calibration: Calibration,
+        board: Board,
+        summary: Mapping[str, Any],
+        history: Sequence[Progress] = (),
+    ) -> tuple[Path, Path]:
+        """Write the result, in the place of the one that this session wrote before.
+
+        Each file is whole at every moment. Raises `StorageError`; what was there is then as it was.
+        """
+        camera = camera_yaml(calibration, board).encode()
+        result = result_json(summary, calibration, history).encode()
+        told: list[str] = []
+        try:
+            self.directory.mkdir(parents=True, exist_ok=True)
+            with alone_in(self.directory):
+                self._follow()
+                contents = dict(zip(self.paths, (camera, result), strict=True))
+                replace_files(contents, before=lambda: told.extend(self._keep_others()))
+                self._own = contents
+        except OSError as error:
+            raise StorageError(
+                f"camera.yaml and result.json cannot be written to {self.directory} "
+                f"({reason(error)}); make room there, or put the folder right."
+            ) from error
+        finally:
+            if told:
+                self._tell(
+                    f"The earlier result in {self.directory} is kept as {' and '.join(told)}."
+                )
+        return self.paths
+
+    def _paths(self, tail: str) -> tuple[Path, Path]:
+        return self.directory / f"camera{tail}.yaml", self.directory / f"result{tail}.json"
+
+    def _follow(self) -> None:
+        """Find out whether another session has put our files under other names."""
+        result = self.paths[1]
+        if result not in self._own or _content(result) == self._own[result]:
+            return
+        for path in self.directory.glob("result-*.json"):
+            if _content(path) == self._own[result]:
+                self._tail = path.stem.removeprefix("result")
+                self._own = dict(zip(self.paths, self._own.values(), strict=True))
+                return
+
+    def _keep_others(self) -> list[str]:
+        """Put what is not ours under another name, the pair alike; those names."""
+        others = [path for path in self.paths if os.path.lexists(path) and not self._is_known(path)]
+        if not others:
+            return []
+        free = self._free(min(path.lstat().st_mtime for path in others))
+        named = dict(zip(self.paths, free, strict=True))
+        kept: list[str] = []
+        for path in others:
+            content = _content(path)
+            _put_aside(path, named[path])
+            if content is not None:
+                self._kept[path] = content  # in case it cannot be replaced just now
+            kept.append(named[path].name)
+        # The old names have to be on the disk before the new content is.
+        sync_folder(self.directory)
+        return kept
+
+    def _free(self, time_s: float) -> tuple[Path, Path]:
+        """Two names with this time that nothing has: halves of different results make no pair."""
+        stamp = time.strftime("-%Y-%m-%dT%H-%M-%S", time.localtime(time_s))
+        pairs = (self._paths(stamp if n == 1 else f"{stamp}-{n}") for n in count(1))
+        return next(pair for pair in pairs if not any(map(os.path.lexists, pair)))
+
+    def _is_known(self, path: Path) -> bool:
+        content = _content(path)
+        return content is not None and content in (self._own.get(path), self._kept.get(path))
+
+
+def _content(path: Path) -> bytes | None:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return None
+
+
+def _put_aside(path: Path, name: Path) -> None:
+    """Give a file another name. Where the disk can, it keeps its old one until it is replaced, so
+    that a file of that name is there at every moment. Raises `OSError`."""
+    try:
+        os.link(path, name)
+    except FileExistsError:
+        raise  # renaming would replace it
+    except OSError:
+        os.rename(path, name)
