@@ -26,7 +26,7 @@ class CalibrateOptions:
     every: Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: chosen)")] = None
     """Take every Nth frame of a video that shows the board, instead of choosing."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
-    """Folder for camera.yaml and result.json."""
+    """Folder for camera.yaml and result.json; an earlier result there is kept."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
 

@@ -89,8 +89,8 @@ class GuideOptions:
     audience_sound: Switch = False
     """The second page plays a tone when a step is right, two when a view is captured."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
-    """Folder for camera.yaml and result.json (--trial: trial.csv); with the viewer, venus3d-result
-    (--trial: venus3d-trial) if none is named."""
+    """Folder for camera.yaml and result.json, written after every view, earlier ones kept (--trial:
+    trial.csv); with the viewer, venus3d-result (--trial: venus3d-trial) if none is named."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
     trial: Switch = False
