@@ -31,7 +31,7 @@ from venus3d.app.practice_trainee import Course, Trainee
 from venus3d.app.promptness import prompt
 from venus3d.engine.errors import StorageError
 from venus3d.options import PracticeOptions
-from venus3d.scene.drawing import Failures
+from venus3d.scene.drawing import Failures, tell_tab
 from venus3d.scene.offscreen import Offscreen
 from venus3d.scene.practice.moment import PracticeMoment, Wish
 from venus3d.scene.practice.page import PracticePage
@@ -44,7 +44,7 @@ from venus3d.scene.practice.shapes import (
 )
 from venus3d.scene.server import LocalServer, start_server
 from venus3d.scene.shapes import Shape
-from venus3d.scene.texts.common import DRAWING_FAILED, DRAWN_ANEW_WHY
+from venus3d.scene.texts.common import DRAWING_FAILED
 from venus3d.scene.texts.practice import BROKEN, STANDS_STILL
 from venus3d.sources.sim import PAPER_CAMERA
 from venus3d.storage.camera_yaml import read_camera_yaml
@@ -252,7 +252,7 @@ class Hall:
             client.gui.reset()
             client.scene.reset()
             desk.page, desk.shown = self._page(client, desk.trainee, desk.wishes), None
-            desk.page.warn(DRAWN_ANEW_WHY.format(cause=type(error).__name__))
+            tell_tab(client, error)
         except Exception as worse:
             self._failures.tell(worse, STANDS_STILL)
             self._leave(client)

@@ -108,12 +108,17 @@ class DrawingThreads:
 
 
 def tell_of_failure(server: viser.ViserServer, error: Exception) -> None:
-    """Say in every tab that comes to this new page why it is new, and that nothing is lost."""
-    text = texts.DRAWN_ANEW_WHY.format(cause=type(error).__name__)
-
-    def told(client: viser.ClientHandle) -> None:
-        if time.monotonic() < until:
-            client.add_notification(texts.DRAWN_ANEW, text, color="yellow")
-
+    """Say in every tab that comes to this new page why it is new."""
     until = time.monotonic() + _TOLD_S
-    server.on_client_connect(told)
+
+    def came(tab: viser.ClientHandle) -> None:
+        if time.monotonic() < until:
+            tell_tab(tab, error)
+
+    server.on_client_connect(came)
+
+
+def tell_tab(tab: viser.ClientHandle, error: Exception) -> None:
+    """Say in this tab that its page was drawn anew, why, and that nothing is lost."""
+    text = texts.DRAWN_ANEW_WHY.format(cause=type(error).__name__)
+    tab.add_notification(texts.DRAWN_ANEW, text, color="yellow")
