@@ -24,7 +24,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from tests.attacks.crowd import burst, stay
-from tests.scene.ports import free_port
+from tests.ports import free_port
 from tests.scene.raw_client import RawClient, every_message
 
 pytestmark = pytest.mark.slow
@@ -81,23 +81,13 @@ class Program:
             return False
         with RawClient(self.port) as tab:
             tab.look()
-            came, sliders = list[dict[str, Any]](), list[dict[str, Any]]()
+            came = list[dict[str, Any]]()
             while not any(message["type"] == "ReplayDoneMessage" for message in came):
                 came += tab.window(timeout=30)
-            moves = self.page in ("guide", "trial", "audience")
-            while not moves and not sliders:
-                sliders = [
-                    m
-                    for m in came
-                    if m["type"] == "GuiSliderMessage" and not m["props"]["disabled"]
-                ]
-                came += [] if sliders else tab.window(timeout=30)
-            for slider in sliders[-1:]:
-                with contextlib.suppress(TimeoutError):  # what is still on its way
-                    while True:
-                        tab.window(timeout=1.0)
-                tab.send(value(slider["uuid"], slider["props"]["max"]))
-                tab.send(value(slider["uuid"], slider["props"]["min"]))
+            if self.page in ("teach", "practice"):  # where nothing moves but what one moves
+                slider = a_slider(tab, came)
+                for end in ("max", "min"):
+                    tab.send(value(slider["uuid"], slider[end]))
             return bool(tab.window(timeout=30))
 
     def end(self) -> str:
@@ -119,6 +109,21 @@ def program(request: pytest.FixtureRequest, tmp_path_factory: Any) -> Iterator[P
 
 def value(uuid: str, value: Any) -> dict[str, Any]:
     return {"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}}
+
+
+def a_slider(tab: RawClient, came: list[dict[str, Any]]) -> dict[str, Any]:
+    """One that may be moved, once the page is all there."""
+    while True:
+        with contextlib.suppress(TimeoutError):
+            while True:
+                came += tab.window(timeout=1.0)
+        sliders = {m["uuid"]: m["props"] for m in came if m["type"] == "GuiSliderMessage"}
+        for message in came:
+            if message["type"] == "GuiUpdateMessage":
+                sliders.get(message["uuid"], {}).update(message["updates"])
+        for uuid, props in sliders.items():
+            if props["visible"] and not props["disabled"]:
+                return {**props, "uuid": uuid}
 
 
 FORGED: tuple[dict[str, Any], ...] = (

@@ -8,7 +8,6 @@ import os
 import pty
 import re
 import signal
-import socket
 import subprocess
 import sys
 import termios
@@ -21,13 +20,6 @@ from typing import Any
 from venus3d.storage.camera_yaml import read_camera_yaml
 
 PATIENCE_S = 120
-
-
-def free_port() -> str:
-    """A port that nobody listens on."""
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return str(found.getsockname()[1])
 
 
 def wait_until_there(path: Path) -> None:

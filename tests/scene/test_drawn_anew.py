@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from tests.scene.ports import free_port
+from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from venus3d.app.practice import Hall
 from venus3d.app.practice_trainee import Course

@@ -12,7 +12,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
-from tests.scene.ports import free_port
+from tests.ports import free_port
 from venus3d.scene.server import LocalServer, start_read_only_server, start_server
 
 

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from viser import _messages as messages
 
-from tests.scene.ports import free_port
+from tests.ports import free_port
 from tests.scene.raw_client import AHEAD, RawClient, instance
 from venus3d.app.practice import Hall
 from venus3d.app.practice_trainee import Course

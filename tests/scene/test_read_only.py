@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import viser
 
-from tests.scene.ports import free_port
+from tests.ports import free_port
 from tests.scene.raw_client import RawClient, every_message
 from venus3d.scene.audience.audience import Audience
 from venus3d.scene.audience.controls import AudienceControls

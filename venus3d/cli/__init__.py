@@ -10,7 +10,6 @@ from __future__ import annotations
 import errno
 import os
 import sys
-import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Annotated
@@ -111,8 +110,6 @@ def _run(given: list[str]) -> int:
             _command_of(options)()
     except VenusError as error:
         print(f"venus3d: {error}", file=sys.stderr)
-        if sys.flags.dev_mode and error.__cause__ is not None:
-            traceback.print_exception(error.__cause__)
         return MISTAKE
     except KeyboardInterrupt as stop:
         # What a study says of where it stopped; Ctrl-C itself says nothing.

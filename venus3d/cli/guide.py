@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,7 @@ def guide(options: GuideOptions) -> None:
 def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
     """Guide; however that ends, the files hold what was captured, and it is told where they are.
 
-    Raises `VenusError`, also for a mistake of ours: who holds a board is not helped by a traceback.
+    Raises `VenusError`, also for a mistake of ours, whose traceback is printed.
     """
     try:
         return run_guide(options, lambda result: _keep(result, options, files))
@@ -55,9 +56,10 @@ def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
             _tell_written(files)
         if isinstance(error, VenusError) or not isinstance(error, Exception):
             raise
+        traceback.print_exception(error)
         raise VenusError(
-            f"The guidance broke off unexpectedly ({type(error).__name__}: {error}); begin again, "
-            "and please report it with what python -X dev -m venus3d says then."
+            "The guidance broke off by a mistake of ours; begin again, and please report the lines "
+            "above."
         ) from error
 
 
