@@ -81,9 +81,11 @@ def test_it_installs_draws_and_calibrates(
 
     def ran(*arguments: str) -> subprocess.CompletedProcess[str]:
         program = tmp_path / "venv/bin/venus3d"
-        return subprocess.run(
-            [program, *arguments, "--output", tmp_path], capture_output=True, text=True, check=True
+        done = subprocess.run(
+            [program, *arguments, "--output", tmp_path], capture_output=True, text=True
         )
+        assert done.returncode == 0, done.stderr
+        return done
 
     said = ran("decompose", "30", "-20", "10", "50", "0", "500").stderr
     with Offscreen() as offscreen:
