@@ -15,7 +15,7 @@ from typing import Any
 import cv2
 import pytest
 
-from tests.cli.programs import free_port
+from tests.ports import free_port
 from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS, PICTURE_LEGEND, TOUR
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -191,7 +191,7 @@ def test_the_operator_is_told_of_what_cannot_be_saved(
     """Guidance goes on meanwhile, and at the end the page says where the result is."""
     folder = tmp_path / "out"
     program = start(
-        *("guide", "sim", "--autopilot", "--speed", "4", "--port", free_port(), "--no-tour"),
+        *("guide", "sim", "--autopilot", "--speed", "4", "--port", str(free_port()), "--no-tour"),
         *("--max-views", "4", "--output", str(folder)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
