@@ -38,6 +38,7 @@ from venus3d.scene.teach.state import Vector
 from venus3d.scene.teach.viewer import TeachViewer
 from venus3d.scene.texts import common, guide
 from venus3d.scene.texts import practice as practice_texts
+from venus3d.scene.trial.page import TrialPage, TrialViewer
 from venus3d.storage.practice import PracticeFile
 
 FRAME = np.full((72, 128, 3), 90, np.uint8)
@@ -141,6 +142,21 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
     assert viewer.page.knowledge is not None
     # What a person had captured and chosen is there again.
     assert viewer.page.knowledge._pictures  # pyright: ignore[reportPrivateUsage]
+
+
+def test_a_trials_page_that_breaks_is_drawn_anew(
+    guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = TrialViewer(port=free_port())
+    try:
+        fault.before(TrialPage, "show", monkeypatch)
+        before, fault.due = viewer.server, 1
+        viewer.show(guided)
+        viewer.show_picture(FRAME)
+        assert soon(lambda: viewer.server is not before)
+        page_of(viewer.port, "/board/live", "GuiImageMessage", common.DRAWN_ANEW)
+    finally:
+        viewer.close()
 
 
 @pytest.mark.slow
