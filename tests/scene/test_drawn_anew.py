@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -17,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import rich
 from websockets.exceptions import ConnectionClosed
 
 from tests.ports import free_port
@@ -157,6 +159,68 @@ def test_a_trials_page_that_breaks_is_drawn_anew(
         page_of(viewer.port, "/board/live", "GuiImageMessage", common.DRAWN_ANEW)
     finally:
         viewer.close()
+
+
+def test_a_page_that_cannot_be_drawn_anew_is_tried_again(
+    viewer: Viewer,
+    guided: Snapshot,
+    fault: Fault,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """A page between two servers would look alive and stand still for ever."""
+    import venus3d.scene.guide.viewer as module
+
+    again = Fault()
+    fault.before(module, "describe", monkeypatch)
+    again.before(module, "SceneView", monkeypatch)
+    before, fault.due, again.due = viewer.server, 1, 1
+    viewer.show(guided)
+    assert soon(lambda: again.raised == 1 and viewer.server is not before)
+    page_of(viewer.port, "/board/live", common.DRAWN_ANEW)
+    assert len(logged(caplog)) == 2
+
+
+def test_two_pages_that_break_at_once_leave_the_terminal_alone(
+    viewer: Viewer, guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both silence viser meanwhile; what the program prints must come out all the same."""
+    import venus3d.scene.audience.audience as other
+    import venus3d.scene.guide.viewer as module
+
+    theirs = Fault()
+    fault.before(module, "describe", monkeypatch)
+    theirs.before(other, "moment_of", monkeypatch)
+    audience, stdout = Audience("127.0.0.1", free_port()), sys.stdout
+    try:
+        before, fault.due, theirs.due = (viewer.server, audience.server), 1, 1
+        viewer.show(guided), audience.show(guided)
+        assert soon(lambda: viewer.server is not before[0] and audience.server is not before[1])
+        assert sys.stdout is stdout and not rich.get_console().quiet
+    finally:
+        audience.close()
+
+
+def test_a_page_that_is_closed_while_it_is_drawn_anew_leaves_no_server(
+    viewer: Viewer, guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import venus3d.scene.guide.viewer as module
+
+    closing = threading.Thread(target=viewer.close)
+    real = module.serve_anew
+
+    def slow(*given: Any) -> Any:
+        closing.start()
+        assert soon(viewer._threads.stop.is_set)  # pyright: ignore[reportPrivateUsage]
+        return real(*given)
+
+    monkeypatch.setattr(module, "serve_anew", slow)
+    fault.before(module, "describe", monkeypatch)
+    fault.due = 1
+    viewer.show(guided)
+    assert soon(lambda: closing.ident is not None and not closing.is_alive())
+    with pytest.raises(OSError):
+        RawClient(viewer.port)
 
 
 @pytest.mark.slow

@@ -56,8 +56,8 @@ WIDGETS: dict[str, tuple[Callable[[viser.GuiApi], Any], list[Any], list[Any]]] =
     "checkbox": (lambda gui: gui.add_checkbox("c", False), [True, False], [1, "True", None, []]),
     "slider": (
         lambda gui: gui.add_slider("s", -70.0, 70.0, 0.5, 0.0),
-        [0, -70, 70.0, 12.5],
-        [-70.1, 71, math.nan, math.inf, -math.inf, 1e300, 2**63, True, "1", None, [1.0]],
+        [0, -70, 70.0, 12.5, 70.4],
+        [-70.6, 71, math.nan, math.inf, -math.inf, 1e300, 2**63, True, "1", None, [1.0]],
     ),
     "choice": (
         lambda gui: gui.add_dropdown("d", ("one", "two")),
@@ -114,7 +114,11 @@ CAMERA = {**instance(messages.ViewerCameraMessage, {}), **AHEAD} | {
 }
 
 
-@pytest.mark.parametrize("change", [{}, {"image_width": 1280.5}, {"position": (0, 0, -9.5)}])
+@pytest.mark.parametrize(
+    "change",
+    [{}, {"image_width": 1280.5}, {"image_width": 11520}, {"position": (0, 0, -9.5)}, {"fov": 1}],
+    ids=str,
+)
 def test_a_point_of_view_is_heard(server: LocalServer, change: dict[str, Any]) -> None:
     assert heard(server, **CAMERA | change)
 
@@ -129,6 +133,13 @@ def test_a_point_of_view_is_heard(server: LocalServer, change: dict[str, Any]) -
         {"position": (math.nan, 0, 0)},
         {"position": (1e300, 0, 0)},
         {"position": ("a", "b", "c")},
+        # viser makes numbers of texts, past every limit.
+        {"position": ("nan", "0", "1e300")},
+        {"up_direction": ("nan", "0", "1")},
+        {"up_direction": (0, math.nan, 1)},
+        {"image_width": "1" * 310},
+        {"fov": "1"},
+        {"fov": True},
         {"position": None},
         {"position": ((0, 0, 0), (0, 0, 0))},
         {"fov": math.inf},

@@ -161,6 +161,9 @@ def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() ->
 
 NONSENSE: tuple[dict[str, Any], ...] = (
     {"position": ("a", "b", "c")},
+    {"position": ("nan", "0", "1e300")},
+    {"up_direction": ("nan", "0", "1")},
+    {"image_width": "1" * 310},
     {"position": (1, 2)},
     {"position": (float("nan"), 0, 0)},
     {"look_at": (1e300, 0, 0)},

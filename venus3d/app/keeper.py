@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 
+from venus3d.engine.errors import VenusError
 from venus3d.engine.snapshot import Calibration, Snapshot
 from venus3d.sources.latest import Latest
+
+_LOG = logging.getLogger(__name__)
 
 
 def is_over(snapshot: Snapshot) -> bool:
@@ -47,8 +51,8 @@ class Keeper:
         if known is not None and (known is not self._known or (over and not self._was_over)):
             self._box.put(snapshot)
             if not self._started:
-                self._started = True
                 self._thread.start()
+                self._started = True
         self._known, self._was_over = known, over
 
     def close(self) -> None:
@@ -61,8 +65,11 @@ class Keeper:
         while (snapshot := self._box.take()) is not None:
             try:
                 sentence = self._write(snapshot)
-            except Exception as error:  # of any kind: the next view is worth trying
+            except VenusError as error:
                 self._failed(f"Not saved: {error} The next view is tried again.")
+            except Exception:  # a mistake of ours: the next view is worth trying
+                _LOG.exception("venus3d: a result could not be saved")
+                self._failed("Not saved; the terminal tells why. The next view is tried again.")
             else:
                 if is_over(snapshot):
                     self._saved(sentence)

@@ -45,7 +45,7 @@ from venus3d.scene.practice.shapes import (
 from venus3d.scene.server import LocalServer, start_server
 from venus3d.scene.shapes import Shape
 from venus3d.scene.texts.common import DRAWING_FAILED
-from venus3d.scene.texts.practice import BROKEN, STANDS_STILL
+from venus3d.scene.texts.practice import BROKEN, STANDS_STILL, TITLE
 from venus3d.sources.sim import PAPER_CAMERA
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.practice import PracticeFile
@@ -124,13 +124,11 @@ class Hall:
         """Serve everybody until `close`."""
         while not self._stop.is_set():
             started = time.monotonic()
-            for desk in self.desks:
-                self._serve(desk)
+            moving = [self._serve(desk) for desk in self.desks]
             waiting = self._draw_until(started + _ROUND_S)
             self._stop.wait(_PERIOD_S - (time.monotonic() - started))
             # Clocks run, views fly and windows change by themselves.
-            busy = waiting or any(desk.page.is_moving for desk in self.desks)
-            self._wake.wait(timeout=0 if busy else 0.1)
+            self._wake.wait(timeout=0 if waiting or any(moving) else 0.1)
             self._wake.clear()
 
     def close(self) -> None:
@@ -149,7 +147,13 @@ class Hall:
             return
         trainee = Trainee(self._course, number + 1)
         wishes: queue.SimpleQueue[Wish] = queue.SimpleQueue()
-        desk = Desk(client, trainee, self._page(client, trainee, wishes), wishes)
+        try:
+            page = self._page(client, trainee, wishes)
+        except Exception as error:
+            self._failures.tell(error, STANDS_STILL)
+            client.add_notification(TITLE, BROKEN, color="red")
+            return
+        desk = Desk(client, trainee, page, wishes)
         with self._lock:
             self._desks[number] = desk
         # It may have gone while its page was laid out; then nobody else would clear the desk.
@@ -173,8 +177,11 @@ class Hall:
 
     # -- on the practice thread ------------------------------------------------------------------
 
-    def _serve(self, desk: Desk) -> None:
-        """Obey one trainee and show what came of it. A mistake of ours here is theirs alone."""
+    def _serve(self, desk: Desk) -> bool:
+        """Obey one trainee and show what came of it; whether something on the page still moves.
+
+        A mistake of ours here is theirs alone.
+        """
         try:
             now = time.monotonic()
             changed = desk.trainee.tick(now) or desk.shown is None
@@ -188,8 +195,10 @@ class Hall:
                 self._show(desk, desk.trainee.moment(now))
             if desk.page.is_moving:
                 desk.page.advance()
+            return desk.page.is_moving
         except Exception as error:
             self._failed(desk, error)
+            return False
 
     def _show(self, desk: Desk, moment: PracticeMoment) -> None:
         before, desk.shown = desk.shown, moment

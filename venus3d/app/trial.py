@@ -56,7 +56,8 @@ class TrialGuide(Watching):
         self._session = session
 
     def run(self) -> None:
-        """Run until stopped, by `stop`, Ctrl-C or a termination signal; the page stays until then.
+        """Run until stopped, by `stop`, Ctrl-C or a signal that asks to end; until then the page
+        stays.
 
         Raises what broke the source; what was measured is on the disk.
         """

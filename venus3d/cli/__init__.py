@@ -11,7 +11,6 @@ import errno
 import os
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from typing import Annotated
 
 import tyro
@@ -85,12 +84,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
     except OSError as error:
         # Whoever read our output (head, less) has had enough, or its terminal was closed.
-        if error.errno not in (errno.EPIPE, errno.EIO):
+        if error.errno not in (errno.EPIPE, errno.EIO) or not _silenced():
             raise
-        if error.errno == errno.EIO:
-            with suppress(OSError):
-                print(f"venus3d: No more can be printed ({error.strerror}).", file=sys.stderr)
-        _silence()
         return OK
 
 
@@ -122,14 +117,20 @@ def _interrupt() -> None:
     raise KeyboardInterrupt
 
 
-def _silence() -> None:
-    """Let what is still in the streams that nobody reads go nowhere: Python complains at exit."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
+def _silenced() -> bool:
+    """Let what is still in the streams that nobody reads go nowhere: Python complains at exit.
+
+    Whether there was such a stream.
+    """
+    found = False
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
+            os.write(stream.fileno(), b"")
         except OSError:
-            os.dup2(nowhere, stream.fileno())
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            found = True
+    return found
 
 
 def _command_of(options: object) -> Callable[[], None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import traceback
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -56,7 +57,8 @@ def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
             _tell_written(files)
         if isinstance(error, VenusError) or not isinstance(error, Exception):
             raise
-        traceback.print_exception(error)
+        with suppress(OSError):  # a terminal that is gone
+            traceback.print_exception(error)
         raise VenusError(
             "The guidance broke off by a mistake of ours; begin again, and please report the lines "
             "above."

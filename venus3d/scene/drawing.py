@@ -32,7 +32,7 @@ class Failures:
     def tell(self, error: Exception, what: str) -> None:
         """Log what failed, one of the texts, and how, unless the same thing was logged before."""
         place = extract_tb(error.__traceback__)[-1:]
-        key = (type(error), *((frame.filename, frame.lineno) for frame in place))
+        key = (what, type(error), *((frame.filename, frame.lineno) for frame in place))
         if key not in self._told:
             self._told.add(key)
             _LOG.error(texts.FAILED_ONCE, what, exc_info=error)
@@ -95,16 +95,23 @@ class DrawingThreads:
             self._failures.tell(error, texts.DRAWING_FAILED)
             if time.monotonic() - self._failed_at > _FORGIVEN_S:
                 self._wait_s = 0.0
-            self.stop.wait(self._wait_s)
-            self._wait_s = min(_LONGEST_WAIT_S, max(1.0, 2 * self._wait_s))
-            if self.stop.is_set():
-                return
-            try:
-                self._draw_anew(error)
-            except Exception as again:
-                self._failures.tell(again, texts.DRAWING_ANEW_FAILED)
+            while not self._is_drawn_anew(error):
+                pass
             self._page += 1
             self._failed_at = time.monotonic()
+
+    def _is_drawn_anew(self, error: Exception) -> bool:
+        """Try once, after a while; whether that is all there is to do."""
+        self.stop.wait(self._wait_s)
+        self._wait_s = min(_LONGEST_WAIT_S, max(1.0, 2 * self._wait_s))
+        if self.stop.is_set():
+            return True
+        try:
+            self._draw_anew(error)
+        except Exception as again:
+            self._failures.tell(again, texts.DRAWING_ANEW_FAILED)
+            return False
+        return True
 
 
 def tell_of_failure(server: viser.ViserServer, error: Exception) -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import ipaddress
 import socket
-from functools import lru_cache
 from urllib.parse import SplitResult, urlsplit
 
 from websockets import Headers
@@ -63,12 +62,14 @@ def _is_ours(name: str, host: str) -> bool:
 
     An IP address can't be rebound, a name can: so of names only this machine's own count.
     """
+    name = name.removesuffix(".")
     if name == "localhost":
         return True
     try:
         address = ipaddress.ip_address(name)
     except ValueError:
-        return not _is_loopback(host) and name.rstrip(".") in {host.lower(), *_own_names()}
+        own = socket.gethostname().lower()
+        return bool(name) and not _is_loopback(host) and name in {host.lower(), own, f"{own}.local"}
     return address.is_loopback or not _is_loopback(host)
 
 
@@ -77,9 +78,3 @@ def _is_loopback(host: str) -> bool:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return host.lower() == "localhost"
-
-
-@lru_cache(maxsize=1)
-def _own_names() -> frozenset[str]:
-    name = socket.gethostname().lower()
-    return frozenset({name, f"{name}.local", socket.getfqdn().lower()})

@@ -19,8 +19,8 @@ import viser
 from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
 
 Find = Callable[[str], Any]
-_FARTHEST = 1e4
-"""No point, no window is larger, metres or pixels."""
+_FARTHEST = 1e5
+"""No point is farther away, metres, and no window larger, pixels."""
 _LONGEST_TEXT = 1000
 _SHORTEST = 1e-6
 """A vector that is shorter has no direction."""
@@ -72,7 +72,7 @@ class _Tagged(msgspec.Struct):
 
 
 def _numbers(values: Iterable[Any]) -> Iterator[float]:
-    """All numbers in nested lists; those that are none fail every comparison."""
+    """All numbers in nested lists, NaN among them."""
     for value in values:
         if isinstance(value, (list, tuple)):
             yield from _numbers(value)  # pyright: ignore[reportUnknownArgumentType]
@@ -93,20 +93,31 @@ def _as(kind: type[Any]) -> _Rule:
     return rule
 
 
+class _View(msgspec.Struct):
+    """As viser's message, but strictly numbers: viser makes some of texts, too."""
+
+    wxyz: tuple[float, float, float, float]
+    position: tuple[float, float, float]
+    look_at: tuple[float, float, float]
+    up_direction: tuple[float, float, float]
+    fov: float
+    near: float
+    far: float
+    image_width: float
+    image_height: float
+
+
 def _is_view(content: dict[str, Any], _: Find) -> bool:
-    # By hand: a window's size may come as a fraction, which viser rounds.
-    vectors = ("wxyz", "position", "look_at", "up_direction")
-    turn, position, look_at, up = (np.array(content[name], dtype=np.float64) for name in vectors)
-    shapes = [vector.shape for vector in (turn, position, look_at, up)]
-    plain = [float(content[name]) for name in ("fov", "near", "far")]
-    size = [float(content["image_width"]), float(content["image_height"])]
-    lengths = [float(np.linalg.norm(vector)) for vector in (turn, look_at - position, up)]
+    view = msgspec.convert(content, _View)  # raises
+    ahead = np.subtract(view.look_at, view.position)
+    lengths = [float(np.linalg.norm(v)) for v in (view.wxyz, ahead, view.up_direction)]
     return (
-        shapes == [(4,), (3,), (3,), (3,)]
-        and min(lengths) > _SHORTEST
-        and min(plain) > 0
-        and plain[0] < np.pi
-        and min(size) >= 1
+        all(length > _SHORTEST for length in lengths)
+        and 0 < view.fov < np.pi
+        and view.near > 0
+        and view.far > 0
+        and view.image_width >= 1
+        and view.image_height >= 1
     )
 
 
@@ -139,7 +150,8 @@ def _can_hold(widget: Any, value: Any) -> bool:
         return isinstance(value, str) and len(value) <= _LONGEST_TEXT
     if isinstance(widget, viser.GuiSliderHandle):
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        return number and bool(widget.min <= value <= widget.max)
+        # An end that is no whole number of steps may be rounded by the browser.
+        return number and bool(widget.min - widget.step <= value <= widget.max + widget.step)
     return False
 
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
-import io
 import socket
 import threading
 import time
 from collections.abc import Callable, Generator
 from typing import Any, TypeVar
 
+import rich
 import viser
 import websockets.asyncio.server as websockets_server
 from websockets.asyncio.server import ServerConnection
@@ -33,7 +33,7 @@ _ON_ITS_WAY_BYTES = 131072
 _FREE_AGAIN_S = 10.0
 _FAREWELL_S = 1.0
 """So long a browser may take to close its connection when the server stops, seconds."""
-_LARGEST_MESSAGE_BYTES = 65536
+_LARGEST_MESSAGE_BYTES = 16384
 """From a browser. viser takes 50 MB, for uploads and screenshots; of our pages none has any."""
 
 
@@ -61,6 +61,7 @@ class LocalServer(viser.ViserServer):
             super().__init__(host, port, **options)
         # Looked up here: should viser change one, no page is served rather than an open one.
         if not self._serves:
+            super().stop()
             raise RuntimeError("viser opens its websocket in another way; install viser 1.1")
         widget_of(self.gui, "")
         self._sockets: Any = vars(self)["_websock_server"]
@@ -80,8 +81,8 @@ class LocalServer(viser.ViserServer):
         return None
 
     def stop(self) -> None:
-        """Serve no longer. viser would print a line, and what is printed is the command line's."""
-        with contextlib.redirect_stdout(io.StringIO()):
+        """Serve no longer."""
+        with _viser_is_quiet():
             super().stop()
 
     def _hears(self, raw: bytes, client_id: int) -> bool:
@@ -182,7 +183,19 @@ class _LoopEvent(asyncio.Event):
 
 
 _plain_serve = websockets_server.serve
-_serving = threading.Lock()
+_serving, _silencing = threading.Lock(), threading.RLock()
+
+
+@contextlib.contextmanager
+def _viser_is_quiet() -> Generator[None, None, None]:
+    """While this lasts, viser prints nothing: what is printed is the command line's."""
+    console = rich.get_console()
+    with _silencing:
+        before, console.quiet = console.quiet, True
+        try:
+            yield
+        finally:
+            console.quiet = before
 
 
 @contextlib.contextmanager
@@ -231,11 +244,12 @@ def start_read_only_server(host: str, port: int) -> ReadOnlyServer:
     return server
 
 
-def serve_anew(server: _Kind) -> _Kind:
+def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
     """A new server in this one's place, which is stopped: same kind, same address, nothing on it.
 
-    Browsers that were connected come back by themselves. Raises `AddressError` if the address is
-    not free again soon.
+    Browsers that were connected come back by themselves. If `stop` is set meanwhile, nobody needs
+    the new one any more: it is stopped, too. Raises `AddressError` if the address is not free again
+    soon.
     """
     host, port = server.get_host(), server.get_port()
     server.stop()
@@ -244,12 +258,17 @@ def serve_anew(server: _Kind) -> _Kind:
         if time.monotonic() > deadline:
             raise AddressError(f"Port {port} on {host} is not free any more; start again.")
         time.sleep(0.05)
-    return _quietly(type(server), host, port)
+    anew = _quietly(type(server), host, port)
+    if stop.is_set() or anew.get_port() != port:  # somebody was quicker
+        anew.stop()
+    if anew.get_port() != port:
+        raise AddressError(f"Port {port} on {host} was taken meanwhile.")
+    return anew
 
 
 def _quietly(kind: type[_Kind], host: str, port: int) -> _Kind:
     # viser prints a banner with the address; ours is printed by the command line.
-    with contextlib.redirect_stdout(io.StringIO()):
+    with _viser_is_quiet():
         return kind(host=host, port=port, label="venus3d", verbose=False)
 
 

@@ -109,7 +109,7 @@ class Audience:
         self._page = AudiencePage(server, self._came_or_changed)
 
     def _draw_anew(self, error: Exception) -> None:
-        self._lay_out(serve_anew(self.server))
+        self._lay_out(serve_anew(self.server, self._threads.stop))
         self.on_failure(texts.DRAWN_ANEW.format(cause=type(error).__name__))
         self._came_or_changed()
 

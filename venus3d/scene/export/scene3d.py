@@ -66,7 +66,7 @@ def player() -> str:
 def player_scripts(player: str) -> tuple[str, ...]:
     """All scripts that the player runs: the one in its document, and the one that this unpacks.
 
-    None if the player is packed in another way than viser 1.1 does it.
+    Empty if the player is packed in another way than viser 1.1 does it.
     """
     loader = _LOADER.search(player)
     if loader is None:

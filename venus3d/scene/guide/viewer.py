@@ -26,6 +26,7 @@ from venus3d.scene.guide.page import Page
 from venus3d.scene.guide.picture_feed import Came, PictureFeed
 from venus3d.scene.guide.view_state import ViewState
 from venus3d.scene.help import Command
+from venus3d.scene.knowledge.panel import KnowledgePanel
 from venus3d.scene.picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
 from venus3d.scene.projections import Projections
 from venus3d.scene.projections_panel import Picture, Tiles
@@ -140,8 +141,12 @@ class Viewer:
 
         Raises `ValueError` if a command has a key that the page has.
         """
-        self.page.help.explain(addition(self.server))
         self._additions.append(addition)
+        try:
+            self.page.help.explain(addition(self.server))
+        except ValueError:
+            self._additions.remove(addition)
+            raise
 
     def drain_intents(self) -> list[intents.Intent]:
         """What people asked for since the last call, in order."""
@@ -207,26 +212,24 @@ class Viewer:
 
     # -- drawing ---------------------------------------------------------------------------------
 
-    def _lay_out(self, server: LocalServer) -> None:
-        """Put an empty page on a server without one."""
+    def _lay_out(self, server: LocalServer, known: KnowledgePanel | None = None) -> None:
+        """Put an empty page on a server without one; what was known goes on."""
         self.server = server
         self._scene = SceneView(server)
         self._looking_at: object = (False, 1.0)
-        self.page = self._make_page(
-            dark=self._state.dark, simulated=self._draggable, tour=self._tour
-        )
-        if self.page.knowledge is not None:
-            self.page.knowledge.on_change = self._touch
+        page = self._make_page(dark=self._state.dark, simulated=self._draggable, tour=self._tour)
+        if page.knowledge is not None:
+            page.knowledge.on_change = self._touch
+            if known is not None:
+                page.knowledge.go_on_from(known)
+        self.page = page
         self._gizmo = BoardGizmo(server, self._dragged) if self._draggable else None
         for addition in self._additions:
             self.page.help.explain(addition(server))
 
     def _draw_anew(self, error: Exception) -> None:
         """A new server in the old one's place: whatever broke, nothing of it is left."""
-        known = self.page.knowledge
-        self._lay_out(serve_anew(self.server))
-        if known is not None and self.page.knowledge is not None:
-            self.page.knowledge.go_on_from(known)
+        self._lay_out(serve_anew(self.server, self._threads.stop), self.page.knowledge)
         tell_of_failure(self.server, error)
         self._pictures.again()
         self._touch()

@@ -169,7 +169,7 @@ class TeachViewer:
         )
 
     def _draw_anew(self, error: Exception) -> None:
-        self._lay_out(serve_anew(self._server))
+        self._lay_out(serve_anew(self._server, self._threads.stop))
         tell_of_failure(self._server, error)
         self._rouse()
 
