@@ -79,7 +79,7 @@ def test_nobody_waits_for_a_slow_disk_and_the_newest_wins(guided: Snapshot) -> N
     started = time.perf_counter()
     for view in views[1:]:
         keeper.put(view)
-    assert time.perf_counter() - started < 0.1 and not disk.written
+    assert time.perf_counter() - started < 2 and not disk.written
     disk.free.set()
     keeper.close()
     assert disk.written == [views[0], views[-1]]
@@ -105,14 +105,18 @@ def test_the_place_is_said_when_it_is_over(guided: Snapshot) -> None:
 
 
 @pytest.mark.parametrize("error", [StorageError("The disk is full."), ValueError("Odd.")])
-def test_what_fails_is_told_and_the_next_view_is_tried(guided: Snapshot, error: Exception) -> None:
+def test_what_fails_is_told_and_the_next_view_is_tried(
+    guided: Snapshot, error: Exception, caplog: pytest.LogCaptureFixture
+) -> None:
     disk, told = Disk(), list[str]()
     disk.error = error
     keeper = Keeper(disk.write, failed=told.append)
     keeper.put(anew(guided))
     while not told:
         time.sleep(0.005)
-    assert told == [f"Not saved: {error} The next view is tried again."]
+    why = ": The disk is full." if isinstance(error, StorageError) else "; the terminal tells why."
+    assert told == [f"Not saved{why} The next view is tried again."]
+    assert ("Odd." in caplog.text) == isinstance(error, ValueError)  # a mistake of ours, in full
     disk.error = None
     keeper.put(last := anew(guided))
     keeper.close()

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from tests.browser.conftest import Program
+from tests.ports import free_port
 from venus3d.app.export import exported
 from venus3d.app.teach import PoseStudy
 from venus3d.engine.board import Board
@@ -23,7 +24,6 @@ from venus3d.scene.offscreen import Offscreen
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
-_PORT = "8330"
 _MARK = "top.__ran=1;alert(1)"
 _HOSTILE = (
     f'<iframe srcdoc="<script>{_MARK}</script>"></iframe>',
@@ -137,7 +137,7 @@ def outside() -> Iterator[tuple[str, list[str]]]:
 def test_a_hostile_lesson_is_only_text_in_the_live_page(
     chromium: Any, file: Path, start: Callable[..., Program]
 ) -> None:
-    address = start("teach", str(file), "--port", _PORT).url
+    address = start("teach", str(file), "--port", str(free_port())).url
     watched = Watched(chromium, address)
     tab = watched.tab
     tab.wait_for_selector(".v-lesson >> text=page")

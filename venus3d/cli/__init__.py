@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from typing import Annotated
@@ -79,7 +80,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else list(arguments)
     try:
         try:
-            return _run(given)
+            code = _run(given)
+            if code == INTERRUPTED and arguments is None:
+                # All is kept. Whoever presses again while a thread still computes wants it to end,
+                # and Python would print where it waits for that thread.
+                signal.signal(signal.SIGINT, signal.SIG_DFL)
+            return code
         finally:
             sys.stdout.flush()
     except OSError as error:
