@@ -90,9 +90,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
     except OSError as error:
         # Whoever read our output (head, less) has had enough, or its terminal was closed.
-        if error.errno not in (errno.EPIPE, errno.EIO) or not _silenced():
-            raise
-        return OK
+        unread = _silenced()
+        # A disk that fails says EIO as well.
+        if error.errno == errno.EPIPE or (error.errno == errno.EIO and unread):
+            return OK
+        raise
 
 
 def _run(given: list[str]) -> int:
