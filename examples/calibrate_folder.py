@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import sys
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import PARAMETERS
-from venus3d.engine.costs import projection_error_px
-from venus3d.engine.detection import Detector
-from venus3d.engine.diagnosis import diagnose
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.diagnosis import diagnose
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.planning.costs import projection_error_px
 from venus3d.sources.opening import open_source
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import decompose
-from venus3d.engine.pose import Pose
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import decompose
+from venus3d.engine.geometry.pose import Pose
 
 
 def main() -> None:

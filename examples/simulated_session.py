@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sys
 
-from venus3d.engine.board import Board
-from venus3d.engine.costs import mean_projection_error_px
-from venus3d.engine.detection import Detector
-from venus3d.engine.session import Session
-from venus3d.engine.work import Settings
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.work import Settings
+from venus3d.engine.planning.costs import mean_projection_error_px
 from venus3d.sources.sim import Simulation
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.costs import projection_error_px
-from venus3d.engine.information import view_information
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.suggest import suggest
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.information import view_information
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.suggest import suggest
 
 
 def observed(camera: Camera, board: Board, pose: Pose, rng: np.random.Generator) -> Observation:

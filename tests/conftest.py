@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 
 # A busy machine is no failure.
 settings.register_profile("venus3d", deadline=None)

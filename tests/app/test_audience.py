@@ -14,15 +14,15 @@ from pathlib import Path
 import pytest
 
 from tests.scene.raw_client import RawClient
-from venus3d.app.audience import open_audience, said_of
 from venus3d.engine.errors import VenusError
-from venus3d.options import GuideOptions
-from venus3d.options.audience import audience_address
-from venus3d.scene.audience.audience import Audience
-from venus3d.scene.audience.controls import AudienceControls
-from venus3d.scene.audience.look import Look
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.texts import audience as texts
+from venus3d.scene.pages.audience import texts
+from venus3d.scene.pages.audience.audience import Audience
+from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.controls import AudienceControls
+from venus3d.scene.pages.audience.run import open_audience, said_of
+from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.address import audience_address
 
 _PORT = 8378
 

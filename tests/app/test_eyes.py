@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from tests.engine.board_pictures import picture_of
-from venus3d.app.eyes import Eyes
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.detection import Detector
-from venus3d.engine.pose import Pose
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.sources.board_tracker import Eyes
 from venus3d.sources.frame import Frame
 
 

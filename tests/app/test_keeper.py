@@ -9,12 +9,13 @@ from dataclasses import replace
 import pytest
 
 from tests.scene.guided import guided_session
-from venus3d.app.keeper import Keeper
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
 from venus3d.engine.errors import StorageError
-from venus3d.engine.settings import Settings
-from venus3d.engine.snapshot import Phase, Snapshot
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.phase import Phase
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.keeper import Keeper
 
 
 @pytest.fixture(scope="module")

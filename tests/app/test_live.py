@@ -9,18 +9,19 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from venus3d.app.eyes import Eyes
-from venus3d.app.live import LiveGuide
-from venus3d.engine.board import Board
-from venus3d.engine.detection import Detector
+from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.errors import SourceError
-from venus3d.engine.session import Session
-from venus3d.engine.snapshot import Snapshot
-from venus3d.engine.work import Settings
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.picture import LivePicture
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.guidance.work import Settings
+from venus3d.scene.pages.guide.live import LiveGuide
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.render.annotated_picture import LivePicture
+from venus3d.sources.board_tracker import Eyes
 from venus3d.sources.frame import Frame
-from venus3d.sources.sim import PAPER_CAMERA, Simulation
+from venus3d.sources.sim import Simulation
 
 pytestmark = pytest.mark.slow
 _PATIENCE_S = 120.0
@@ -98,7 +99,7 @@ def test_the_picture_goes_on_while_the_mathematics_is_at_work(
     camera: BreakingCamera, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The session's work waits here until we say so: frames and observations must not."""
-    from venus3d.engine.work import Outcome, Work
+    from venus3d.engine.guidance.work import Outcome, Work
 
     go_on, run = threading.Event(), Work.run
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from venus3d.app.practice_trainee import Course, Trainee
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.scene.practice.moment import ChooseLevel, MoveBoard, Nudge, Press, Rename
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.scene.pages.exercise.trainee import Course, Trainee
+from venus3d.scene.pages.exercise.view_model import ChooseLevel, MoveBoard, Nudge, Press, Rename
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import gc
 import sys
 import weakref
 
-from venus3d.app.promptness import prompt
+from venus3d.threads.latency import prompt
 
 
 class Ring:

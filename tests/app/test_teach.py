@@ -11,11 +11,11 @@ import pytest
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from venus3d.app import teach
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
 from venus3d.engine.errors import VenusError
-from venus3d.options import TeachOptions
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.scene.pages.teach import run as teach
+from venus3d.scene.pages.teach.options import TeachOptions
 
 OWN = """
 title = "Mine"

@@ -10,19 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from venus3d.app import run_guided_trial
-from venus3d.app.trial_plan import Plan, order_of, plan_of, targets_of
-from venus3d.app.trial_session import PoseTime, TrialSession
 from venus3d.cli import main
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import VenusError
-from venus3d.engine.limits import Limits
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.work import Settings
-from venus3d.options import GuideOptions
-from venus3d.scene.trial.moment import HELPS
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.work import Settings
+from venus3d.engine.planning.limits import Limits
+from venus3d.scene.pages.exercise.trial_plan import Plan, order_of, plan_of, targets_of
+from venus3d.scene.pages.exercise.trial_session import PoseTime, TrialSession
+from venus3d.scene.pages.exercise.trial_view_model import HELPS
+from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.guide.run import run_guided_trial
 from venus3d.storage.trials import TrialFile, TrialRow
 
 FAR = Pose.from_vector([0, 0, 0, 0.1, 0.05, 0.9])

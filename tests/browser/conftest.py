@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.session import Session
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.projections import Projections
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.projections import Projections
 
 _FLAGS = (
     "--no-sandbox",

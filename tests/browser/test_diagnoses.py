@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from venus3d.engine.snapshot import Diagnosis, Snapshot
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.texts.guide import DIAGNOSIS_TITLES
+from venus3d.engine.calibration.result import Diagnosis
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.texts import DIAGNOSIS_TITLES
+from venus3d.scene.pages.guide.viewer import Viewer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

@@ -13,13 +13,13 @@ from typing import Any
 
 import pytest
 
-from venus3d.app.export import exported
-from venus3d.app.teach import PoseStudy
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
-from venus3d.scene.export.scene3d import ASPECT
-from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.pages.teach.export.files import exported
+from venus3d.scene.pages.teach.export.scene3d import ASPECT
+from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = pytest.mark.browser
 

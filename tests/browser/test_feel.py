@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.guide import intents
-from venus3d.scene.guide.control_panel import useful_in
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.projections import Projections
-from venus3d.scene.texts import guide as say
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide import intents
+from venus3d.scene.pages.guide import texts as say
+from venus3d.scene.pages.guide.control_panel import useful_in
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.render.projections import Projections
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

@@ -15,12 +15,12 @@ import pytest
 
 from tests.browser.conftest import Program
 from tests.ports import free_port
-from venus3d.app.export import exported
-from venus3d.app.teach import PoseStudy
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.reading import read_lesson
-from venus3d.scene.offscreen import Offscreen
+from venus3d.scene.pages.teach.export.files import exported
+from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

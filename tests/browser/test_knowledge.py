@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from tests.scene.guided import guided_session
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.settings import Settings
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.guide import intents
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.texts import guide as guide_texts
-from venus3d.scene.texts import knowledge as texts
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide import intents
+from venus3d.scene.pages.guide import texts as guide_texts
+from venus3d.scene.pages.guide.uncertainty import texts
+from venus3d.scene.pages.guide.viewer import Viewer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

@@ -11,10 +11,12 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.snapshot import Forecast, Snapshot
-from venus3d.scene.guide import intents
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.texts.guide import COST_WORDS, METHOD_WORDS, PARAMETERS_TAB
+from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.planning.forecast import Forecast
+from venus3d.scene.pages.guide import intents
+from venus3d.scene.pages.guide.texts import COST_WORDS, METHOD_WORDS, PARAMETERS_TAB
+from venus3d.scene.pages.guide.viewer import Viewer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -58,7 +60,7 @@ def test_page_shows_state_scene_projections_and_progress(
     page = open_page()
     page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
     assert guiding.match is not None and guiding.target is not None
-    assert page.locator(".v-sentence").inner_text() == guiding.match.steps[2].words.holder
+    assert page.locator(".v-sentence").inner_text() == step_words(guiding.match.steps[2]).holder
     assert f"{guiding.match.remaining_deg[1]:+.0f}".replace("-", "−") in page.inner_text(
         ".v-amount"
     )

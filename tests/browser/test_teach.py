@@ -8,16 +8,16 @@ from typing import Any
 
 import pytest
 
-from venus3d.app.teach import PoseStudy
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
 from venus3d.engine.errors import StorageError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.reading import shipped_lessons
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.teach.controls import HOTKEYS, after_action
-from venus3d.scene.teach.state import FREE_VECTOR, TeachState
-from venus3d.scene.teach.viewer import TeachViewer
-from venus3d.scene.texts import teach as texts
+from venus3d.scene.pages.teach import texts
+from venus3d.scene.pages.teach.controls import HOTKEYS, after_action
+from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState
+from venus3d.scene.pages.teach.viewer import TeachViewer
+from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PORT = 8310

@@ -9,14 +9,14 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.camera import Camera
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.guide.view_state import SECONDS_PER_STEP, ViewState
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.picture import annotate, small_picture
-from venus3d.scene.server import AddressError, start_server
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.state import SECONDS_PER_STEP, ViewState
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.render.annotated_picture import annotate, small_picture
+from venus3d.scene.web.server import AddressError, start_server
 
 
 def test_taken_port_is_told_and_the_next_one_used() -> None:

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from venus3d.cli import main
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Pose
-from venus3d.scene.board_shape import board_shape
-from venus3d.scene.offscreen import Offscreen
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.scene.render.board_mesh import board_shape
+from venus3d.scene.render.offscreen import Offscreen
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from PIL import Image
 
 from tests.cli.conftest import Ran
 from venus3d import __version__
-from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import Simulation
 from venus3d.storage.camera_yaml import read_camera_yaml

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tests.cli.conftest import TILTED, Ran
-from venus3d.engine.pose import Pose
+from venus3d.engine.geometry.pose import Pose
 
 Run = Callable[..., Ran]
 Photographs = Callable[[str, Sequence[Pose]], Path]

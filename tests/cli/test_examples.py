@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from venus3d.engine.pose import Pose
+from venus3d.engine.geometry.pose import Pose
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from tests.cli.conftest import Ran
-from venus3d.engine.pose import Pose
+from venus3d.engine.geometry.pose import Pose
 
 Run = Callable[..., Ran]
 Photographs = Callable[[str, Sequence[Pose]], Path]

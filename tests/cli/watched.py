@@ -14,11 +14,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from venus3d.app.eyes import Eyes
 from venus3d.cli import main
-from venus3d.engine.session import Session
-from venus3d.engine.work import Work
-from venus3d.scene.guide.viewer import Viewer
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.work import Work
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.sources.board_tracker import Eyes
 from venus3d.sources.sim import Simulation
 
 _PLACES: dict[str, tuple[Any, str]] = {

@@ -12,17 +12,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from venus3d.engine.alternatives import AT_MOST, NEARLY, clearly_different
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.costs import projection_error_px
-from venus3d.engine.information import covariance_of, view_information
-from venus3d.engine.limits import Limits
-from venus3d.engine.noise import RENDERED
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.reasons import held_in_words
-from venus3d.engine.snapshot import Target
-from venus3d.engine.suggest import suggest
+from venus3d.engine.calibration.corner_noise import RENDERED
+from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.alternatives import AT_MOST, NEARLY, clearly_different
+from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.reasons import held_in_words
+from venus3d.engine.planning.suggest import suggest
+from venus3d.engine.planning.target import Target
 
 SIGMA = float(np.sqrt(0.1))
 SEEN = ([45, 0, 0, 0, 0, 0.4], [-20, 25, 0, 0.05, 0, 0.4], [10, -35, 10, -0.05, 0, 0.45])

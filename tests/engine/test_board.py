@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.board import DICTIONARIES, Board
 from venus3d.engine.errors import BoardError
+from venus3d.engine.geometry.board import DICTIONARIES, Board
 
 BOARDS = [
     Board(),

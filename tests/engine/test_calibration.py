@@ -8,15 +8,15 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate, largest_angle_deg
-from venus3d.engine.camera import Camera
-from venus3d.engine.detection import Detector
-from venus3d.engine.diagnosis import diagnose
+from venus3d.engine.calibration.adjustment import calibrate, largest_angle_deg
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.diagnosis import diagnose
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.view_selection import choose_informative
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.selection import choose_informative
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
 
 NOISE_PX = float(np.sqrt(0.1))  # 4.1.2 of the paper: variance 0.1
 GOOD = [

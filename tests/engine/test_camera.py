@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import PARAMETERS, Camera
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.pose import Pose
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.pose import Pose
 
 CAMERA = st.builds(
     Camera,

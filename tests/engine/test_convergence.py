@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.convergence import MIN_VIEWS, judge
-from venus3d.engine.costs import projection_error_px
-from venus3d.engine.information import covariance_of, view_information
-from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Progress
-from venus3d.engine.suggest import suggest
+from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.convergence import MIN_VIEWS, Progress, judge
+from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.suggest import suggest
 
 
 def progress(views: int, *sigma: float) -> Progress:

@@ -8,9 +8,14 @@ import pytest
 from scipy.optimize import least_squares, minimize
 from scipy.spatial.transform import Rotation
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import PARAMETERS, Camera
-from venus3d.engine.costs import (
+from venus3d.engine.calibration.corner_noise import RENDERED
+from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.pose import Array, Pose, rotations_of
+from venus3d.engine.planning.costs import (
     GRID,
     PoseCost,
     expected_distance,
@@ -20,12 +25,7 @@ from venus3d.engine.costs import (
     projection_error_px,
     with_surcharge,
 )
-from venus3d.engine.errors import CalibrationError, VenusError
-from venus3d.engine.information import covariance_of, view_information
-from venus3d.engine.noise import RENDERED
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Array, Pose, rotations_of
-from venus3d.engine.snapshot import COSTS, Cost
+from venus3d.engine.planning.method import COSTS, Cost
 
 VIEWS = np.array(
     [

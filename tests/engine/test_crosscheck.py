@@ -17,15 +17,15 @@ from scipy.optimize import OptimizeResult, least_squares
 from scipy.stats import chi2, norm
 
 from tests.engine.test_calibration import NOISE_PX, observe, tilted
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import PARAMETERS, Camera
-from venus3d.engine.detection import Detector
-from venus3d.engine.limits import Limits
-from venus3d.engine.observation import Observation
-from venus3d.engine.session import Session
-from venus3d.engine.snapshot import Calibration
-from venus3d.engine.work import Settings
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.work import Settings
+from venus3d.engine.planning.limits import Limits
 
 RUNS = 300
 

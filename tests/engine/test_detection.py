@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from tests.engine.board_pictures import picture_of
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.detection import QUICK_FROM_PX, Detector, search_region
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.detection import QUICK_FROM_PX, Detector, search_region
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import VenusError
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
 
 VECTORS = (
     [0, 0, 0, 0, 0, 0.45],

@@ -16,17 +16,17 @@ import pytest
 
 from tests.engine.board_pictures import picture_of
 from tests.engine.test_calibration import GOOD, observe, tilted
-from venus3d.engine.board import Board
-from venus3d.engine.board_diagnosis import BoardCheck, recognise
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import PARAMETERS, Camera
-from venus3d.engine.detection import Detector
-from venus3d.engine.diagnosis import WORST_FIRST, diagnose
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.session import Session
-from venus3d.engine.snapshot import Calibration, Diagnosis
-from venus3d.engine.work import Settings
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.board_recognition import BoardCheck, recognise
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.diagnosis import WORST_FIRST, diagnose
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import Calibration, Diagnosis
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.work import Settings
 
 STILLS = Board(8, 8, 0.0254, 0.01905, "DICT_4X4_1000")
 NOISE_PX = 0.3

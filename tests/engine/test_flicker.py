@@ -10,13 +10,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.session import Session
-from venus3d.engine.settings import Settings
-from venus3d.engine.snapshot import Match, Target
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.matching import Match
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.planning.target import Target
 
 
 @pytest.fixture(scope="module")

@@ -7,18 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.calibration.information import view_information
 from venus3d.engine.errors import VenusError
-from venus3d.engine.forecast import AHEAD, forecast, spread_of
-from venus3d.engine.information import view_information
-from venus3d.engine.limits import Limits
-from venus3d.engine.outlook import Outlook
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.snapshot import METHODS, Cost, Forecast, Method
-from venus3d.engine.space import Space
-from venus3d.engine.suggest import find, suggest
-from venus3d.engine.way import way_of
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.forecast import AHEAD, Forecast, forecast, spread_of
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.method import METHODS, Cost, Method, way_of
+from venus3d.engine.planning.pose_space import Space
+from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.suggest import find, suggest
 
 SIGMA = 0.2
 SEEN = ([45, 0, 0, 0, 0, 0.4], [-20, 25, 0, 0.05, 0, 0.4])
@@ -165,7 +164,7 @@ def test_a_slow_search_does_not_keep_the_target_waiting(
         looked_at.append(found[0].evaluated)
         return found
 
-    monkeypatch.setattr("venus3d.engine.forecast.find", counted)
+    monkeypatch.setattr("venus3d.engine.planning.forecast.find", counted)
     outlook = Outlook.of(default_board, paper_camera, known, SIGMA)
     space = Space(default_board, paper_camera, Limits.for_board(default_board, paper_camera))
     way = way_of("venus", strategy="dual-annealing")

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.generation import (
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.planning.heuristic_poses import (
     GenerationState,
     Window,
     bisection_angle_deg,
@@ -20,7 +20,7 @@ from venus3d.engine.generation import (
     weakest_parameter,
     window_pose,
 )
-from venus3d.engine.limits import Limits, brought_within
+from venus3d.engine.planning.limits import Limits, brought_within
 
 
 def test_eq_11_as_printed_and_where_it_degenerates() -> None:

@@ -7,15 +7,19 @@ import numpy as np
 import pytest
 
 from tests.engine.test_calibration import GOOD, NOISE_PX, observe
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.costs import predicted_covariance
-from venus3d.engine.information import covariance_of, prior_information, view_information
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Pose, rotations_of
-from venus3d.engine.quadrature import board_nodes
-from venus3d.engine.space import Space, random_pose
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.information import (
+    covariance_of,
+    prior_information,
+    view_information,
+)
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose, rotations_of
+from venus3d.engine.geometry.quadrature import board_nodes
+from venus3d.engine.planning.costs import predicted_covariance
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
 
 NEXT = [-15, 35, 45, 0.1, 0.05, 0.5]
 

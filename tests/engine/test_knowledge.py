@@ -9,20 +9,26 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.knowledge import MAP, knowledge_of, left_out
-from venus3d.engine.known import Knowledge
-from venus3d.engine.moves import Move, Recorder
-from venus3d.engine.observation import Observation
-from venus3d.engine.outlook import Outlook
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.projection_error import GRID, error_map, grid_pixels, projection_error_px
-from venus3d.engine.session import Session
-from venus3d.engine.settings import Settings
-from venus3d.engine.snapshot import Calibration, Snapshot
-from venus3d.engine.work import Work, information_of, noise_of
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.projection_uncertainty import (
+    GRID,
+    error_map,
+    grid_pixels,
+    projection_error_px,
+)
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.guidance.work import Work, information_of, noise_of
+from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.search_trace import Move, Recorder
+from venus3d.engine.planning.uncertainty import Knowledge
+from venus3d.engine.planning.uncertainty_map import MAP, knowledge_of, left_out
 
 POSES = (
     [30, 5, 0, 0, 0, 0.45],

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Pose
-from venus3d.engine.space import Space, random_pose
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
 
 
 def test_accepted_poses_keep_every_limit_by_opencvs_projection(

@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.limits import Limits
-from venus3d.engine.matching import Tolerance, match, motion_px, silhouette_overlap
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Array, Pose, turn
-from venus3d.engine.space import Space, random_pose
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose, turn
+from venus3d.engine.guidance.matching import Tolerance, match, motion_px, silhouette_overlap
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
 
 TARGET = Pose.from_vector([20, -30, 10, 0.02, 0.01, 0.5])
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.costs import predicted_covariance
-from venus3d.engine.limits import Limits
-from venus3d.engine.noise import RENDERED, tilt_and_width
-from venus3d.engine.space import Space, random_pose
+from venus3d.engine.calibration.corner_noise import RENDERED, tilt_and_width
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.planning.costs import predicted_covariance
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.study.noise import NoiseRow, fit_noise, measure_noise
 
 
@@ -27,7 +27,7 @@ def test_the_width_is_the_smallest_extent_of_a_square(
     angle = np.linspace(0, 2 * np.pi, 400)
     radius = 1e-5
     circle = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    from venus3d.engine.pose import Pose
+    from venus3d.engine.geometry.pose import Pose
 
     for vector, a, w in zip(vectors, tilt, width, strict=True):
         pose = Pose.from_vector(vector)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.limits import Limits
-from venus3d.engine.onto_limits import onto_limits
-from venus3d.engine.pose import Pose, angles_of, rotations_of
-from venus3d.engine.space import Space, random_pose
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose, angles_of, rotations_of
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.onto_limits import onto_limits
+from venus3d.engine.planning.pose_space import Space, random_pose
 
 
 def test_what_is_brought_inside_is_inside_and_near_where_it_was(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from venus3d.engine.errors import PoseError
-from venus3d.engine.pose import Pose, interpolate, rotations_of, turn
+from venus3d.engine.geometry.pose import Pose, interpolate, rotations_of, turn
 
 viser_tf = pytest.importorskip("viser.transforms")
 

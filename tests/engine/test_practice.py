@@ -8,12 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
 from venus3d.engine.errors import VenusError
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Pose
-from venus3d.engine.practice import (
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.exercise import (
     LEAST_SHIFT,
     LEAST_TURN_DEG,
     LEVELS,
@@ -24,6 +23,7 @@ from venus3d.engine.practice import (
     start_pose,
     with_free_only,
 )
+from venus3d.engine.planning.limits import Limits
 
 ALL = (True,) * 6
 angles = st.floats(-60, 60)

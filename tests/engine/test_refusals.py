@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Pose
-from venus3d.engine.refusals import refusals
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.refusals import refusals
 
 NAMES = ("top left", "top right", "bottom right", "bottom left")
 

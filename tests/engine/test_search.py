@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.costs import CostFunction, PoseCost, make_cost
+from venus3d.engine.calibration.information import prior_information, view_information
 from venus3d.engine.errors import VenusError
-from venus3d.engine.information import prior_information, view_information
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Array, Pose, rotations_of
-from venus3d.engine.search import Found, Move, anneal, search, search_globally
-from venus3d.engine.snapshot import STRATEGIES, Strategy
-from venus3d.engine.space import Space, random_pose
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose, rotations_of
+from venus3d.engine.planning.costs import CostFunction, PoseCost, make_cost
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.method import STRATEGIES, Strategy
+from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.engine.planning.search import Found, Move, anneal, search, search_globally
 
 GOAL = np.array([20.0, -30, 10, 0.05, -0.02, 0.5])
 SCALE = np.array([20.0, 20, 20, 0.05, 0.05, 0.1])

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.engine.test_calibration import observe
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.observation import Observation
-from venus3d.engine.selection import choose_informative
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.view_selection import choose_informative
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 
 
 @pytest.fixture

@@ -12,16 +12,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.costs import mean_projection_error_px
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError, VenusError
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.session import Session
-from venus3d.engine.snapshot import Snapshot
-from venus3d.engine.words import ENOUGH, FINISHED
-from venus3d.engine.work import Settings
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.prompts import ENOUGH, FINISHED
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.guidance.work import Settings
+from venus3d.engine.planning.costs import mean_projection_error_px
 
 NOISE_PX = float(np.sqrt(0.1))  # 4.1.2 of the paper: variance 0.1
 

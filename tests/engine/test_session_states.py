@@ -8,14 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError, VenusError
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.session import Session
-from venus3d.engine.snapshot import COSTS, METHODS, STRATEGIES, Snapshot
-from venus3d.engine.work import Settings
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.guidance.work import Settings
+from venus3d.engine.planning.method import COSTS, METHODS, STRATEGIES
 
 _ODDS = {
     "look": 8,
@@ -84,7 +85,7 @@ def test_what_holds_whatever_is_pressed(
     seed: int, paper_camera: Camera, default_board: Board, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     budgets = dict(zip(STRATEGIES, (14, 200, 50, 60), strict=True))
-    monkeypatch.setattr("venus3d.engine.search.BUDGET", budgets)
+    monkeypatch.setattr("venus3d.engine.planning.search.BUDGET", budgets)
     user = User(paper_camera, default_board, seed)
     odds = np.array(list(_ODDS.values()))
     for action in user.rng.choice(list(_ODDS), size=60, p=odds / odds.sum()):

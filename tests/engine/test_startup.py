@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.engine.test_calibration import observe
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.observation import Observation
-from venus3d.engine.startup import Startup
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.startup import Startup
 
 SIZE = (1280, 720)
 

@@ -5,20 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import PARAMETERS, Camera
-from venus3d.engine.costs import projection_error_px
+from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.errors import VenusError
-from venus3d.engine.generation import GenerationState
-from venus3d.engine.information import covariance_of, view_information
-from venus3d.engine.limits import Limits
-from venus3d.engine.observation import Observation, View
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.reasons import reason_for
-from venus3d.engine.search import Move
-from venus3d.engine.snapshot import COSTS, METHODS, Cost, Method, Strategy
-from venus3d.engine.suggest import Suggestion, suggest
-from venus3d.engine.way import Start
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.heuristic_poses import GenerationState
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.method import COSTS, METHODS, Cost, Method, Start, Strategy
+from venus3d.engine.planning.reasons import reason_for
+from venus3d.engine.planning.search import Move
+from venus3d.engine.planning.suggest import Suggestion, suggest
 
 SIGMA = float(np.sqrt(0.1))
 FIRST = Pose.from_vector([45, 0, 0, 0, 0, 0.4])

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Pose
-from venus3d.engine.teaching import NOISE_PX, focal_sigma, focal_words, views_like
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.focal_uncertainty import NOISE_PX, focal_sigma, focal_words, views_like
 
 TILTED = [30, 10, 5, 0.02, -0.01, 0.45]
 

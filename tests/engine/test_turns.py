@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import decompose, decompose_vector, home_pose
 from venus3d.engine.errors import PoseError
-from venus3d.engine.pose import Axes, Pose
-from venus3d.engine.turns import ORDERS, is_almost_locked, turns
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import decompose, decompose_vector, home_pose
+from venus3d.engine.geometry.pose import Axes, Pose
+from venus3d.engine.geometry.rotation_orders import ORDERS, is_almost_locked, turns
 
 
 @pytest.mark.parametrize("order", ORDERS)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.limits import Limits
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.planning.limits import Limits
 from venus3d.lessons.lesson import EXTRAS, VIEWPOINTS, Lesson
 from venus3d.lessons.reading import shipped_lessons
-from venus3d.scene.pose_panel import RANGES
+from venus3d.scene.web.pose_panel import RANGES
 
 LESSONS = shipped_lessons()
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import pytest
 
 from tests.scene.guided import guided_session
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.settings import Settings
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.offscreen import Offscreen
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.render.offscreen import Offscreen
 
 
 @pytest.fixture(scope="session")

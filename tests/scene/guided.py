@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.session import Session
-from venus3d.engine.settings import Settings
-from venus3d.engine.snapshot import Snapshot
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
 
 
 def guided_session(camera: Camera, board: Board, settings: Settings) -> Snapshot:

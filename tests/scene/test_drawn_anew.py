@@ -23,24 +23,25 @@ from websockets.exceptions import ConnectionClosed
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
-from venus3d.app.practice import Hall
-from venus3d.app.practice_trainee import Course
-from venus3d.app.teach import PoseStudy
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.audience.audience import Audience
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.practice.page import PracticePage
-from venus3d.scene.projections import Projections
-from venus3d.scene.server import start_server
-from venus3d.scene.teach.moment import TeachMoment
-from venus3d.scene.teach.state import Vector
-from venus3d.scene.teach.viewer import TeachViewer
-from venus3d.scene.texts import common, guide
-from venus3d.scene.texts import practice as practice_texts
-from venus3d.scene.trial.page import TrialPage, TrialViewer
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.audience.audience import Audience
+from venus3d.scene.pages.exercise import texts as practice_texts
+from venus3d.scene.pages.exercise.practice_run import Hall
+from venus3d.scene.pages.exercise.trainee import Course
+from venus3d.scene.pages.exercise.trial_view import TrialPage, TrialViewer
+from venus3d.scene.pages.exercise.view import PracticePage
+from venus3d.scene.pages.guide import texts as guide
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.state import Vector
+from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.viewer import TeachViewer
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.projections import Projections
+from venus3d.scene.web import texts as common
+from venus3d.scene.web.server import start_server
 from venus3d.storage.practice import PracticeFile
 
 FRAME = np.full((72, 128, 3), 90, np.uint8)
@@ -119,7 +120,7 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     """In the thread of the scene or in that of the picture; three times in all, told once."""
-    import venus3d.scene.guide.viewer as module
+    import venus3d.scene.pages.guide.viewer as module
 
     fault.before(module, where, monkeypatch)
     viewer.keep_view(guided.views[0].number, FRAME)
@@ -169,7 +170,7 @@ def test_a_page_that_cannot_be_drawn_anew_is_tried_again(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     """A page between two servers would look alive and stand still for ever."""
-    import venus3d.scene.guide.viewer as module
+    import venus3d.scene.pages.guide.viewer as module
 
     again = Fault()
     fault.before(module, "describe", monkeypatch)
@@ -185,8 +186,8 @@ def test_two_pages_that_break_at_once_leave_the_terminal_alone(
     viewer: Viewer, guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Both silence viser meanwhile; what the program prints must come out all the same."""
-    import venus3d.scene.audience.audience as other
-    import venus3d.scene.guide.viewer as module
+    import venus3d.scene.pages.audience.audience as other
+    import venus3d.scene.pages.guide.viewer as module
 
     theirs = Fault()
     fault.before(module, "describe", monkeypatch)
@@ -204,7 +205,7 @@ def test_two_pages_that_break_at_once_leave_the_terminal_alone(
 def test_a_page_that_is_closed_while_it_is_drawn_anew_leaves_no_server(
     viewer: Viewer, guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import venus3d.scene.guide.viewer as module
+    import venus3d.scene.pages.guide.viewer as module
 
     closing = threading.Thread(target=viewer.close)
     real = module.serve_anew
@@ -231,7 +232,7 @@ def test_a_page_that_always_breaks_is_tried_less_and_less_often(
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    import venus3d.scene.guide.viewer as module
+    import venus3d.scene.pages.guide.viewer as module
 
     fault.before(module, "describe", monkeypatch)
     fault.due = 10**9
@@ -249,7 +250,7 @@ def test_a_page_that_always_breaks_is_tried_less_and_less_often(
 def test_what_the_page_was_given_by_others_is_there_again(
     viewer: Viewer, guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import venus3d.scene.guide.viewer as module
+    import venus3d.scene.pages.guide.viewer as module
 
     viewer.extend(lambda server: [server.gui.add_checkbox("an addition", True)][:0])
     fault.before(module, "describe", monkeypatch)
@@ -302,7 +303,7 @@ def test_a_teaching_page_that_breaks_is_drawn_anew(
 def test_a_second_page_that_breaks_is_drawn_anew_and_the_operator_is_told(
     guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import venus3d.scene.audience.audience as module
+    import venus3d.scene.pages.audience.audience as module
 
     fault.before(module, "moment_of", monkeypatch)
     audience, told = Audience("127.0.0.1", free_port()), list[str]()

@@ -15,17 +15,17 @@ from numpy.typing import NDArray
 from PIL import Image
 from PIL.GifImagePlugin import GifImageFile
 
-from venus3d.app.export import exported, kind_of, lesson_of_pose
-from venus3d.app.teach import PoseStudy
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
 from venus3d.engine.errors import StorageError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage
-from venus3d.scene.export.journey import opened
-from venus3d.scene.export.pair import pair_picture
-from venus3d.scene.export.pose_line import pose_line
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.teach.state import Vector
+from venus3d.scene.pages.teach.export.files import exported, kind_of, lesson_of_pose
+from venus3d.scene.pages.teach.export.journey import opened
+from venus3d.scene.pages.teach.export.pair import pair_picture
+from venus3d.scene.pages.teach.export.pose_line import pose_line
+from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.state import Vector
+from venus3d.scene.render.offscreen import Offscreen
 
 _POSE = (0.0, 0.0, 40.0, 0.0, 0.0, 500.0)
 

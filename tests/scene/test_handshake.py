@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
 from tests.ports import free_port
-from venus3d.scene.server import LocalServer, start_read_only_server, start_server
+from venus3d.scene.web.server import LocalServer, start_read_only_server, start_server
 
 
 @pytest.fixture(scope="module", params=["page", "second page"])

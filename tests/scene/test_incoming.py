@@ -18,17 +18,17 @@ from viser import _messages as messages
 
 from tests.ports import free_port
 from tests.scene.raw_client import AHEAD, RawClient, instance
-from venus3d.app.practice import Hall
-from venus3d.app.practice_trainee import Course
-from venus3d.app.teach import PoseStudy
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.incoming import is_heard, widget_of
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.server import LocalServer, start_server
-from venus3d.scene.teach.viewer import TeachViewer
-from venus3d.scene.trial.page import TrialViewer
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.scene.pages.exercise.practice_run import Hall
+from venus3d.scene.pages.exercise.trainee import Course
+from venus3d.scene.pages.exercise.trial_view import TrialViewer
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.viewer import TeachViewer
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.web.incoming import is_heard, widget_of
+from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.storage.practice import PracticeFile
 
 

@@ -8,9 +8,18 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.camera import PARAMETERS, Camera
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.knowledge.colours import (
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html, sparkline
+from venus3d.scene.pages.guide.uncertainty.topics import (
+    TOPICS,
+    error_ticks,
+    figure,
+    map_html,
+    map_of,
+)
+from venus3d.scene.pages.guide.uncertainty.view_card import verdict, view_html
+from venus3d.scene.render.colour_scale import (
     colour_of,
     colours_of,
     magnified,
@@ -18,7 +27,7 @@ from venus3d.scene.knowledge.colours import (
     round_up,
     table,
 )
-from venus3d.scene.knowledge.fields import (
+from venus3d.scene.render.maps import (
     coverage,
     coverage_picture,
     distortion,
@@ -28,10 +37,7 @@ from venus3d.scene.knowledge.fields import (
     residual_magnification,
     residual_picture,
 )
-from venus3d.scene.knowledge.parameters import parameters_html, sparkline
-from venus3d.scene.knowledge.topics import TOPICS, error_ticks, figure, map_html, map_of
-from venus3d.scene.knowledge.view_card import verdict, view_html
-from venus3d.scene.palette import linear
+from venus3d.scene.render.palette import linear
 
 SIZE = (640, 360)
 

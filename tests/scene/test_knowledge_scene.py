@@ -5,22 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from tests.scene.guided import guided_session
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.settings import Settings
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.describe import SceneOptions, describe
-from venus3d.scene.knowledge.ghosts import ghost_shapes, view_of
-from venus3d.scene.knowledge.replay import (
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.uncertainty.ghosts import ghost_shapes, view_of
+from venus3d.scene.pages.guide.uncertainty.replay import (
     REST_SECONDS,
     SECONDS,
     caption,
     search_shapes,
     shown_after,
 )
-from venus3d.scene.knowledge.watching import SearchReplay
-from venus3d.scene.palette import contrast, ground
-from venus3d.scene.shapes import LineShape, MeshShape, PointShape, Shape
+from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
+from venus3d.scene.render.describe import SceneOptions, describe
+from venus3d.scene.render.palette import contrast, ground
+from venus3d.scene.render.shapes import LineShape, MeshShape, PointShape, Shape
 
 
 def named(shapes: tuple[Shape, ...]) -> dict[str, Shape]:

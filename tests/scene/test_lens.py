@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.camera import Camera
-from venus3d.scene.lens import lens_of
+from venus3d.engine.geometry.camera import Camera
+from venus3d.scene.render.lens import lens_of
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (960, 540)])

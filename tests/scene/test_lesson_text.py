@@ -15,17 +15,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from venus3d.app.teach import PoseStudy
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
-from venus3d.scene.export.document import PageContent, document
-from venus3d.scene.export.journey import opened
-from venus3d.scene.export.scene3d import player, player_scripts
-from venus3d.scene.lesson_text import lesson_text_html
-from venus3d.scene.style import Theme
-from venus3d.scene.teach.pose_words import lesson_html, question_html
-from venus3d.scene.teach.state import TeachState
+from venus3d.scene.pages.teach.export.document import PageContent, document
+from venus3d.scene.pages.teach.export.journey import opened
+from venus3d.scene.pages.teach.export.scene3d import player, player_scripts
+from venus3d.scene.pages.teach.pose_words import lesson_html, question_html
+from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.web.lesson_text import lesson_text_html
+from venus3d.scene.web.theme import Theme
 
 _POSE = (25.0, -30.0, 20.0, 40.0, -20.0, 520.0)
 _NASTY = (

@@ -15,16 +15,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import decompose
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Snapshot, Target
-from venus3d.engine.words import HOLD_STILL
-from venus3d.scene.describe import SceneOptions, describe
-from venus3d.scene.server import LocalServer, start_server
-from venus3d.scene.view import SceneView
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import decompose
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.prompts import HOLD_STILL
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.planning.target import Target
+from venus3d.scene.render.describe import SceneOptions, describe
+from venus3d.scene.web.scene_view import SceneView
+from venus3d.scene.web.server import LocalServer, start_server
 
 _ROUND = 60
 _TARGETS = 10

@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.guide.intents import ChangeMethod, Intent
-from venus3d.scene.guide.method_panel import MethodPanel
-from venus3d.scene.server import start_server
-from venus3d.scene.texts.guide import METHOD_WORDS
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.intents import ChangeMethod, Intent
+from venus3d.scene.pages.guide.method_panel import MethodPanel
+from venus3d.scene.pages.guide.texts import METHOD_WORDS
+from venus3d.scene.web.server import start_server
 
 
 def test_a_pick_is_not_put_back_while_it_is_on_its_way(
@@ -20,7 +20,7 @@ def test_a_pick_is_not_put_back_while_it_is_on_its_way(
 ) -> None:
     """The page is drawn after viser has the value and before the callback comes."""
     now = [100.0]
-    monkeypatch.setattr("venus3d.scene.guide.method_panel.monotonic", lambda: now[0])
+    monkeypatch.setattr("venus3d.scene.pages.guide.method_panel.monotonic", lambda: now[0])
     server, _ = start_server("127.0.0.1", 8299)
     asked: list[Intent] = []
     panel = MethodPanel(server.gui, asked.append)

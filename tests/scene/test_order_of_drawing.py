@@ -8,11 +8,11 @@ from contextlib import suppress
 from typing import Any
 
 from tests.scene.raw_client import RawClient
-from venus3d.engine.snapshot import Snapshot
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.knowledge.watching import SearchReplay
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.projections import Projections
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.projections import Projections
 
 MAP = "class='v-map'"
 

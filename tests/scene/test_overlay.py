@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Array, Pose
-from venus3d.scene.overlay import (
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.scene.render.overlay import (
     AXIS_COLOURS,
     OVERLAP_FILL,
     TARGET_FILL,

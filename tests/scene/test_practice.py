@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Pose
-from venus3d.scene.practice.board_drag import dragged_pose
-from venus3d.scene.practice.pictures import Turns, fitting
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.scene.pages.exercise.board_drag import dragged_pose
+from venus3d.scene.pages.exercise.pictures import Turns, fitting
 
 
 def test_the_grabbed_point_stays_under_the_pointer_in_the_projection(paper_camera: Camera) -> None:

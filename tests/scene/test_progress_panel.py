@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.snapshot import Progress
-from venus3d.scene.guide.progress_panel import brought_text
+from venus3d.engine.guidance.convergence import Progress
+from venus3d.scene.pages.guide.progress_panel import brought_text
 
 
 def after(views: int, error_px: float, promised_px: float = float("nan")) -> Progress:

@@ -8,14 +8,14 @@ from typing import cast
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import decompose
-from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Target
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.palette import ground, step_colour
-from venus3d.scene.projections import KEPT_TARGETS, Projections
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import decompose
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.target import Target
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.palette import ground, step_colour
+from venus3d.scene.render.projections import KEPT_TARGETS, Projections
 
 
 class Counting(Offscreen):

@@ -17,12 +17,12 @@ import viser
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient, every_message
-from venus3d.scene.audience.audience import Audience
-from venus3d.scene.audience.controls import AudienceControls
-from venus3d.scene.audience.look import Look
-from venus3d.scene.guide.viewer import Viewer
-from venus3d.scene.server import LocalServer, ReadOnlyServer, start_read_only_server
-from venus3d.scene.texts import audience as texts
+from venus3d.scene.pages.audience import texts
+from venus3d.scene.pages.audience.audience import Audience
+from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.controls import AudienceControls
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.server import LocalServer, ReadOnlyServer, start_read_only_server
 
 
 def with_everything_that_listens(server: viser.ViserServer) -> list[str]:

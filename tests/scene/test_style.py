@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from venus3d.scene.palette import Ground, contrast, ground, mixed, step_colour, text_on
-from venus3d.scene.shapes import Colour
-from venus3d.scene.style import SIZES, Theme
-from venus3d.scene.trial import panel as trial_panel
+from venus3d.scene.pages.exercise import trial_panel
+from venus3d.scene.render.palette import Ground, contrast, ground, mixed, step_colour, text_on
+from venus3d.scene.render.shapes import Colour
+from venus3d.scene.web.theme import SIZES, Theme
 
 # Mantine's own, which show through between our panels.
 CANVAS: dict[bool, Colour] = {True: (20, 20, 20), False: (255, 255, 255)}

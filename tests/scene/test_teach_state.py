@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from venus3d.app.teach import PoseStudy
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.palette import ground
-from venus3d.scene.shapes import LabelShape, MeshShape
-from venus3d.scene.teach.controls import HOTKEYS, after_action
-from venus3d.scene.teach.pictures import TeachPictures
-from venus3d.scene.teach.stage import board_now, moment_shapes, stage_shapes
-from venus3d.scene.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector
-from venus3d.scene.teach.words import comparison_remark
+from venus3d.scene.pages.teach.card import comparison_remark
+from venus3d.scene.pages.teach.controls import HOTKEYS, after_action
+from venus3d.scene.pages.teach.pictures import TeachPictures
+from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.stage import board_now, moment_shapes, stage_shapes
+from venus3d.scene.pages.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.palette import ground
+from venus3d.scene.render.shapes import LabelShape, MeshShape
 
 BUSY = (False, False, False, False)
 REFUSED: Vector = (20.0, 10.0, 30.0, 190.0, -60.0, 420.0)

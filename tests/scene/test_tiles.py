@@ -6,11 +6,11 @@ from concurrent.futures import Future
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import Steps, decompose
-from venus3d.engine.pose import Pose
-from venus3d.scene.projections_panel import Picture, Tiles, encoded
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import Steps, decompose
+from venus3d.engine.geometry.pose import Pose
+from venus3d.scene.web.projections_panel import Picture, Tiles, encoded
 
 
 def finish(futures: tuple[Future[Picture], ...], grey: int) -> str:

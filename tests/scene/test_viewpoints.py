@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Array
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import VIEWPOINTS, Viewpoint
-from venus3d.scene.viewpoints import View, between, view_abreast, view_from
+from venus3d.scene.render.viewpoints import View, between, view_abreast, view_from
 
 
 def in_window(view: View, points: Array, aspect: float) -> Array:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import decompose
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.snapshot import Target
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import decompose
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.target import Target
 
 
 def random_poses(camera: Camera, board: Board, count: int, seed: int = 0) -> list[Pose]:

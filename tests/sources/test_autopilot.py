@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.sources.targets import random_poses, target_of
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Target
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.target import Target
 from venus3d.sources.autopilot import TOP_SPEED, TOP_TURN_DEG, Autopilot
 
 START = Pose.from_vector([4, -6, 3, 0.03, -0.015, 0.19])

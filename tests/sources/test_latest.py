@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from venus3d.sources.latest import Latest
+from venus3d.threads.latest import Latest
 
 
 def test_a_late_reader_gets_the_newest_value_once():

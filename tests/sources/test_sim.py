@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from tests.sources.targets import random_poses, target_of
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.detection import Detector
-from venus3d.engine.limits import Limits
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.space import Space, random_pose
-from venus3d.scene.offscreen import Offscreen
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.scene.render.offscreen import Offscreen
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import NEAREST, Simulation, near_pose
 

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Calibration
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
 from venus3d.storage.result_folder import ResultFolder
 
 Write = Callable[..., tuple[Path, Path]]

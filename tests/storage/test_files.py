@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError
-from venus3d.engine.snapshot import Calibration, Forecast, Progress
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.planning.forecast import Forecast
 from venus3d.storage.board_image import board_picture, write_board
 from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
 from venus3d.storage.folder import prepare, write_bytes

@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 
 from tests.storage.conftest import SUMMARY, Write
-from venus3d.engine.board import Board
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError
-from venus3d.engine.snapshot import Calibration
+from venus3d.engine.geometry.board import Board
 from venus3d.storage import folder as folder_module
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.folder import write_bytes

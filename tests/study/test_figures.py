@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from scipy.stats import ttest_rel
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.study.arms import ARMS, ArmTrial, abs_rms_err_px, run_arm
 from venus3d.study.figures import FIGURES, INDICATORS, judge_figure, verdicts_text
 from venus3d.study.plots import draw_figure

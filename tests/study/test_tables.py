@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from venus3d.cli import main
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import home_pose
-from venus3d.engine.limits import Limits
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.space import Space, random_pose
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import home_pose
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.study.clip import PIXELS, load_clip
 from venus3d.study.hand import (
     HELPS,

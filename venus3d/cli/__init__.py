@@ -20,8 +20,10 @@ from venus3d import __version__
 from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
 from venus3d.cli.study import StudyOptions, study
 from venus3d.engine.errors import VenusError
-from venus3d.options import GuideOptions, PracticeOptions, TeachOptions
-from venus3d.signals import taken
+from venus3d.scene.pages.exercise.practice_options import PracticeOptions
+from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.teach.options import TeachOptions
+from venus3d.threads.signals import taken
 
 DESCRIPTION = """Camera calibration that a person can see.
 

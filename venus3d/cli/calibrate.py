@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 from venus3d.cli.options import CalibrateOptions
 from venus3d.cli.report import deliver, print_result, tell, write_first
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.detection import Detector
-from venus3d.engine.diagnosis import diagnose, worst_first
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.diagnosis import diagnose, worst_first
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import Diagnosis
+from venus3d.engine.calibration.view_selection import choose_informative
 from venus3d.engine.errors import CalibrationError, VenusError
-from venus3d.engine.observation import Observation
-from venus3d.engine.selection import choose_informative
-from venus3d.engine.snapshot import Diagnosis
 from venus3d.sources.observing import observe_recording
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of

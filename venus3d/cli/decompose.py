@@ -12,15 +12,15 @@ from PIL import Image
 
 from venus3d.cli.options import DecomposeOptions
 from venus3d.cli.report import tell
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.decomposition import HOME_DISTANCE, Step, Steps, decompose
 from venus3d.engine.errors import PoseError
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Pose
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.projections import Projections
-from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step, Steps, decompose
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.planning.limits import Limits
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.projections import Projections
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.folder import prepare, write_bytes
 
@@ -75,8 +75,8 @@ def _heading(target: Pose, board: Board) -> str:
 def _told(step: Step) -> str:
     lines = [
         f"\nStep {step.number} of 4",
-        f"  camera: {step.words.camera}",
-        f"  holder: {step.words.holder}",
+        f"  camera: {step_words(step).camera}",
+        f"  holder: {step_words(step).holder}",
     ]
     if step.corners_outside:
         lines.append(f"  Mind: {len(step.corners_outside)} corners leave the picture here.")

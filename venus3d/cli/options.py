@@ -8,7 +8,7 @@ from typing import Annotated
 
 from tyro.conf import Positional, arg
 
-from venus3d.engine.pose import Axes
+from venus3d.engine.geometry.pose import Axes
 from venus3d.options import BoardOptions, LimitOptions, Switch
 
 Number = Positional[float]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from venus3d.app.practice import run_practice
-from venus3d.options import PracticeOptions
+from venus3d.scene.pages.exercise.practice_options import PracticeOptions
+from venus3d.scene.pages.exercise.practice_run import run_practice
 
 
 def practice(options: PracticeOptions) -> None:

@@ -8,11 +8,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import PARAMETERS, Camera
+from venus3d.engine.calibration.result import Calibration, Diagnosis
 from venus3d.engine.errors import StorageError
-from venus3d.engine.snapshot import Calibration, Diagnosis, Progress
-from venus3d.engine.words import PARAMETER_WORDS
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.guidance.prompts import PARAMETER_WORDS
 from venus3d.storage.result import to_json
 from venus3d.storage.result_folder import ResultFolder
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from venus3d.app.export import kind_of
-from venus3d.app.teach import export_lesson, run_teach
 from venus3d.cli.report import tell
-from venus3d.options import TeachOptions
+from venus3d.scene.pages.teach.export.files import kind_of
+from venus3d.scene.pages.teach.options import TeachOptions
+from venus3d.scene.pages.teach.run import export_lesson, run_teach
 from venus3d.storage.folder import prepare, write_bytes
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from venus3d.app import run_guided_trial
-from venus3d.options import GuideOptions
-from venus3d.scene.texts.trial import HELP_NAMES
-from venus3d.scene.trial.moment import HELPS, Help
-from venus3d.scene.trial.panel import clock
+from venus3d.scene.pages.exercise.trial_panel import clock
+from venus3d.scene.pages.exercise.trial_texts import HELP_NAMES
+from venus3d.scene.pages.exercise.trial_view_model import HELPS, Help
+from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.guide.run import run_guided_trial
 from venus3d.storage.trials import TrialRow
 
 TRIAL_FOLDER = Path("venus3d-trial")

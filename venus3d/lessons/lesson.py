@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from venus3d.engine.pose import Pose
+from venus3d.engine.geometry.pose import Pose
 
 Viewpoint = Literal["outside", "camera", "holder", "above"]
 """Where the scene is looked at from: behind and beside the camera, through it, from where the

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.decomposition import home_pose
-from venus3d.engine.pose import Array, Pose, interpolate, turn
-from venus3d.engine.snapshot import Target
+from venus3d.engine.geometry.decomposition import home_pose
+from venus3d.engine.geometry.pose import Array, Pose, interpolate, turn
+from venus3d.engine.planning.target import Target
 
 TOP_SPEED = 0.25
 """Of the board's centre at speed 1, metres a second."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from venus3d.engine.errors import SourceError
-from venus3d.sources.quiet import silence_opencv
+from venus3d.sources.opencv_log import silence_opencv
 
 SUFFIXES: tuple[str, ...] = (
     *(".png", ".jpg", ".jpeg", ".jpe", ".bmp", ".dib", ".tif", ".tiff", ".webp", ".jp2"),

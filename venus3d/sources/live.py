@@ -13,8 +13,8 @@ import cv2
 
 from venus3d.engine.errors import SourceError
 from venus3d.sources.frame import Frame
-from venus3d.sources.latest import Latest
-from venus3d.sources.quiet import silence_opencv
+from venus3d.sources.opencv_log import silence_opencv
+from venus3d.threads.latest import Latest
 
 OPEN_TIMEOUT_S = 8.0
 READ_TIMEOUT_S = 5.0

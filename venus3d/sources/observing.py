@@ -9,10 +9,10 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 
-from venus3d.engine.board import Board
-from venus3d.engine.detection import Detector
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import SourceError
-from venus3d.engine.observation import Observation
+from venus3d.engine.geometry.board import Board
 from venus3d.sources.opening import open_source
 from venus3d.sources.video import Video
 

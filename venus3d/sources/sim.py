@@ -17,18 +17,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.pose import Pose
-from venus3d.engine.snapshot import Target
-from venus3d.scene.board_shape import board_shape
-from venus3d.scene.offscreen import Offscreen
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.target import Target
+from venus3d.scene.render.board_mesh import board_shape
+from venus3d.scene.render.offscreen import Offscreen
 from venus3d.sources.autopilot import Autopilot
+from venus3d.sources.background import room
 from venus3d.sources.frame import Frame
-from venus3d.sources.room import room
 
-PAPER_CAMERA = Camera(1280, 720, 1068, 1073, 635, 355, -0.0031, -0.2059, -0.0028, -0.0038, 0.2478)
-"""The camera of the paper's simulation (4.1.2), its distortion read in OpenCV's order."""
 NEAREST, FARTHEST = 0.06, 3.0
 """How near to the lens's plane a corner, and how far the board's centre, may be moved; metres."""
 # A colour that no board has: what shines through it is the room (see `_cut_out`).

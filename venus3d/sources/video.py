@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.errors import SourceError
 from venus3d.sources.frame import Frame
-from venus3d.sources.quiet import silence_opencv
+from venus3d.sources.opencv_log import silence_opencv
 
 
 class Video:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from venus3d.engine.board import Board
 from venus3d.engine.errors import StorageError
+from venus3d.engine.geometry.board import Board
 from venus3d.storage.folder import write_bytes
 
 MM_PER_INCH = 25.4

@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import PARAMETERS, Camera
-from venus3d.engine.costs import mean_projection_error_px
-from venus3d.engine.observation import View
-from venus3d.engine.pose import Array
-from venus3d.engine.snapshot import Calibration, Diagnosis, Forecast, Progress
+from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.result import Calibration, Diagnosis
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.planning.costs import mean_projection_error_px
+from venus3d.engine.planning.forecast import Forecast
 
 
 def summary_of(

@@ -9,9 +9,10 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from venus3d.engine.board import Board
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError
-from venus3d.engine.snapshot import Calibration, Progress
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.guidance.convergence import Progress
 from venus3d.storage.camera_yaml import camera_yaml
 from venus3d.storage.folder import alone_in, reason, replace_files, sync_folder
 from venus3d.storage.result import result_json

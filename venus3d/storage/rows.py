@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Generic, TextIO, TypeVar, get_type_hints
 
 from venus3d.engine.errors import StorageError
-from venus3d.engine.pose import Pose
+from venus3d.engine.geometry.pose import Pose
 
 Row = TypeVar("Row")
 

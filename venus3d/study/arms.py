@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.camera import Camera
-from venus3d.engine.costs import index_of_dispersion, mean_projection_error_px
-from venus3d.engine.snapshot import Calibration
-from venus3d.engine.work import Settings
-from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.guidance.work import Settings
+from venus3d.engine.planning.costs import index_of_dispersion, mean_projection_error_px
 from venus3d.study.runner import Value
 from venus3d.study.simulated import points_before, true_error_px, walk
 

@@ -16,16 +16,16 @@ from typing import Any, cast
 import cv2
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.costs import make_cost
-from venus3d.engine.limits import Limits
-from venus3d.engine.outlook import Outlook
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.search import search
-from venus3d.engine.snapshot import Method
-from venus3d.engine.space import Space, random_pose
-from venus3d.engine.work import Settings, noise_of
-from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.work import Settings, noise_of
+from venus3d.engine.planning.costs import make_cost
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.method import Method
+from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.search import search
 from venus3d.study.runner import Value, run_trials
 from venus3d.study.simulated import NOISE_PX, observed, true_error_px, true_information, walk
 from venus3d.study.text import table

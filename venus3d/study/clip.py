@@ -10,12 +10,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.detection import Detector, Region, search_region
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.detection import Detector, Region, search_region
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.sources.observing import observe_recording
 from venus3d.sources.opening import open_source
 

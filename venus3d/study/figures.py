@@ -13,8 +13,8 @@ import numpy as np
 from scipy.stats import t as student
 
 from venus3d import __version__
-from venus3d.engine.limits import Mask
-from venus3d.engine.pose import Array
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.planning.limits import Mask
 from venus3d.study.arms import ARMS, ArmTrial, run_arm
 from venus3d.study.runner import Value, run_trials
 from venus3d.study.text import table

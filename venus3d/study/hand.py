@@ -15,12 +15,11 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.matching import Tolerance, match
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.snapshot import Match
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.matching import Match, Tolerance, match
 from venus3d.sources.autopilot import TOP_SPEED, TOP_TURN_DEG
 from venus3d.study.assumptions import Assumptions
 

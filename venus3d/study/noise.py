@@ -15,13 +15,13 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.detection import Detector
-from venus3d.engine.noise import NoiseModel, tilt_and_width
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.sight import sight_of
-from venus3d.sources.sim import PAPER_CAMERA, Simulation
+from venus3d.engine.calibration.corner_noise import NoiseModel, tilt_and_width
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.geometry.visibility import sight_of
+from venus3d.sources.sim import Simulation
 
 TILTS_DEG = (0.0, 65.0)
 WIDTHS_PX = (12.0, 80.0)

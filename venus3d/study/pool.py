@@ -12,19 +12,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
-from venus3d.engine.detection import Detector
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.view_selection import shift_px
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.limits import Limits
-from venus3d.engine.localisation import locate
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Pose
-from venus3d.engine.selection import shift_px
-from venus3d.engine.space import Space, random_pose
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.sources.observing import observe_recording
-from venus3d.sources.sim import PAPER_CAMERA, Simulation
+from venus3d.sources.sim import Simulation
 
 FEWEST_TRAINING, FEWEST_TEST = 6, 4
 """The repaired rule of convergence gives no verdict before six views; a test on fewer than four

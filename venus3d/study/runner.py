@@ -22,8 +22,8 @@ from typing import Any, Protocol, TypeVar
 import cv2
 
 from venus3d.engine.errors import StorageError, VenusError
-from venus3d.signals import taken
 from venus3d.storage.folder import write_bytes
+from venus3d.threads.signals import taken
 
 Value = str | int | float
 Row = Mapping[str, Value]

@@ -12,18 +12,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.calibration import calibrate
-from venus3d.engine.camera import Camera
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.projection_uncertainty import grid_pixels, projection_error_px
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.generation import GenerationState
-from venus3d.engine.information import covariance_of, view_information
-from venus3d.engine.limits import Limits
-from venus3d.engine.observation import Observation
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.projection_error import grid_pixels, projection_error_px
-from venus3d.engine.work import Outcome, Settings, Work
-from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.work import Outcome, Settings, Work
+from venus3d.engine.planning.heuristic_poses import GenerationState
+from venus3d.engine.planning.limits import Limits
 
 NOISE_PX = float(np.sqrt(0.1))
 """Standard deviation of a corner coordinate: variance 0.1 px^2 (4.1.2)."""

@@ -13,18 +13,19 @@ from typing import Literal
 
 import numpy as np
 
-from venus3d.engine.camera import Camera
-from venus3d.engine.convergence import MIN_VIEWS
+from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.projection_uncertainty import mean_projection_error_px
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.limits import Limits
-from venus3d.engine.localisation import locate
-from venus3d.engine.outlook import Outlook
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.projection_error import mean_projection_error_px
-from venus3d.engine.session import Session
-from venus3d.engine.snapshot import Calibration, Method
-from venus3d.engine.startup import Startup
-from venus3d.engine.work import Settings, information_of, noise_of
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.convergence import MIN_VIEWS
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.startup import Startup
+from venus3d.engine.guidance.work import Settings, information_of, noise_of
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.method import Method
+from venus3d.engine.planning.posterior import Outlook
 from venus3d.study.pool import Pool, nearest, split
 from venus3d.study.text import mean_sd, table
 

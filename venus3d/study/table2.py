@@ -19,14 +19,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.decomposition import Step, decompose
-from venus3d.engine.detection import Detector, Region
-from venus3d.engine.limits import Limits
-from venus3d.engine.localisation import locate
-from venus3d.engine.pose import Array, Pose
-from venus3d.engine.space import Space, random_pose
-from venus3d.scene.offscreen import Offscreen
-from venus3d.scene.projections import Projections
+from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.detection import Detector, Region
+from venus3d.engine.geometry.decomposition import Step, decompose
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.projections import Projections
 from venus3d.study.clip import Clip, Image
 from venus3d.study.text import table
 

@@ -12,12 +12,11 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
-from venus3d.engine.board import Board
-from venus3d.engine.camera import Camera
-from venus3d.engine.limits import Limits
-from venus3d.engine.pose import Pose
-from venus3d.engine.space import Space, random_pose
-from venus3d.sources.sim import PAPER_CAMERA
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.study.assumptions import Assumptions
 from venus3d.study.hand import HELPS, Help, reach
 from venus3d.study.text import minutes, table

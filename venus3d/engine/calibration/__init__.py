@@ -1,0 +1,1 @@
+"""From pictures to a camera: detection, bundle adjustment, covariance, diagnosis."""

@@ -1,0 +1,225 @@
+"""Observations to a camera, with everything they say about how well it is known.
+
+OpenCV finds the optimum (`cv2.calibrateCamera`, Zhang 2000, eq. (9) of the paper); the covariance
+is ours, since OpenCV gives standard deviations only. Which frames to take is left to `selection`,
+the very first estimate from a single moving view to `startup`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+
+from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.observation import Observation, View
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.pose import Array, Pose
+
+Model = Literal["full", "startup"]
+
+PARALLEL_DEG = 0.5
+"""Views whose normals differ by less count as parallel: they share one vanishing line."""
+UNDETERMINED = 0.1
+"""A focal length whose sigma is more than this share of it is not determined."""
+# The least corner noise to judge by, since exact corners must not make a degenerate set look
+# determined. The start-up model blames a lens's distortion on f, so it is judged more strictly.
+_NOMINAL_NOISE_PX: dict[Model, float] = {"full": 0.05, "startup": 0.25}
+_UNTIED = (
+    "The focal length is not determined by these views: {why}; "
+    "tilt the board by 20-45° in different directions."
+)
+_STARTUP_FLAGS = (
+    cv2.CALIB_FIX_PRINCIPAL_POINT
+    | cv2.CALIB_FIX_ASPECT_RATIO
+    | cv2.CALIB_ZERO_TANGENT_DIST
+    | cv2.CALIB_FIX_K1
+    | cv2.CALIB_FIX_K2
+    | cv2.CALIB_FIX_K3
+)
+_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-12)
+
+
+def calibrate(
+    board: Board,
+    observations: Sequence[Observation],
+    *,
+    model: Model = "full",
+    start: Camera | None = None,
+    numbers: Sequence[int] | None = None,
+) -> Calibration:
+    """The camera that explains the observations best, in pixels least squares.
+
+    Args:
+        board: gives the corners about its centre, so that a view's pose is `T_camera_board`.
+        observations: views of one image size; any subset of at least 4 corners each.
+        model: "full" estimates all nine parameters. "startup" (3.1) estimates one focal length
+            and holds the rest: no distortion, principal point at the image's centre, and fx = fy,
+            because a board tilted about one axis alone does not show both.
+        start: where to start from; None lets OpenCV find a start in closed form.
+        numbers: the views' numbers; 1, 2, ... if not given.
+
+    Raises:
+        CalibrationError: no or unusable views, mixed image sizes, views that do not determine the
+            focal length (all parallel, all frontal), or a result that no real camera has.
+    """
+    size = _checked(observations)
+    corners = sum(o.count for o in observations)
+    free_count = len(PARAMETERS) if model == "full" else 1
+    degrees_of_freedom = 2 * corners - free_count - 6 * len(observations)
+    if degrees_of_freedom <= 0:
+        raise CalibrationError(
+            f"{corners} corners in {len(observations)} views are too few for the nine parameters; "
+            "take more views, or views that show more of the board."
+        )
+    points = [board.points_of(o.ids) for o in observations]
+    camera, poses = _optimum(points, observations, size, model, start)
+    residuals = [
+        o.corners - camera.project(pose.apply(p))
+        for o, pose, p in zip(observations, poses, points, strict=True)
+    ]
+    squares = [float(np.sum(r * r)) for r in residuals]
+    if not np.isfinite(sum(squares)):
+        raise CalibrationError(_UNTIED.format(why="the estimate folded up"))
+    sigma = float(np.sqrt(sum(squares) / degrees_of_freedom))
+    covariance = _covariance(camera, points, poses, sigma, model)
+    numbered = range(1, len(observations) + 1) if numbers is None else numbers
+    views = tuple(
+        View(number, o, pose, float(np.sqrt(square / o.count)), r)
+        for number, o, pose, square, r in zip(
+            numbered, observations, poses, squares, residuals, strict=True
+        )
+    )
+    calibration = Calibration(
+        camera=camera,
+        covariance=covariance,
+        free=tuple(model == "full" or name in ("fx", "fy") for name in PARAMETERS),
+        residual_sigma_px=sigma,
+        rms_px=float(np.sqrt(sum(squares) / corners)),
+        views=views,
+    )
+    _check_result(calibration)
+    return calibration
+
+
+def largest_angle_deg(calibration: Calibration) -> float:
+    """The largest angle between the normals of any two views, degrees; 0 for a single view."""
+    normals = np.array([view.pose.R[:, 2] for view in calibration.views])
+    return float(np.degrees(np.arccos(np.clip(np.min(normals @ normals.T), -1.0, 1.0))))
+
+
+def has_spread(corners: Array) -> bool:
+    """Whether corners (N, 2) are at least four and not all on one line: they fix a homography."""
+    if corners.shape[0] < 4:
+        return False
+    spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
+    return bool(spread[1] > 0.02 * spread[0])
+
+
+def _checked(observations: Sequence[Observation]) -> tuple[int, int]:
+    """The one image size (width, height) of observations that can be calibrated."""
+    if not observations:
+        raise CalibrationError(
+            "There is no view to calibrate from: the board was found in no image; check its size "
+            "(columns and rows swapped?), its dictionary and that the picture is sharp."
+        )
+    sizes = sorted({o.image_size for o in observations})
+    if len(sizes) > 1:
+        named = " and ".join(f"{w} x {h}" for w, h in sizes)
+        raise CalibrationError(
+            f"The images differ in size ({named} px); calibrate each size by itself."
+        )
+    for index, o in enumerate(observations, start=1):
+        if not has_spread(o.corners):
+            raise CalibrationError(
+                f"View {o.name or index} shows fewer than four corners that are not on one line; "
+                "leave it out."
+            )
+    return sizes[0]
+
+
+def _optimum(
+    points: list[Array],
+    observations: Sequence[Observation],
+    size: tuple[int, int],
+    model: Model,
+    start: Camera | None,
+) -> tuple[Camera, list[Pose]]:
+    # OpenCV takes single precision here: 6e-5 px at 1000 px, far below what corners are good for.
+    objects: list[Any] = [p.astype(np.float32).reshape(-1, 1, 3) for p in points]
+    images: list[Any] = [o.corners.astype(np.float32).reshape(-1, 1, 2) for o in observations]
+    flags = _STARTUP_FLAGS if model == "startup" else 0
+    try:
+        K, distortion = _start(objects, images, size, model, start)
+        if start is not None or model == "startup":
+            flags |= cv2.CALIB_USE_INTRINSIC_GUESS
+        _, K, distortion, rvecs, tvecs = cv2.calibrateCamera(
+            objects, images, size, K, distortion, flags=flags, criteria=_CRITERIA
+        )
+        camera = Camera.from_opencv(K, distortion, size)
+    except (cv2.error, CalibrationError) as error:
+        # OpenCV's own words ("focal length must be positive") help nobody.
+        raise CalibrationError(_UNTIED.format(why="they may all be frontal or parallel")) from error
+    return camera, [Pose.from_rvec_tvec(r, t) for r, t in zip(rvecs, tvecs, strict=True)]
+
+
+def _start(
+    objects: list[Any],
+    images: list[Any],
+    size: tuple[int, int],
+    model: Model,
+    start: Camera | None,
+) -> tuple[Any, Any]:
+    if model == "full":
+        camera = start or Camera.guess(size)
+        return camera.K, camera.distortion.copy()
+    if start is None:
+        K = np.asarray(cv2.initCameraMatrix2D(objects, images, size, 1.0), dtype=np.float64)
+        f = float(K[0, 0])
+        if not np.isfinite(f) or not 0.1 < f / size[0] < 50:
+            f = Camera.guess(size).fx
+    else:
+        f = start.fx
+    K = np.array([[f, 0, (size[0] - 1) / 2], [0, f, (size[1] - 1) / 2], [0, 0, 1]])
+    return K, np.zeros(5)
+
+
+def _covariance(
+    camera: Camera, points: list[Array], poses: list[Pose], sigma: float, model: Model
+) -> Array:
+    """(9, 9) covariance of the parameters for corner noise `sigma`, from the Schur complements."""
+    total = np.zeros((9, 9))
+    try:
+        for p, pose in zip(points, poses, strict=True):
+            total += view_information(camera, p, pose.R[None], pose.t[None])[0]
+        if model == "full":
+            covariance = covariance_of(total, 1.0)
+        else:
+            # One parameter moves fx and fy together: df = (1, 1, 0 ...).
+            covariance = np.zeros((9, 9))
+            with np.errstate(divide="ignore"):  # an exactly frontal view: caught below
+                covariance[:2, :2] = 1.0 / total[:2, :2].sum()
+    except np.linalg.LinAlgError as error:
+        raise CalibrationError(_UNTIED.format(why="they may all be parallel")) from error
+    variance = np.diag(covariance)
+    f = np.array([camera.fx, camera.fy])
+    nominal = max(sigma, _NOMINAL_NOISE_PX[model]) * np.sqrt(np.maximum(variance[:2], 0)) / f
+    if not np.isfinite(covariance).all() or (variance < 0).any() or nominal.max() > UNDETERMINED:
+        raise CalibrationError(_UNTIED.format(why="they are nearly frontal or nearly parallel"))
+    return sigma**2 * covariance
+
+
+def _check_result(calibration: Calibration) -> None:
+    camera = calibration.camera
+    if all(calibration.free) and largest_angle_deg(calibration) < PARALLEL_DEG:
+        raise CalibrationError(_UNTIED.format(why="all of them are parallel"))
+    if not (0 <= camera.cx < camera.width and 0 <= camera.cy < camera.height):
+        raise CalibrationError(
+            f"The result makes no sense (principal point at {camera.cx:.0f}, {camera.cy:.0f} px, "
+            "outside the image); check the board's sizes and add views tilted by 20-45°."
+        )

@@ -1,0 +1,70 @@
+"""Where the board is now: one pose from one observation under a known camera."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
+
+_FEWEST_CORNERS = 6
+# A pose whose corners miss by more than this share of the image width is no pose of this board.
+_LARGEST_ERROR = 0.02
+
+
+def locate(
+    camera: Camera, board: Board, observation: Observation, previous: Pose | None = None
+) -> Pose | None:
+    """`T_camera_board` of an observation, or None if its corners do not carry a pose.
+
+    A plane seen from afar fits two tilts almost equally well (Schweighofer and Pinz 2006); of the
+    two solutions the better one is taken, and where they hardly differ, the one nearer to
+    `previous`.
+    """
+    if observation.count < _FEWEST_CORNERS:
+        return None
+    points = board.points_of(observation.ids)
+    spread = np.linalg.svd(points[:, :2] - points[:, :2].mean(axis=0), compute_uv=False)
+    if spread[1] < board.square / 2:
+        return None  # all corners on one line
+    rays = camera.unproject(observation.corners)
+    seen = np.isfinite(rays).all(axis=1)
+    if seen.sum() < _FEWEST_CORNERS:
+        return None
+    try:
+        _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
+            points[seen], rays[seen], np.eye(3), np.zeros(5), flags=cv2.SOLVEPNP_IPPE
+        )
+        candidates = [Pose.from_rvec_tvec(r, t) for r, t in zip(rvecs, tvecs, strict=True)]
+        refined = [_refined(camera, points, observation, pose) for pose in candidates]
+    except cv2.error:
+        return None
+    poses = [(pose, error) for pose, error in refined if pose.t[2] > 0 and np.isfinite(error)]
+    if not poses:
+        return None
+    best = min(error for _, error in poses)
+    if best > _LARGEST_ERROR * camera.width:
+        return None
+    rivals = [pose for pose, error in poses if error < 1.2 * best + 1e-9]
+    if previous is None or len(rivals) == 1:
+        return min(poses, key=lambda item: item[1])[0]
+    return min(rivals, key=previous.angle_to_deg)
+
+
+def _refined(
+    camera: Camera, points: Array, observation: Observation, start: Pose
+) -> tuple[Pose, float]:
+    rvec, tvec = cv2.solvePnPRefineLM(
+        points,
+        observation.corners,
+        camera.K,
+        camera.distortion,
+        start.rvec.reshape(3, 1).copy(),
+        start.t.reshape(3, 1).copy(),
+    )
+    pose = Pose.from_rvec_tvec(rvec, tvec)
+    error = observation.corners - camera.project(pose.apply(points))
+    return pose, float(np.sqrt((error**2).sum(axis=1).mean()))

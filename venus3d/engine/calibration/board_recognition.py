@@ -1,0 +1,183 @@
+"""Whether a picture without the board shows another board than the one asked for.
+
+OpenCV finds no corner at all where rows and columns are swapped or the dictionary is another one,
+and gives no reason. Here the markers are asked: of which dictionary are they, and on how many
+columns do they lie? Each such look takes one more detection, so it is had rarely and one dictionary
+at a time. That the layout is the old one is the detector's own finding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.calibration.result import Diagnosis
+from venus3d.engine.geometry.board import DICTIONARIES, Board
+from venus3d.engine.geometry.pose import Array
+
+# A guided session looks once every few frames, after the board has been missed for a while.
+_PATIENCE, _EVERY, _PAUSE = 8, 4, 60
+_FEWEST_MARKERS = 4
+"""So many different markers of one dictionary are no accident."""
+_FEWEST_PLACED = 6
+"""So many are needed to judge how they lie."""
+_MOST_COLUMNS = 30
+_IN_PLACE = 0.8
+"""Share of the markers that have to lie where a layout has them; one may be misread."""
+_NEAR = 0.25
+"""A marker lies there if it is this close, in sides of a marker: room for a lens's distortion."""
+
+
+class BoardCheck:
+    """Looks for other boards in pictures in which the board was missed. Used by one thread."""
+
+    def __init__(self, board: Board) -> None:
+        self._board = board
+        own = _family(board.dictionary)
+        # One of each family, the largest: all of a family begin with the same markers.
+        named = {_family(name): name for name in sorted(DICTIONARIES, key=_size)}
+        self.suspects: tuple[str, ...] = (
+            board.dictionary,
+            *(name for name in sorted(named.values(), key=_size) if _family(name) != own),
+        )
+        """The dictionaries in the order in which they are tried; the asked one first."""
+        self._turn = 0
+        self._misses = 0
+        self._diagnosis: Diagnosis | None = None
+
+    @property
+    def diagnosis(self) -> Diagnosis | None:
+        """What the pictures show instead of the board; None while nothing is known."""
+        return self._diagnosis
+
+    def found(self) -> None:
+        """The board was found: whatever else was seen, it is the right one."""
+        self._misses, self._turn, self._diagnosis = 0, 0, None
+
+    def missed(self, grey: NDArray[np.uint8]) -> None:
+        """The board was not found in this whole picture (H, W); has a look now and then."""
+        self._misses += 1
+        if self._misses >= _PATIENCE and self._misses % _EVERY == 0:
+            self.look(grey)
+
+    def look(self, grey: NDArray[np.uint8]) -> bool:
+        """Try one dictionary on a picture (H, W). True if it settles what the picture shows."""
+        name = self.suspects[self._turn]
+        ids, quads = _markers(self._board, name, grey)
+        seen = len(np.unique(ids)) >= _FEWEST_MARKERS
+        if not seen:
+            self._diagnosis = None
+        elif self._turn:
+            self._diagnosis = _wrong_dictionary(self._board, name, len(np.unique(ids)))
+        else:
+            self._diagnosis = _misplaced(self._board, ids, quads)
+        if not seen:  # what was settled is asked again, anything else is not
+            self._turn = (self._turn + 1) % len(self.suspects)
+        if seen or self._turn == 0:
+            self._misses = -_PAUSE
+        return seen
+
+
+def recognise(board: Board, pictures: Iterable[NDArray[np.uint8]]) -> Diagnosis | None:
+    """What the first of the grey pictures (H, W) that shows markers shows instead of `board`.
+
+    None if no picture shows markers, or if they lie as on the board. Tries every dictionary on
+    every picture: some 0.2 s each at 720p.
+    """
+    for picture in pictures:
+        check = BoardCheck(board)
+        for _ in check.suspects:
+            if check.look(picture):
+                break
+        if check.diagnosis is not None:
+            return check.diagnosis
+    return None
+
+
+def _wrong_dictionary(board: Board, name: str, count: int) -> Diagnosis:
+    return Diagnosis(
+        "wrong-dictionary",
+        f"The picture shows markers of {name} ({count} different ones), not of {board.dictionary}.",
+        f"Start with --board.dictionary {name}.",
+    )
+
+
+def _misplaced(board: Board, ids: NDArray[np.intp], quads: Array) -> Diagnosis | None:
+    """What is wrong with the place of markers that are of the right dictionary; None if nothing."""
+    if ids.size < _FEWEST_PLACED or _lie_on(board.columns, ids, quads):
+        return None
+    fitting = [n for n in range(3, _MOST_COLUMNS + 1) if _lie_on(n, ids, quads)]
+    asked = f"not as on the board of {board.columns} columns and {board.rows} rows asked for"
+    if board.rows in fitting:
+        return Diagnosis(
+            "swapped-size",
+            f"The markers lie as on a board of {board.rows} columns, {asked}: the two are swapped.",
+            f"Start with --board.columns {board.rows} --board.rows {board.columns}.",
+        )
+    if len(fitting) == 1:
+        return Diagnosis(
+            "swapped-size",
+            f"The markers lie as on a board of {fitting[0]} columns, {asked}.",
+            f"Count the rows of squares as well and start with --board.columns {fitting[0]} "
+            "--board.rows ROWS.",
+        )
+    return Diagnosis(
+        "swapped-size",
+        f"Markers of {board.dictionary} are seen, but they lie {asked}.",
+        "Count the squares along both sides and start with --board.columns and --board.rows.",
+    )
+
+
+def _markers(board: Board, name: str, grey: NDArray[np.uint8]) -> tuple[NDArray[np.intp], Array]:
+    """Ids (N,) and corners (N, 4, 2) of the markers of a dictionary, black or white.
+
+    Only the markers that a board of about this size carries: OpenCV 5 compares every candidate with
+    every marker, so a whole dictionary of 1000 would take twenty times as long.
+    """
+    whole: Any = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+    count = min(max(board.marker_count, 50), len(whole.bytesList))
+    some = cv2.aruco.Dictionary(whole.bytesList[:count], whole.markerSize, 0)
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.detectInvertedMarker = True
+    parameters.errorCorrectionRate = (
+        0.0  # a marker read as another one would accuse the wrong board
+    )
+    corners, ids, _ = cv2.aruco.ArucoDetector(some, parameters).detectMarkers(grey)
+    if ids is None or len(ids) == 0:
+        return np.zeros(0, np.intp), np.zeros((0, 4, 2))
+    quads = np.asarray(corners, dtype=np.float64).reshape(-1, 4, 2)
+    return np.asarray(ids, dtype=np.intp).reshape(-1), quads
+
+
+def _lie_on(columns: int, ids: NDArray[np.intp], quads: Array) -> bool:
+    """Whether markers lie as on a board of so many columns, in either layout.
+
+    Markers count row by row over every second square, so the rows do not matter. Since a board is
+    flat, its squares and their picture are joined by a homography.
+    """
+    side = float(np.median(np.linalg.norm(np.diff(quads, axis=1), axis=2)))
+    for first in (1, 0):  # the second square of the first row carries a marker, or the first does
+        index = np.arange(columns * (2 * int(ids.max()) // columns + 3))
+        column, row = index % columns, index // columns
+        squares = np.stack([column, row], axis=1)[(column + row) % 2 == first]
+        placed = squares[ids].astype(np.float64)
+        H, inliers = cv2.findHomography(placed, quads.mean(axis=1), cv2.RANSAC, _NEAR * side)
+        if H is not None and np.count_nonzero(inliers) >= _IN_PLACE * ids.size:
+            return True
+    return False
+
+
+def _family(dictionary: str) -> str:
+    """The name without its size: DICT_5X5_100 and DICT_5X5_1000 begin with the same markers."""
+    stem, _, size = dictionary.rpartition("_")
+    return stem if size.isdigit() else dictionary.upper()
+
+
+def _size(dictionary: str) -> tuple[bool, str, int]:
+    """Sorts the dictionaries: ArUco's families with sizes first, each by size."""
+    size = dictionary.rpartition("_")[2]
+    return (not size.isdigit(), _family(dictionary), int(size) if size.isdigit() else 0)

@@ -1,0 +1,293 @@
+"""An image to an observation of the board: corners, their ids, how sharp they are.
+
+OpenCV finds the markers and the corners; here its answers get one shape whatever its version, and a
+board that was printed in the other layout or white on black is found out. Sharper corners are left
+to `refinement`, what a picture without the board shows instead to `board_diagnosis`, and which
+frames are worth keeping to `selection`.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.calibration.adjustment import has_spread
+from venus3d.engine.calibration.board_recognition import BoardCheck, recognise
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.refinement import (
+    Grey,
+    local_scales,
+    refined,
+    sharpness_of,
+    windows_of,
+)
+from venus3d.engine.calibration.result import Diagnosis
+from venus3d.engine.errors import VenusError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array
+
+Region = tuple[int, int, int, int]
+"""Search region x0, y0, x1, y1 in pixels; x1 and y1 are not part of it."""
+
+# Evidence for a layout: this many frames with corners, one reading this much ahead of the others.
+_FRAMES_TO_SETTLE = 3
+_FRAMES_AT_MOST = 12
+_LEAD = 2.0
+# OpenCV looks for markers under three thresholds in turn (windows of 3, 13 and 23 px). One of 7 px
+# takes less than half the time, and where a square's narrow side has so many pixels it finds as
+# much: no corner of 5985 was lost on real recordings, none of 2262 on simulated tilted boards
+# (docs/method.md). Smaller squares need all three.
+QUICK_FROM_PX = 40.0
+_QUICK_WINDOW_PX = 7
+# So many of the last whole pictures without the board are kept, to be asked what they show.
+_KEPT_MISSED = 3
+
+
+class Detector:
+    """Finds one board in images. Used by one thread, since it learns which board it is."""
+
+    def __init__(self, board: Board, *, find_layout: bool = True, refine: bool = True) -> None:
+        """A detector for `board`.
+
+        Args:
+            find_layout: find out whether the board is printed in the other layout, or inverted.
+            refine: sharpen the corners with windows of the local square's size.
+        """
+        self._asked = board
+        self._board = board
+        self._refine = refine
+        self._settled = not find_layout
+        self._finders: dict[tuple[Board, bool], Any] = {}
+        self.square_px = 0.0
+        """The narrow side of the smallest square in the last image with the board, pixels."""
+        self._evidence: dict[Board, int] = dict.fromkeys(_readings(board), 0)
+        self._frames = 0
+        self._check = BoardCheck(board)
+        self._missed: deque[Grey] = deque(maxlen=_KEPT_MISSED)
+
+    @property
+    def board(self) -> Board:
+        """The board as it is believed to be printed, by what was seen so far."""
+        return self._board
+
+    @property
+    def settled(self) -> bool:
+        """Whether enough frames agree on the board's layout; then it is not asked again."""
+        return self._settled
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was found to differ from the board asked for and is read rightly; sentences."""
+        if self._board.inverted == self._asked.inverted:
+            return ()
+        colours = ("white on black", "black on white")[:: 1 if self._board.inverted else -1]
+        return (f"The board is printed {colours[0]}, not {colours[1]}; it is read that way.",)
+
+    @property
+    def diagnoses(self) -> tuple[Diagnosis, ...]:
+        """What the pictures show instead of the board asked for, and how it differs from it."""
+        found = () if self._check.diagnosis is None else (self._check.diagnosis,)
+        if self._board.legacy == self._asked.legacy:
+            return found
+        since, state = ("before", "on") if self._board.legacy else ("since", "off")
+        layout = Diagnosis(
+            "wrong-layout",
+            f"The board is printed in the layout used {since} OpenCV 4.6 (legacy is {state}), not "
+            "in the one asked for; it is read that way.",
+            f"{'Start with' if self._board.legacy else 'Leave out'} --board.legacy to be sure.",
+        )
+        return (*found, layout)
+
+    def explain(self) -> tuple[Diagnosis, ...]:
+        """What the last pictures without the board show instead; may take a second."""
+        found = recognise(self._asked, self._missed)
+        return () if found is None else (found,)
+
+    def settle(self, images: Iterable[Any]) -> Board:
+        """Look at images until the layout is settled; the board as it is believed then."""
+        for image in images:
+            if self._settled:
+                break
+            self.detect(image)
+        return self._board
+
+    def detect(
+        self,
+        image: Any,
+        *,
+        region: Region | None = None,
+        quick: bool = False,
+        time_s: float = 0.0,
+        name: str = "",
+    ) -> Observation:
+        """What is seen of the board in an image.
+
+        Args:
+            image: (H, W) grey or (H, W, 3) BGR, 8 or 16 bit.
+            region: where to look; corners are in pixels of the whole image all the same.
+            quick: under one threshold only; finds as much in a sharp picture whose squares have
+                `QUICK_FROM_PX`, less in a blurred one.
+            time_s, name: passed on to the observation.
+
+        Returns:
+            The observation; without corners if fewer than four that are not on one line are found.
+
+        Raises:
+            VenusError: the image is neither grey nor BGR, 8 or 16 bit.
+        """
+        whole = _grey(image)
+        size = (whole.shape[1], whole.shape[0])
+        x0, y0, x1, y1 = _clipped(region, size)
+        grey = whole[y0:y1, x0:x1]
+        nothing = Observation.nothing(size, time_s, name)
+        if grey.size == 0:
+            return nothing
+        ids, corners = self._read(grey, quick)
+        if not has_spread(corners):
+            if region is None and not quick:
+                self._check.missed(grey)
+                self._missed.append(grey)
+            return nothing
+        self._check.found()
+        scales = local_scales(self._board, ids, corners)
+        if self._refine:
+            corners = refined(grey, corners, windows_of(self._board, scales))
+        squares = np.linalg.norm(scales, axis=1).min(axis=1) * self._board.square
+        self.square_px = float(squares.min())
+        sharpness = sharpness_of(grey, corners, squares)
+        return Observation(ids, corners + np.array([x0, y0]), size, sharpness, time_s, name)
+
+    def _read(self, grey: Grey, quick: bool) -> tuple[NDArray[np.intp], Array]:
+        """Ids (N,) and corners (N, 2) of the believed board; compares the readings if need be."""
+        if self._settled:
+            ids, corners, _ = self._detect_board(self._board, grey, quick=quick)
+            return ids, corners
+        found: dict[Board, tuple[NDArray[np.intp], Array]] = {}
+        for inverted in (self._board.inverted, not self._board.inverted):
+            markers: Any = None
+            for board in self._evidence:
+                if board.inverted == inverted:
+                    ids, corners, markers = self._detect_board(board, grey, markers)
+                    found[board] = (ids, corners)
+            if any(ids.size for ids, _ in found.values()):
+                break  # a board has one polarity: looking for the other would find nothing
+        self._weigh({board: ids.size for board, (ids, _) in found.items()})
+        nothing = (np.zeros(0, np.intp), np.zeros((0, 2)))
+        return found.get(self._board, nothing)
+
+    def _weigh(self, counts: dict[Board, int]) -> None:
+        """Add a frame's evidence: the right reading finds more corners over several frames.
+
+        The wrong one finds some too, and even with a lower reprojection error, so neither a single
+        corner nor an error is proof.
+        """
+        if not any(counts.values()):
+            return
+        self._frames += 1
+        for board, count in counts.items():
+            self._evidence[board] += count
+        # The first of equals wins, and the board that was asked for comes first.
+        self._board = max(self._evidence, key=lambda board: self._evidence[board])
+        best, *others = sorted(self._evidence.values(), reverse=True)
+        clear = all(best >= _LEAD * other for other in others)
+        self._settled = self._frames >= (_FRAMES_TO_SETTLE if clear else _FRAMES_AT_MOST)
+
+    def _detect_board(
+        self, board: Board, grey: Grey, markers: Any = None, *, quick: bool = False
+    ) -> tuple[NDArray[np.intp], Array, Any]:
+        """Ids (N,) ascending, corners (N, 2), and the markers, which another layout can reuse.
+
+        The one place that knows how OpenCV answers: 4 gives (N, 1, 2) and (N, 1), 5 gives (N, 2)
+        and (N,), both give None or empty arrays where nothing is found.
+        """
+        if (board, quick) not in self._finders:
+            self._finders[board, quick] = _finder(board, quick)
+        picture = 255 - grey if board.inverted else grey
+        known = () if markers is None else (None, None, *markers)
+        corners, ids, marker_corners, marker_ids = self._finders[board, quick].detectBoard(
+            picture, *known
+        )
+        seen = (marker_corners, marker_ids) if marker_ids is not None and len(marker_ids) else None
+        if ids is None or len(ids) == 0:
+            return np.zeros(0, np.intp), np.zeros((0, 2)), seen
+        numbers = np.asarray(ids, dtype=np.intp).reshape(-1)
+        pixels = np.asarray(corners, dtype=np.float64).reshape(-1, 2)
+        order = np.argsort(numbers)
+        return numbers[order], pixels[order], seen
+
+
+def search_region(
+    observation: Observation, image_size: tuple[int, int], *, grow: float = 0.35, least_px: int = 48
+) -> Region | None:
+    """Where to look for the board in the next frame: around where it was, grown on all sides.
+
+    Args:
+        observation: the last frame's.
+        image_size: (width, height) of the next frame.
+        grow: share of the corners' extent added on each side; at least `least_px`.
+
+    Returns:
+        None if the whole image has to be searched: nothing was seen, or it saves nothing.
+    """
+    if observation.count == 0 or observation.image_size != image_size:
+        return None
+    low, high = observation.corners.min(axis=0), observation.corners.max(axis=0)
+    margin = max(least_px, grow * float((high - low).max()))
+    x0, y0 = np.floor(low - margin).astype(int)
+    x1, y1 = np.ceil(high + margin).astype(int) + 1
+    region = _clipped((int(x0), int(y0), int(x1), int(y1)), image_size)
+    area = (region[2] - region[0]) * (region[3] - region[1])
+    return region if area < 0.8 * image_size[0] * image_size[1] else None
+
+
+def _finder(board: Board, quick: bool) -> Any:
+    markers = cv2.aruco.DetectorParameters()
+    if quick:
+        markers.adaptiveThreshWinSizeMin = markers.adaptiveThreshWinSizeMax = _QUICK_WINDOW_PX
+    return cv2.aruco.CharucoDetector(board.cv_board, cv2.aruco.CharucoParameters(), markers)
+
+
+def _readings(board: Board) -> list[Board]:
+    """The board as asked for, then the other ways in which it may be printed."""
+    # Where the row count is odd both layouts are the same board.
+    layouts = (board.legacy, not board.legacy) if board.rows % 2 == 0 else (board.legacy,)
+    return [
+        replace(board, legacy=legacy, inverted=inverted)
+        for inverted in (board.inverted, not board.inverted)
+        for legacy in layouts
+    ]
+
+
+def _grey(image: Any) -> Grey:
+    """(H, W) grey, 8 bit."""
+    picture: NDArray[Any] = np.asarray(image)
+    if picture.ndim == 3 and picture.shape[2] == 1:
+        picture = picture[:, :, 0]
+    colour = picture.ndim == 3 and picture.shape[2] == 3
+    if picture.dtype not in (np.uint8, np.uint16) or not (colour or picture.ndim == 2):
+        raise VenusError(
+            f"An image must be grey or BGR with 8 or 16 bits, not {picture.dtype} of shape "
+            f"{picture.shape}; convert it first."
+        )
+    if picture.size == 0:
+        raise VenusError("This image has no pixels; check that it was read completely.")
+    if colour:
+        picture = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
+    if picture.dtype == np.uint16:
+        # A 10 or 12 bit camera fills the lower bits only: stretch by what is there.
+        peak = max(int(picture.max()), 1)
+        picture = np.rint(picture * (255.0 / peak)).astype(np.uint8)
+    return np.ascontiguousarray(picture, dtype=np.uint8)
+
+
+def _clipped(region: Region | None, size: tuple[int, int]) -> Region:
+    if region is None:
+        return (0, 0, *size)
+    x0, y0, x1, y1 = region
+    return (max(0, x0), max(0, y0), min(size[0], x1), min(size[1], y1))

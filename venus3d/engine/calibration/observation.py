@@ -1,0 +1,54 @@
+"""What was seen of the board in one image."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.geometry.pose import Array, Pose
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """Corners of one board found in one image (or none of them: then `count` is 0)."""
+
+    ids: NDArray[np.intp]
+    """(N,) corner ids, ascending."""
+    corners: Array
+    """(N, 2) pixels."""
+    image_size: tuple[int, int]
+    """(width, height)."""
+    sharpness: float = 0.0
+    """Contrast of the board's edges per pixel, 0 ... 1; higher is sharper."""
+    time_s: float = 0.0
+    """When the frame was taken, by the source's own clock."""
+    name: str = ""
+    """Where it came from: a file name, a frame number."""
+
+    @property
+    def count(self) -> int:
+        """How many corners were found."""
+        return int(self.ids.size)
+
+    @staticmethod
+    def nothing(image_size: tuple[int, int], time_s: float = 0.0, name: str = "") -> Observation:
+        """An image in which no board was found."""
+        return Observation(
+            np.zeros(0, np.intp), np.zeros((0, 2)), image_size, time_s=time_s, name=name
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A captured observation with its pose and error in the present calibration."""
+
+    number: int
+    """Counts from 1 in the order of capture; kept when another view is dropped."""
+    observation: Observation
+    pose: Pose
+    rms_px: float
+    """Root mean square of the corners' reprojection distance, pixels."""
+    errors: Array = field(repr=False)
+    """(N, 2) observed minus projected corners, pixels."""

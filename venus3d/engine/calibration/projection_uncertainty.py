@@ -1,0 +1,143 @@
+"""What an uncertain camera means in pixels over the image, common turns taken out.
+
+A change of the intrinsics moves the pixel of every ray; a turn of the camera moves them too. Since
+a camera's own orientation is never given, a move that a turn undoes costs nobody anything: it is
+projected out wherever an error is told in pixels. How covariances become costs is left to `costs`.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array
+
+GRID = (12, 8)
+"""Rays across and down the image over which projection errors are averaged."""
+ERE_GRID = (5, 5)
+"""Rays across and down of MaxERE, the outermost on the image's border (Richardson 2013)."""
+
+
+@lru_cache(maxsize=16)
+def projection_weight(camera: Camera) -> Array:
+    """(9, 9) matrix W with `trace(W cov)` = mean variance of a projected pixel, px^2.
+
+    A change d of the intrinsics moves the pixel of ray k by `Jk d`. A common turn w (3,) of all
+    rays moves it by `Gk w`; the turn that best undoes the move is `w = -(G^T G)^-1 G^T J d`, where
+    G (2n, 3) and J (2n, 9) stack all rays. What is left is `P J d` with the projector
+    `P = 1 - G (G^T G)^-1 G^T`. Its mean square length over the n rays is `d^T (J^T P J / n) d`, and
+    the expectation of that over d with covariance C is `trace(W C)`, W = J^T P J / n. Both pixel
+    axes are summed: the root is the rms distance in the image.
+    """
+    left = _moves(camera, grid_pixels(camera.image_size))[1].reshape(-1, 9)
+    return 2 * left.T @ left / len(left)
+
+
+@lru_cache(maxsize=16)
+def border_moves(camera: Camera) -> Array:
+    """(n, 2, 9) how the pixels of MaxERE's rays move with the intrinsics, the best turn taken out.
+
+    The ray's pixel has the covariance `E_k C E_k^T` for intrinsics of the covariance C.
+    """
+    width, height = camera.image_size
+    u, v = np.linspace(0, width - 1, ERE_GRID[0]), np.linspace(0, height - 1, ERE_GRID[1])
+    pixels = np.stack([np.tile(u, len(v)), np.repeat(v, len(u))], axis=1).astype(np.float64)
+    return _moves(camera, pixels)[1]
+
+
+def projection_error_px(camera: Camera, covariance: ArrayLike) -> float:
+    """Expected rms projection error over the image, pixels, of a covariance (9, 9)."""
+    mean_variance = np.sum(projection_weight(camera) * np.asarray(covariance, dtype=np.float64))
+    return float(np.sqrt(max(mean_variance, 0.0)))
+
+
+def error_map(camera: Camera, covariance: ArrayLike, grid: tuple[int, int] = GRID) -> Array:
+    """(down, across) expected projection error, pixels, at the centres of a `grid` of equal cells.
+
+    NaN where no ray reaches the pixel. The turn taken out is the one that best undoes the move at
+    the pixels of `GRID`: there the mean square of the map is that of `projection_error_px`.
+    """
+    at, moves = _map_moves(camera, grid)
+    variance = np.einsum("nij,jk,nik->n", moves, np.asarray(covariance, np.float64), moves)
+    errors = np.full(grid[0] * grid[1], np.nan)
+    errors[at] = np.sqrt(np.maximum(variance, 0.0))
+    return errors.reshape(grid[1], grid[0])
+
+
+@lru_cache(maxsize=4)
+def _map_moves(camera: Camera, grid: tuple[int, int]) -> tuple[NDArray[np.intp], Array]:
+    size = camera.image_size
+    return _moves(camera, grid_pixels(size), grid_pixels(size, grid))
+
+
+def mean_projection_error_px(true: Camera, estimate: Camera, grid: tuple[int, int] = GRID) -> float:
+    """Rms distance, pixels, of two cameras' projections after the best common rotation.
+
+    The rays are those of a `grid` (across, down) of the true camera's image.
+    Raises `CalibrationError` if the cameras have different image sizes.
+    """
+    if true.image_size != estimate.image_size:
+        raise CalibrationError("Two cameras can be compared only on images of the same size.")
+    _, rays = _rays(true, grid_pixels(true.image_size, grid))
+    pixels = _unlimited_pixels(true, rays)
+
+    def residuals(rotvec: Array) -> Array:
+        turned = np.asarray(Rotation.from_rotvec(rotvec).apply(rays))
+        return (_unlimited_pixels(estimate, turned) - pixels).ravel()
+
+    best = least_squares(residuals, np.zeros(3), xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    return float(np.sqrt(2 * best.cost / len(rays)))
+
+
+def grid_pixels(image_size: tuple[int, int], grid: tuple[int, int] = GRID) -> Array:
+    """(across * down, 2) centres of equal cells of the image, pixels."""
+    across, down = grid
+    u = (np.arange(across) + 0.5) * image_size[0] / across - 0.5
+    v = (np.arange(down) + 0.5) * image_size[1] / down - 0.5
+    return np.stack([np.tile(u, down), np.repeat(v, across)], axis=1)
+
+
+def _moves(
+    camera: Camera, pixels: Array, at: Array | None = None
+) -> tuple[NDArray[np.intp], Array]:
+    """(n, 2, 9) derivatives of pixels' rays by the intrinsics, the turn taken out that best undoes
+    the move at `pixels`; and (n,) which of the pixels a ray reaches. They are `at`, or `pixels`.
+    """
+    seen, rays = _rays(camera, pixels)
+    if len(rays) < len(pixels) // 2:
+        # The estimate's distortion folds back within the image: better to plan without it.
+        camera = camera.without_distortion()
+        seen, rays = _rays(camera, pixels)
+    J, G = _derivatives(camera, rays)
+    turn = np.linalg.solve(G.T @ G, G.T @ J)
+    if at is not None:
+        seen, rays = _rays(camera, at)
+        J, G = _derivatives(camera, rays)
+    return seen, (J - G @ turn).reshape(-1, 2, 9)
+
+
+def _derivatives(camera: Camera, rays: Array) -> tuple[Array, Array]:
+    """Derivatives of the pixels of rays (n, 3) by the intrinsics (2n, 9) and a turn (2n, 3)."""
+    _, intrinsic, pose = camera.project_with_jacobians(rays, np.eye(3)[None], np.zeros((1, 3)))
+    return intrinsic.reshape(-1, 9), pose.reshape(-1, 6)[:, :3]
+
+
+def _rays(camera: Camera, pixels: Array) -> tuple[NDArray[np.intp], Array]:
+    """(n,) which of the pixels a ray reaches, and those rays (x, y, 1), (n, 3)."""
+    xy = camera.unproject(pixels)
+    seen = np.flatnonzero(np.isfinite(xy).all(axis=1))
+    return seen, np.concatenate([xy[seen], np.ones((len(seen), 1))], axis=1)
+
+
+def _unlimited_pixels(camera: Camera, rays: Array) -> Array:
+    """Like `Camera.project`, but beyond the radius where the model folds too: finite errors."""
+    return camera.distort(rays[:, :2] / rays[:, 2:]) * [camera.fx, camera.fy] + [
+        camera.cx,
+        camera.cy,
+    ]

@@ -1,0 +1,114 @@
+"""Which frames of a recording to calibrate from: those that carry information.
+
+A video shows nearly the same view many times. Every n-th frame weighs what the board did longest,
+not what says most; here each frame taken is the one that makes the camera best known, given those
+taken before (D-optimal design, greedy). Calibrating itself is left to `calibration`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from venus3d.engine.calibration.adjustment import calibrate, has_spread
+from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.information import prior_information, view_information
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array
+
+_SHARP = 0.7  # of the median sharpness; below it a frame counts as blurred
+_FITS = 3.0  # times the median error; above it a frame's corners are not this board's
+_FIRST_FRAMES = 20  # evenly spread, for the camera by which all frames are judged
+_NOISE_PX = 0.3  # of a corner; weighs the frames against what is believed beforehand
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    index: int
+    observation: Observation
+    information: Array
+    rms_px: float
+
+
+def choose_informative(
+    board: Board, observations: Sequence[Observation], *, limit: int = 40, same: float = 0.0025
+) -> list[int]:
+    """Indices of the observations to calibrate from, ascending; at most `limit`.
+
+    Args:
+        board: what the observations show.
+        observations: of one image size, in the order of time; those without a board are passed
+            over, so are blurred ones and those whose corners do not fit the board.
+        limit: how many to take at most.
+        same: a view is a duplicate if its corners lie on average nearer to a chosen view's than
+            this share of the image's width. Repeating a view averages its noise, but not what is
+            the same in both: a bent board, a lens that the model does not fit.
+
+    Returns:
+        An empty list if no observation is of use.
+    """
+    usable = [i for i, o in enumerate(observations) if has_spread(o.corners)]
+    if not usable:
+        return []
+    median = float(np.median([observations[i].sharpness for i in usable]))
+    sharp = [i for i in usable if observations[i].sharpness >= _SHARP * median]
+    camera = _first_camera(board, [observations[i] for i in sharp])
+    candidates = _candidates(camera, board, observations, sharp)
+    known = prior_information(camera, _NOISE_PX)
+    same_px = same * camera.width
+    chosen: list[_Candidate] = []
+    while candidates and len(chosen) < limit:
+        # The determinant of a covariance is the volume of its ellipsoid: no units to weigh.
+        informations = known + np.array([c.information for c in candidates])
+        gains = np.linalg.slogdet(informations)[1]
+        best = candidates[int(np.argmax(gains))]
+        chosen.append(best)
+        known = known + best.information
+        candidates = [c for c in candidates if shift_px(c.observation, best.observation) >= same_px]
+    return sorted(c.index for c in chosen)
+
+
+def _first_camera(board: Board, observations: list[Observation]) -> Camera:
+    places = np.linspace(0, len(observations) - 1, min(_FIRST_FRAMES, len(observations)))
+    spread = [observations[i] for i in np.unique(np.rint(places).astype(int))]
+    try:
+        return calibrate(board, spread).camera
+    except CalibrationError:
+        # Which frame says more hangs on where the board is, hardly on the exact camera; whether
+        # the frames determine a camera at all is said by the calibration that follows.
+        return Camera.guess(observations[0].image_size)
+
+
+def _candidates(
+    camera: Camera, board: Board, observations: Sequence[Observation], indices: list[int]
+) -> list[_Candidate]:
+    found: list[_Candidate] = []
+    for index in indices:
+        observation = observations[index]
+        pose = locate(camera, board, observation)
+        if pose is None:
+            continue
+        points = board.points_of(observation.ids)
+        error = observation.corners - camera.project(pose.apply(points))
+        rms = float(np.sqrt((error**2).sum(axis=1).mean()))
+        information = view_information(camera, points, pose.R[None], pose.t[None])[0]
+        if np.isfinite(rms) and np.isfinite(information).all():
+            found.append(_Candidate(index, observation, information, rms))
+    if not found:
+        return []
+    worst = _FITS * float(np.median([c.rms_px for c in found])) + 1e-9
+    return [c for c in found if c.rms_px <= worst]
+
+
+def shift_px(one: Observation, other: Observation) -> float:
+    """Mean distance of the corners that both show, pixels; inf if they share fewer than half."""
+    _, mine, theirs = np.intersect1d(one.ids, other.ids, assume_unique=True, return_indices=True)
+    if 2 * mine.size < max(one.count, other.count):
+        return float("inf")
+    apart = np.linalg.norm(one.corners[mine] - other.corners[theirs], axis=1)
+    return float(apart.mean())

@@ -1,0 +1,69 @@
+"""Three turns one after the other: about fixed axes or the board's own, in any order.
+
+For teaching. Guidance knows one reading only: the camera's fixed axes, X, Y, Z (`decomposition`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
+
+from venus3d.engine.errors import PoseError
+from venus3d.engine.geometry.pose import AXES, Array, Axes, Axis, Pose
+
+ORDERS: tuple[str, ...] = ("xyz", "xzy", "yxz", "yzx", "zxy", "zyx")
+"""The six orders in which three axes can follow each other."""
+_ALMOST_LOCKED_DEG = 6.0
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """One of three turns."""
+
+    number: int
+    """1 ... 3: which comes when."""
+    axis: Axis
+    angle_deg: float
+    direction: Array
+    """(3,) the axis as it stands during this turn, camera frame."""
+    before: Pose
+    after: Pose
+
+    def pose_at(self, fraction: float) -> Pose:
+        """Where the board is a `fraction` (0 ... 1) of the way."""
+        turned = Rotation.from_rotvec(np.radians(fraction * self.angle_deg) * self.direction)
+        return Pose(np.asarray(turned.as_matrix()) @ self.before.R, self.before.t)
+
+
+Turns = tuple[Turn, Turn, Turn]
+
+
+def turns(start: Pose, angles_deg: ArrayLike, *, order: str = "xyz", axes: Axes = "fixed") -> Turns:
+    """The turns of `start` by the angles (3,) about X, Y and Z, degrees, in this order of axes.
+
+    About "fixed" axes each turn is about an axis of the camera; about the board's "own", the axis
+    has been turned along by the turns before. Both through the board's centre.
+
+    Raises `PoseError` for an order that is none of `ORDERS`.
+    """
+    if order not in ORDERS:
+        raise PoseError(f"There is no order of turns {order!r}; use one of {', '.join(ORDERS)}.")
+    angles = np.asarray(angles_deg, dtype=np.float64)
+    made: list[Turn] = []
+    pose = start
+    for number, letter in enumerate(order, start=1):
+        i = "xyz".index(letter)
+        # The board's own axes start where the camera's are, whatever the board's start.
+        direction = np.eye(3)[i] if axes == "fixed" else pose.R @ start.R.T[:, i]
+        turn = Turn(number, AXES[i], float(angles[i]), direction, pose, pose)
+        pose = turn.pose_at(1.0)
+        made.append(Turn(number, turn.axis, turn.angle_deg, direction, turn.before, pose))
+    return (made[0], made[1], made[2])
+
+
+def is_almost_locked(angle_y_deg: float) -> bool:
+    """Whether a turn about Y comes so near to +-90 degrees that X and Z turn nearly alike."""
+    return 90.0 - abs(angle_y_deg) < _ALMOST_LOCKED_DEG

@@ -1,0 +1,95 @@
+"""Where the decisive points of a board are under many poses: distances, pixels, sizes of squares.
+
+Poses run along the last axis here: all that is asked of a board is a largest or smallest of few
+points, and that is quick along a first axis only. What is allowed is said by `limits`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, rotations_of
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """A board under N poses, as a camera sees 16 points of it: its corners, mid-edges, squares."""
+
+    R: Array
+    """(3, 3, N) rotations, `T_camera_board`."""
+    cosine: Array
+    """(N,) of the tilt: between the board's normal and the line of sight to its centre."""
+    depth: Array
+    """(16, N) along the optical axis, metres."""
+    near: Array
+    """(N,) the board's corner nearest to the lens, metres."""
+    far: Array
+    """(N,) and the farthest."""
+    pixels: Array
+    """(2, 16, N); nonsense where a point is not `seen`."""
+    low: Array
+    """(2, N) smallest x and y of the pixels."""
+    high: Array
+    """(2, N) largest x and y of the pixels."""
+    side: Array
+    """(N,) the shortest side of the squares in the board's corners, pixels."""
+    seen: NDArray[np.bool_]
+    """(N,) all of the board is in front of the lens and within the model's radius."""
+
+    def of(self, chosen: NDArray[np.intp]) -> Sight:
+        """Of some of the poses, by their numbers (K,)."""
+        return Sight(*(getattr(self, field.name).take(chosen, -1) for field in fields(self)))
+
+
+def sight_of(camera: Camera, board: Board, vectors: Array) -> Sight:
+    """The board under pose vectors (N, 6)."""
+    t = np.ascontiguousarray(vectors[:, 3:].T)
+    R = np.ascontiguousarray(rotations_of(vectors).transpose(1, 2, 0))
+    across, down = _probe(board)
+    points = R[:, 0, None] * across + R[:, 1, None] * down + t[:, None]
+    corners = points[:, :4]
+    # A search may look absurdly far away; what overflows there is beyond every limit.
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        squares = np.sum(corners * corners, axis=0)
+        cosine = np.sum(R[:, 2] * t, axis=0) / np.sqrt(np.sum(t * t, axis=0))
+        x, y = points[:2] / points[2]
+        pixels = camera.distorted_pixels(x, y)
+        seen = points[2].min(axis=0) > 0
+        if np.isfinite(camera.radius_limit):
+            seen &= (x * x + y * y).max(axis=0) < camera.radius_limit**2
+        # A square's neighbour along x, and the one along y, of each of the four corners.
+        sides = pixels[:, 4:12].reshape(2, 2, 4, -1) - pixels[:, None, :4]
+        side = np.sqrt(np.min(np.sum(sides * sides, axis=0), axis=(0, 1)))
+    return Sight(
+        R=R,
+        cosine=cosine,
+        depth=points[2],
+        near=np.sqrt(squares.min(axis=0)),
+        far=np.sqrt(squares.max(axis=0)),
+        pixels=pixels,
+        low=pixels.min(axis=1),
+        high=pixels.max(axis=1),
+        side=side,
+        seen=seen,
+    )
+
+
+@lru_cache(maxsize=8)
+def _probe(board: Board) -> Array:
+    """(2, 16, 1) x and y of the board points that decide, metres.
+
+    The outline, its neighbours a square along x and along y, the mid-edges: these because
+    distortion bows a straight edge outwards.
+    """
+    outline = board.outline[:, :2]
+    inward = -np.sign(outline) * board.square
+    middles = (outline + np.roll(outline, -1, axis=0)) / 2
+    x_next, y_next = outline + inward * [1, 0], outline + inward * [0, 1]
+    points = np.concatenate([outline, x_next, y_next, middles])
+    return np.ascontiguousarray(points.T)[:, :, None]

@@ -1,0 +1,295 @@
+"""A guided calibration as a plain state machine: `observe(observation) -> Snapshot`.
+
+    startup --capture--> captured --outcome--> guiding --capture--> captured ... --> converged
+                                                                             `-----> finished
+
+Live and replayed sessions run the same code. What takes time (calibrating, searching) is handed
+out as a frozen `Work` in `pending`; whoever drives the session runs it, on any thread or on the
+spot, and gives the result back with `apply`. Meanwhile observations go on being taken in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from venus3d.engine.calibration.diagnosis import diagnose, worst_first
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import Calibration, Diagnosis
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera, planning_camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.convergence import Convergence, Progress
+from venus3d.engine.guidance.phase import Phase
+from venus3d.engine.guidance.prompts import said, said_at_startup
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.guidance.startup import Startup
+from venus3d.engine.guidance.tracking import Tracker
+from venus3d.engine.guidance.views import Captured
+from venus3d.engine.guidance.work import Outcome, Settings, Work, noise_of
+from venus3d.engine.planning.heuristic_poses import GenerationState
+from venus3d.engine.planning.method import Cost, Method
+from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.target import Target
+
+
+class Session:
+    """One guided calibration of one camera with one board. Used by one thread."""
+
+    def __init__(
+        self, board: Board, image_size: tuple[int, int], settings: Settings | None = None
+    ) -> None:
+        """A session for images of `image_size` (width, height).
+
+        Raises `VenusError` for settings whose method, cost and search do not go together.
+        """
+        self.settings = settings or Settings()
+        self._way = self.settings.way
+        self._ending = False
+        self._image_size = image_size
+        self.board_diagnoses: tuple[Diagnosis, ...] = ()
+        """What the detector says of the board it sees; set by whoever drives the session."""
+        self._restart(board)
+
+    def _restart(self, board: Board, captured: Captured | None = None) -> None:
+        self.board = board
+        self.pending: Work | None = None
+        """The work that waits to be run; `apply` its outcome."""
+        self._startup = Startup(board, self._image_size)
+        self._phase: Phase = "finished" if self._ending else "startup"
+        self._captured = captured or Captured()
+        self._next_target = 1
+        self._target: Target | None = None
+        self._calibration: Calibration | None = None
+        self._information: Array = np.zeros((9, 9))
+        self._convergence: Convergence | None = None
+        self._history: tuple[Progress, ...] = ()
+        self._generation = GenerationState()
+        self._skipped: tuple[Pose, ...] = ()
+        self._warnings: tuple[str, ...] = ()
+        self._diagnoses: tuple[Diagnosis, ...] = ()
+        self._outcome: Outcome | None = None
+        self._seen = Tracker(board, self._image_size, self.settings)
+        self._keep_going, self._lost, self._number = False, "", 0
+
+    # -- what happens ----------------------------------------------------------------------------
+
+    def observe(self, observation: Observation) -> Snapshot:
+        """Take in what was seen in one frame; captures by itself where the settings say so.
+
+        Raises `CalibrationError` if the frame's size is not the session's.
+        """
+        if self._phase == "startup":
+            self._startup.observe(observation)
+            self._target = self._startup.aimed(
+                self._target, self._next_target, self.settings.method, self.settings.cost
+            )
+        self._seen.see(observation, self.camera, self._target)
+        self._number += 1
+        if self.settings.auto_capture and self._phase in ("startup", "guiding"):
+            ready = self._phase == "guiding" or self._startup.determined
+            if (ready and self._seen.held >= self.settings.hold_frames) or self._is_useful():
+                self.capture()
+        return self.snapshot()
+
+    def capture(self) -> bool:
+        """Take the present observation as a view. False if there is none to take, or all is over.
+
+        A view that does not show the focal length is taken as well when asked for: guidance then
+        goes on with a guessed camera, and says so, until tilted views come.
+        """
+        seen = self._seen
+        over = self._phase == "finished" or self._ending
+        if seen.pose is None or over or self._captured.has(seen.observation):
+            return False
+        at_target = seen.is_there and self._phase == "guiding"
+        self._captured.add(seen.observation, self._target if at_target else None)
+        self._keep_going = self._keep_going or self._phase == "converged"
+        self._recalibrate()
+        return True
+
+    def skip(self) -> bool:
+        """Give up the present target for another one elsewhere. False if there is none."""
+        if self._target is None or self._phase != "guiding":
+            return False
+        self._skipped = (*self._skipped, self._target.pose)
+        self._recalibrate()
+        return True
+
+    def choose(self, index: int) -> bool:
+        """Take another of the target's alternatives. False if there is none of that number.
+
+        The pose given up becomes the last alternative, so that `choose(0)` goes round them all.
+        """
+        old = self._target
+        if old is None or self._phase != "guiding" or not 0 <= index < len(old.alternatives):
+            return False
+        others = [other for i, other in enumerate(old.alternatives) if i != index]
+        others.append(replace(old, alternatives=()))
+        self._target = replace(old.alternatives[index], alternatives=tuple(others))
+        self._seen.aim(self.camera, self._target)
+        return True
+
+    def change(self, method: Method, cost: Cost | None = None) -> None:
+        """Find the next poses in another way; a target that is shown is searched anew.
+
+        The method's own search is used, and for `cost` None its own cost. Raises `VenusError` for a
+        combination that makes no sense; the session is then as it was.
+        """
+        wanted = replace(self.settings, method=method, cost=cost, strategy=None)
+        if wanted.way == self._way:
+            return
+        self.settings, self._way = wanted, wanted.way
+        if self._captured.views and self._phase in ("guiding", "captured") and not self._ending:
+            self._recalibrate()
+
+    def undo(self) -> bool:
+        """Take the last captured view back. False if there is none."""
+        views = self._captured.views
+        return bool(views) and self.drop(views[-1].number)
+
+    def drop(self, number: int) -> bool:
+        """Take the view with this number back. False if there is none, or the user has ended it."""
+        index = None if self._ending else self._captured.drop(number)
+        if index is None:
+            return False
+        # What was judged with this view among the others does not hold any more.
+        self._history = tuple(p for p in self._history if p.views <= index)
+        self._go_on()
+        return True
+
+    def finish(self) -> None:
+        """End the session; what was captured stays, and what is pending is still to be applied."""
+        self._ending = True
+        self._target = None
+        self._seen.aim(self.camera, None)
+        if self.pending is None:
+            self._phase = "finished"
+            self._diagnose()
+
+    def use_board(self, board: Board) -> None:
+        """Go on with a board whose layout turned out differently; only before the first view."""
+        if not (self._captured.views or self._ending) and board != self.board:
+            self._restart(board)
+
+    def apply(self, outcome: Outcome) -> Snapshot:
+        """Take the result of `pending` back; the result of an older work is ignored."""
+        if outcome.work is not self.pending:
+            return self.snapshot()
+        self.pending = None
+        self._calibration, self._information = outcome.calibration, outcome.information
+        self._history, self._convergence = outcome.history, outcome.convergence
+        self._outcome = outcome
+        self._warnings = (*outcome.warnings, *([self._lost] if self._lost else []))
+        self._lost, self._target = "", None
+        if self._ending:
+            self._phase = "finished"
+        elif outcome.is_over:
+            self._phase = "converged" if outcome.convergence.converged else "finished"
+        else:
+            self._phase = "guiding"
+            if outcome.suggestion is not None:
+                self._target, self._generation = outcome.suggestion.target, outcome.suggestion.state
+                self._next_target = self._target.number + 1
+        self._diagnose()
+        self._seen.aim(self.camera, self._target)
+        return self.snapshot()
+
+    def fail(self, work: Work, error: CalibrationError) -> Snapshot:
+        """Take back that `work` could not be done: its last view is dropped and the cause said."""
+        if work is self.pending:
+            self.pending = None
+            self._lost = lost = f"The last view was not kept: {error}"
+            self._captured.drop(self._captured.views[-1].number)
+            if not self._go_on():
+                self._warnings = (lost,)
+        return self.snapshot()
+
+    # -- what is known ---------------------------------------------------------------------------
+
+    @property
+    def camera(self) -> Camera:
+        """The best camera known to see and to plan with; see `planning_camera`."""
+        if self._calibration is None:
+            return self._startup.camera
+        return planning_camera(self._calibration.camera)
+
+    @property
+    def phase(self) -> Phase:
+        """Where the session stands."""
+        return self._phase
+
+    def snapshot(self) -> Snapshot:
+        """Everything about this moment."""
+        seen, known = self._seen, self._outcome
+        headline, instruction = said(self._phase, seen.match, seen.pose is not None, self._ending)
+        if self._phase == "startup" and not self._startup.determined and self._target is None:
+            headline, instruction = said_at_startup(seen.observation.count, self.board)
+        return Snapshot(
+            number=self._number,
+            phase=self._phase,
+            board=self.board,
+            camera=self.camera,
+            observation=seen.observation,
+            pose=seen.pose,
+            target=self._target,
+            match=seen.match,
+            calibration=self._calibration,
+            convergence=self._convergence,
+            history=self._history,
+            headline=headline,
+            instruction=instruction,
+            warnings=self._warnings,
+            diagnoses=worst_first((*self.board_diagnoses, *self._diagnoses)),
+            forecast=known and known.forecast,
+            method=self.settings.method,
+            cost=self._way.cost,
+            knowledge=known and known.knowledge,
+            walk=known and known.walk,
+        )
+
+    # -- how it goes on --------------------------------------------------------------------------
+
+    def _is_useful(self) -> bool:
+        """Whether this observation tells enough although it is not the target (see settings)."""
+        drop, seen = self.settings.useful_drop, self._seen
+        if drop is None or seen.pose is None or not seen.is_still:
+            return False
+        if self._calibration is None:
+            return True  # the first view of a recording: there is nothing to compare it with
+        now = Outlook.of(self.board, self.camera, self._information, noise_of(self._calibration))
+        told = now.with_seen(seen.observation, seen.pose)
+        return told.error_px <= (1 - drop) * now.error_px
+
+    def _diagnose(self) -> None:
+        if self._calibration is not None:
+            growing = self._phase not in ("converged", "finished")
+            self._diagnoses = diagnose(self.board, self._calibration, growing=growing)
+
+    def _go_on(self) -> bool:
+        """Calibrate the views that are left; begin anew, and return False, if there are none."""
+        if self._captured.views:
+            self._recalibrate()
+            return True
+        self._restart(self.board, self._captured)  # which goes on counting
+        return False
+
+    def _recalibrate(self) -> None:
+        views = self._captured.views
+        self.pending = Work(
+            board=self.board,
+            settings=self.settings,
+            observations=tuple(view.observation for view in views),
+            numbers=tuple(view.number for view in views),
+            history=tuple(p for p in self._history if p.views < len(views)),
+            generation=self._generation,
+            skipped=self._skipped,
+            target_number=self._next_target if self._target is None else self._target.number + 1,
+            start=self._startup.camera,
+            keep_going=self._keep_going,
+            last_target=views[-1].target,
+        )
+        self._phase = "captured"
+        self._seen.held = 0

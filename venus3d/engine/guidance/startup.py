@@ -1,0 +1,167 @@
+"""The start of a calibration, when nothing is known of the camera yet (3.1 of the paper).
+
+Every live frame is calibrated by itself with the start-up model and the best estimate is kept,
+until the user captures a first view. Meanwhile the board moves away from the camera, and the first
+frame that shows all of it says how far away the first target should be.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from venus3d.engine.calibration.adjustment import calibrate, has_spread
+from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import decompose
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.prompts import STARTUP_REASON
+from venus3d.engine.planning.method import Cost, Method
+from venus3d.engine.planning.target import Target
+
+TILT_DEG = 45.0
+"""Turn of the first target about the camera's X axis (3.1)."""
+_COMPLETE = 0.95  # share of the corners that counts as the entire pattern: glare may hide one
+_MARGIN = 0.06  # of the image's width and height, kept free around the first target
+_FARTHER = 1.5  # the first target is at most this much farther than the margin asks for
+_LEAST_TILT_DEG = 15.0
+_LEAST_CORNERS = 8
+_LARGEST_SHARE = 0.05  # sigma of f over f
+_DRIFT = 0.05  # the target is kept until the estimate has moved it by more than this share of z
+_FOV_DEG = (5.0, 140.0)
+
+
+class Startup:
+    """The best camera that single views of a moving board have shown. Used by one thread."""
+
+    def __init__(self, board: Board, image_size: tuple[int, int]) -> None:
+        """Nothing known yet: `camera` is a guess for images of `image_size` (width, height)."""
+        self._board = board
+        self._image_size = image_size
+        self._camera = Camera.guess(image_size)
+        self._best: Calibration | None = None
+        self._complete: Observation | None = None
+        self._distance: float | None = None
+
+    @property
+    def camera(self) -> Camera:
+        """The best estimate so far; `Camera.guess` before there is one."""
+        return self._camera
+
+    @property
+    def determined(self) -> bool:
+        """Whether a view has shown the focal length."""
+        return self._best is not None
+
+    @property
+    def rms_px(self) -> float:
+        """Reprojection error of the best view, pixels; inf before there is one."""
+        return float("inf") if self._best is None else self._best.rms_px
+
+    @property
+    def distance(self) -> float | None:
+        """z of the board's centre where all of it was first seen, metres, under `camera`.
+
+        None while no frame has shown the entire pattern.
+        """
+        return self._distance
+
+    @property
+    def target(self) -> Pose:
+        """[45, 0, 0, 0, 0, z]: all of the board in the image with a margin, near `distance`."""
+        nearest = self._nearest_fit()
+        z = nearest
+        if self._distance is not None:
+            z = float(np.clip(self._distance, nearest, _FARTHER * nearest))
+        return Pose.from_vector([TILT_DEG, 0, 0, 0, 0, z])
+
+    def aimed(
+        self, old: Target | None, number: int, method: Method, cost: Cost | None
+    ) -> Target | None:
+        """The start-up pose as target `number`; `old`, while the estimate has hardly moved it."""
+        if self.distance is None:
+            return old
+        pose, nothing = self.target, float("nan")
+        if old is not None and old.pose.distance_to(pose) < _DRIFT * pose.t[2]:
+            return old
+        return Target(
+            number=number,
+            pose=pose,
+            steps=decompose(pose, self._camera, self._board),
+            method=method,
+            cost=cost or "projection-variance",
+            serves=("fx", "fy"),
+            reason=STARTUP_REASON,
+            predicted_sigma=np.full(9, nothing),
+            predicted_error_px=nothing,
+            evaluated=0,
+            search_s=0.0,
+        )
+
+    def observe(self, observation: Observation) -> bool:
+        """Take in one frame; true if it gave a better camera. Frames of no use change nothing."""
+        usable = (
+            observation.image_size == self._image_size
+            and bool(np.isfinite(observation.corners).all())
+            and has_spread(observation.corners)
+        )
+        if not usable:
+            return False
+        better = self._improve(observation)
+        complete = observation.count >= _COMPLETE * self._board.corner_count
+        first = self._complete is None and complete
+        if first:
+            self._complete = observation
+        if self._complete is not None and (first or better):
+            # A longer focal length puts the same picture farther away.
+            pose = locate(self._camera, self._board, self._complete)
+            self._distance = None if pose is None else float(pose.t[2])
+        return better
+
+    def _improve(self, observation: Observation) -> bool:
+        if observation.count < _LEAST_CORNERS:
+            return False
+        try:
+            found = calibrate(self._board, [observation], model="startup")
+        except CalibrationError:
+            return False  # this frame shows no focal length; the next one may
+        if not self._shows_f(found):
+            return False
+        # The paper replaces the intrinsics when the reprojection error falls. Taken alone that
+        # prefers small, far and nearly frontal boards, which fit well whatever f is; so the error
+        # counts as what it makes of f: sigma_f = residual sigma x geometry of the view. Over 30
+        # simulated walks of 60 frames f ends 6 px off instead of 17 px.
+        if self._best is not None and _share(found) >= _share(self._best):
+            return False
+        self._best, self._camera = found, found.camera
+        return True
+
+    def _shows_f(self, found: Calibration) -> bool:
+        """Whether a view determines f at all.
+
+        A frontal board looks the same to a long lens far away as to a short one nearby: it fits
+        any focal length, and with a low error. Only a tilt shows f, by the far edge's shortening.
+        """
+        tilt = float(np.degrees(np.arccos(np.clip(abs(found.views[0].pose.R[2, 2]), 0, 1))))
+        low, high = _FOV_DEG
+        fov = found.camera.fov_deg[0]
+        return tilt >= _LEAST_TILT_DEG and _share(found) <= _LARGEST_SHARE and low < fov < high
+
+    def _nearest_fit(self) -> float:
+        """The smallest z at which the tilted board fits the image with the margin, metres."""
+        turned = Pose.from_vector([TILT_DEG, 0, 0, 0, 0, 0]).apply(self._board.outline)
+        camera = self._camera
+        width, height = self._image_size
+        room = (0.5 - _MARGIN) * np.array([width, height])
+        # f |x| / (z + dz) <= room, solved for z; the start-up camera has its principal point at the
+        # image's centre and no distortion.
+        needed = camera.fx * np.abs(turned[:, :2]) / room - turned[:, 2:]
+        return float(needed.max())
+
+
+def _share(found: Calibration) -> float:
+    """Sigma of f as a share of f."""
+    return float(found.sigma[0] / found.camera.fx)

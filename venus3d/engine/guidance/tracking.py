@@ -1,0 +1,79 @@
+"""The board from frame to frame: where it is, how it compares with the target, how long it is held.
+
+When a view is captured is left to `session`.
+"""
+
+from __future__ import annotations
+
+from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.matching import Match, match, motion_px
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.planning.target import Target
+
+
+class Tracker:
+    """What is seen of one board now. Used by one thread."""
+
+    def __init__(self, board: Board, image_size: tuple[int, int], settings: Settings) -> None:
+        """Nothing seen yet."""
+        self._board, self._settings = board, settings
+        self._before = Observation.nothing(image_size)
+        self.observation = self._before
+        self.pose: Pose | None = None
+        """None while the board is not seen."""
+        self.match: Match | None = None
+        """None while there is no board or no target."""
+        # The last one for this target: a board that is lost for a frame finds its step again.
+        self._last: Match | None = None
+        self.held = 0
+        """For how many observations in a row the target has been reached."""
+
+    def see(self, observation: Observation, camera: Camera, target: Target | None) -> None:
+        """Take in one frame. Raises `CalibrationError` if its size is not that of the others."""
+        (width, height), (w, h) = self.observation.image_size, observation.image_size
+        if (w, h) != (width, height):
+            raise CalibrationError(
+                f"A frame of {w} x {h} px came into a calibration of {width} x {height} px; "
+                "calibrate each image size by itself."
+            )
+        self._before, self.observation = self.observation, observation
+        self._compare(camera, target, self._before)
+        self.held = self.held + 1 if self.match is not None and self.match.reached else 0
+
+    def aim(self, camera: Camera, target: Target | None) -> None:
+        """Look at the same frame again, with another camera or target."""
+        self.held, self._last = 0, None
+        self._compare(camera, target, None)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether the board is at its target, moving or not."""
+        return self.match is not None and (self.match.reached or all(self.match.within))
+
+    @property
+    def is_still(self) -> bool:
+        """Whether the board hardly moved since the last frame."""
+        return motion_px(self._before, self.observation) <= self._settings.still_px
+
+    def _compare(self, camera: Camera, target: Target | None, before: Observation | None) -> None:
+        self.pose = locate(camera, self._board, self.observation, self.pose)
+        self.match = None
+        if self.pose is not None and target is not None:
+            self.match = match(
+                camera,
+                self._board,
+                self.pose,
+                target.pose,
+                observation=self.observation,
+                before=before,
+                previous=self._last,
+                overlap_needed=self._settings.overlap_needed,
+                still_px=self._settings.still_px,
+                tolerance=self._settings.tolerance,
+            )
+            self._last = self.match

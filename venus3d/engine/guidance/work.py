@@ -1,0 +1,270 @@
+"""The slow half of the session: calibrate, judge, search. Pure, so that any thread can run it.
+
+The session hands out a frozen `Work`, somebody runs it, the session takes the `Outcome` back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.corner_noise import NoiseModel
+from venus3d.engine.calibration.information import view_information
+from venus3d.engine.calibration.observation import Observation, View
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera, planning_camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.convergence import Convergence, Progress, judge
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.forecast import Forecast, forecast
+from venus3d.engine.planning.heuristic_poses import GenerationState
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import Space
+from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.search_trace import Move, Recorder, Walk
+from venus3d.engine.planning.suggest import Suggestion, suggest
+from venus3d.engine.planning.target import Target
+from venus3d.engine.planning.uncertainty import Knowledge
+from venus3d.engine.planning.uncertainty_map import knowledge_of
+
+# Corners are never known better than this; keeps predictions finite where residuals vanish.
+LEAST_NOISE_PX = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What came of a `Work`."""
+
+    work: Work
+    calibration: Calibration
+    information: Array
+    """(9, 9) sum over the views, for corner noise of one pixel."""
+    history: tuple[Progress, ...]
+    convergence: Convergence
+    suggestion: Suggestion | None
+    """None once converged, when enough views are taken, or when no pose fits the limits."""
+    is_over: bool
+    """Whether nothing is left to do: converged, or enough views."""
+    warnings: tuple[str, ...]
+    forecast: Forecast | None = None
+    """None while nothing can be said, or when there was no time for it."""
+    knowledge: Knowledge | None = None
+    """None while not all nine parameters are estimated."""
+    walk: Walk | None = None
+    """How the suggestion was searched; None if it was not searched."""
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """Calibrate these views, then search the next pose."""
+
+    board: Board
+    settings: Settings
+    observations: tuple[Observation, ...]
+    numbers: tuple[int, ...]
+    history: tuple[Progress, ...]
+    """Of the earlier calibrations with fewer views."""
+    generation: GenerationState
+    skipped: tuple[Pose, ...]
+    target_number: int
+    start: Camera
+    """What the start-up knows of the camera; serves while the views determine none."""
+    keep_going: bool = False
+    """Search on although everything has converged."""
+    last_target: Target | None = None
+    """Where the last view was taken; None if it was not taken at a target."""
+
+    def run(
+        self,
+        stop: Callable[[], bool] | None = None,
+        on_move: Callable[[Move], None] | None = None,
+    ) -> Outcome:
+        """Do it. `stop` ends the search early with the best pose so far; `on_move` watches it.
+
+        Raises `CalibrationError` if the views determine no camera at all.
+        """
+        calibration, warnings = self._calibrated()
+        information = information_of(calibration, self.board)
+        history = (*self.history, self._progress(calibration))
+        convergence = judge(history, epsilon=self.settings.epsilon, rule=self.settings.rule)
+        enough = len(self.observations) >= self.settings.max_views
+        is_over = enough or (convergence.converged and not self.keep_going)
+        suggestion, moves = None, Recorder(on_move)
+        if not is_over:
+            try:
+                suggestion = self._suggested(calibration, information, stop, moves)
+            except VenusError as error:
+                warnings = (*warnings, str(error))  # the views stay; more can be taken by hand
+        if suggestion is not None and suggestion.note:
+            warnings = (*warnings, suggestion.note)
+        target = None if suggestion is None else suggestion.target
+        return Outcome(
+            self,
+            calibration,
+            information,
+            history,
+            convergence,
+            suggestion,
+            is_over,
+            warnings,
+            self._forecast(calibration, information, suggestion, stop),
+            knowledge_of(self.board, calibration, self._outlook(calibration, information), target),
+            None if target is None else moves.walk(target.pose.vector()),
+        )
+
+    def _progress(self, calibration: Calibration) -> Progress:
+        error = projection_error_px(calibration.camera, calibration.covariance)
+        aim = self.last_target
+        return Progress(
+            len(self.observations),
+            calibration.rms_px,
+            calibration.camera.parameters,
+            calibration.sigma,
+            error if all(calibration.free) else float("nan"),
+            np.full(9, np.nan) if aim is None else aim.predicted_sigma,
+            float("nan") if aim is None else aim.predicted_error_px,
+        )
+
+    def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
+        """The fullest model that the views carry, and a sentence where it is not the full one."""
+        cause = ""
+        if len(self.observations) > 1:
+            try:
+                return calibrate(self.board, self.observations, numbers=self.numbers), ()
+            except CalibrationError as error:
+                cause = f" {error}"
+        # Nothing is lost: the views stay, a simpler model serves until more views come.
+        try:
+            simple = calibrate(self.board, self.observations, model="startup", numbers=self.numbers)
+            note = f"Without lens distortion for now.{cause}" if cause else ""
+            return simple, (note,) if note else ()
+        except CalibrationError as error:
+            return provisional(self.board, self.observations, self.numbers, self.start), (
+                f"The camera is only guessed for now.{cause or f' {error}'}",
+            )
+
+    def _suggested(
+        self,
+        calibration: Calibration,
+        information: Array,
+        stop: Callable[[], bool] | None,
+        on_move: Callable[[Move], None] | None,
+    ) -> Suggestion:
+        settings = self.settings
+        # Seeded by the target's number, so that a replayed session asks for the same poses.
+        return suggest(
+            self.board,
+            calibration.camera,
+            information,
+            noise_of(calibration),
+            method=settings.method,
+            cost=settings.cost,
+            strategy=settings.strategy,
+            start=settings.start,
+            noise=self._noise(calibration),
+            limits=self._limits(planning_camera(calibration.camera)),
+            rng=np.random.default_rng([settings.seed, self.target_number]),
+            number=self.target_number,
+            state=self.generation,
+            views=calibration.views,
+            skipped=self.skipped,
+            keep_best=settings.keep_best,
+            stop=stop,
+            on_move=on_move,
+        )
+
+    def _noise(self, calibration: Calibration) -> NoiseModel | None:
+        """The noise model, relative to the views that `noise_of` was measured on."""
+        vectors = np.array([view.pose.vector() for view in calibration.views])
+        model = self.settings.noise
+        return model and model.relative_to(calibration.camera, self.board, vectors)
+
+    def _limits(self, camera: Camera) -> Limits:
+        return replace(Limits.for_board(self.board, camera), **self.settings.limits)
+
+    def _outlook(self, calibration: Calibration, information: Array) -> Outlook:
+        return Outlook.of(
+            self.board,
+            calibration.camera,
+            information,
+            noise_of(calibration),
+            self._noise(calibration),
+        )
+
+    def _forecast(
+        self,
+        calibration: Calibration,
+        information: Array,
+        suggestion: Suggestion | None,
+        stop: Callable[[], bool] | None,
+    ) -> Forecast | None:
+        """None before the first full calibration, when stopped, and for the cost "rms", which is
+        too slow to plan with."""
+        settings = self.settings
+        if settings.wanted_error_px is None or settings.cost == "rms":
+            return None
+        outlook = self._outlook(calibration, information)
+        if not all(calibration.free) or not outlook.settled:
+            return None
+        residuals = 2 * sum(view.observation.count for view in calibration.views)
+        try:
+            return forecast(
+                outlook,
+                settings.way,
+                Space(self.board, outlook.camera, self._limits(outlook.camera), self.skipped),
+                np.random.default_rng([settings.seed, self.target_number, 1]),
+                wanted_px=settings.wanted_error_px,
+                degrees=residuals - len(PARAMETERS) - 6 * len(calibration.views),
+                state=self.generation if suggestion is None else suggestion.state,
+                first=None if suggestion is None else suggestion.target.pose.vector(),
+                stop=stop,
+            )
+        except VenusError:
+            return None  # no pose fits the limits: the suggestion has said so
+
+
+def noise_of(calibration: Calibration) -> float:
+    """Standard deviation of a corner coordinate to plan with, pixels."""
+    return max(calibration.residual_sigma_px, LEAST_NOISE_PX)
+
+
+def provisional(
+    board: Board, observations: Sequence[Observation], numbers: Sequence[int], camera: Camera
+) -> Calibration:
+    """Views located with a camera that they do not determine; guidance can go on with it."""
+    views: list[View] = []
+    for number, observation in zip(numbers, observations, strict=True):
+        pose = locate(camera, board, observation)
+        if pose is None:
+            raise CalibrationError(
+                f"View {number} shows no pose of this board; check the board's options."
+            )
+        errors = observation.corners - camera.project(pose.apply(board.points_of(observation.ids)))
+        views.append(View(number, observation, pose, _rms(errors), errors))
+    residuals = np.concatenate([view.errors for view in views])
+    nothing = (False,) * len(PARAMETERS)
+    return Calibration(
+        camera, np.zeros((9, 9)), nothing, float(residuals.std()), _rms(residuals), tuple(views)
+    )
+
+
+def _rms(errors: Array) -> float:
+    return float(np.sqrt((errors**2).sum(axis=1).mean()))
+
+
+def information_of(calibration: Calibration, board: Board) -> Array:
+    """(9, 9) information of all captured views at the calibration's optimum, unit noise."""
+    total = np.zeros((9, 9))
+    for view in calibration.views:
+        points = board.points_of(view.observation.ids)
+        total += view_information(calibration.camera, points, view.pose.R[None], view.pose.t[None])[
+            0
+        ]
+    return total

@@ -1,0 +1,1 @@
+"""Where the board should go next: limits, costs, searches, forecast."""

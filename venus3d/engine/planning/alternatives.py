@@ -1,0 +1,54 @@
+"""Poses that are nearly as good as the best one and clearly different from it.
+
+One of them may suit the person's wrists, or the room. Which poses a search met is `pool`'s.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from venus3d.engine.calibration.projection_uncertainty import projection_error_px
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.posterior import Outlook
+
+AT_MOST = 3
+"""So many are offered besides the best."""
+DIFFERENT_DEG = 20.0
+DIFFERENT_FRACTION = 0.2
+NEARLY = 0.15
+"""By this share of the best pose's gain, and of the error it leaves, another may be behind it.
+
+The second half is for the first views: they gain so much that a share of it means little.
+"""
+
+
+def clearly_different(one: Pose, other: Pose) -> bool:
+    """Whether a person sees at once that these are two poses.
+
+    By 20 degrees of turn, or by a fifth of the nearer one's distance in any direction.
+    """
+    nearer = min(float(np.linalg.norm(pose.t)) for pose in (one, other))
+    apart = one.distance_to(other) >= DIFFERENT_FRACTION * nearer
+    return apart or one.angle_to_deg(other) >= DIFFERENT_DEG
+
+
+def nearly_equal(outlook: Outlook, best: Array, pool: Array) -> list[Array]:
+    """The pose vectors (6,) of a pool (K, 6) to offer besides `best` (6,), best first; up to three.
+
+    Compared by the mean projection error they leave, whatever the search was for: it is what the
+    person is told. All are clearly different from `best` and from each other.
+    """
+    if not len(pool):
+        return []
+    errors = np.array([projection_error_px(outlook.camera, C) for C in outlook.after(pool)])
+    least = projection_error_px(outlook.camera, outlook.after(best)[0])
+    allowed = least + NEARLY * min(max(outlook.error_px - least, 0.0), least)
+    chosen, poses = list[Array](), [Pose.from_vector(best)]
+    for i in np.argsort(errors, kind="stable"):
+        if errors[i] > allowed or len(chosen) == AT_MOST:
+            break
+        pose = Pose.from_vector(pool[i])
+        if all(clearly_different(pose, other) for other in poses):
+            chosen.append(pool[i])
+            poses.append(pose)
+    return chosen

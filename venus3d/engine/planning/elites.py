@@ -1,0 +1,71 @@
+"""The good poses a search has met: the best of each neighbourhood, not copies of one.
+
+Which of them are offered to a person is left to `suggest`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.planning.pose_space import Space
+from venus3d.engine.planning.search_trace import Found
+
+KEPT = 48
+"""How many neighbourhoods' best poses are returned."""
+NEAR = 0.05
+"""Poses this near in the unit cube (largest difference) are of one neighbourhood: 7 degrees about
+an axis, a twentieth of the picture, a tenth of the distance."""
+_BASE = 1000  # cells along an axis, more than there are
+_LOOKED_AT = 8 * KEPT
+
+
+class Pool:
+    """Collects the poses whose costs were computed. Used within one search."""
+
+    def __init__(self, space: Space) -> None:
+        self._space = space
+        self._vectors: list[Array] = []
+        self._costs: list[Array] = []
+        self.evaluated = 0
+        """Costs computed so far."""
+        self.best = np.full(6, np.nan)
+        """(6,) the cheapest pose so far."""
+        self.best_cost = float("inf")
+        self.first_cost = float("nan")
+        """Of the first pose added."""
+
+    def add(self, vectors: Array, costs: Array) -> None:
+        """Poses (N, 6) of the space with their costs (N,)."""
+        if not self._costs:
+            self.first_cost = float(costs[0])
+        self._vectors.append(vectors)
+        self._costs.append(costs)
+        self.evaluated += len(costs)
+        cheapest = int(np.argmin(costs))
+        if costs[cheapest] < self.best_cost:
+            self.best, self.best_cost = vectors[cheapest], float(costs[cheapest])
+
+    def found(self, stopped: bool) -> Found:
+        """The end of the search: its best pose, and the best of each neighbourhood."""
+        vectors, costs = np.concatenate(self._vectors), np.concatenate(self._costs)
+        order = np.argsort(costs, kind="stable")
+        unit = self._space.to_unit(vectors[order])
+        # The best of each cell of a grid first: most are gone, and quickly.
+        cells = np.floor(unit / NEAR).astype(np.int64) @ _BASE ** np.arange(6)
+        best = np.sort(np.unique(cells, return_index=True)[1])[:_LOOKED_AT]
+        chosen = order[best[_apart(unit[best])]]
+        return Found(
+            self.best, self.best_cost, self.evaluated, stopped, vectors[chosen], costs[chosen]
+        )
+
+
+def _apart(unit: Array) -> list[int]:
+    """Which of the points (N, 6), cheapest first, are the best of their neighbourhoods."""
+    kept: list[int] = []
+    left = np.arange(len(unit))
+    while len(kept) < KEPT and left.size:
+        first = int(left[0])
+        kept.append(first)
+        left = left[np.abs(unit[left] - unit[first]).max(axis=1) > NEAR]
+    return kept

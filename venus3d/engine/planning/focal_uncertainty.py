@@ -1,0 +1,73 @@
+"""What a lesson shows live: how well views like this one tell the focal length.
+
+For understanding, not for guidance: the session asks `information` and `costs`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose, turn
+
+NOISE_PX = 0.1**0.5
+"""The corner noise of the paper's simulation (4.1.2), per axis: a variance of 0.1 px²."""
+EDGE_ON_DEG = 80.0
+"""Tilted so far away from the line of sight, a board shows no pattern any more."""
+
+
+def views_like(pose: Pose, views: int = 4) -> tuple[Pose, ...]:
+    """Poses of the same tilt in `views` directions, spread evenly about the optical axis.
+
+    The direction of the tilt turns and the board does not roll with it: `Rz(a) R Rz(-a)`, each
+    about the board's centre, which stays. A frontal board has no direction: its poses are alike.
+    """
+    turns = [turn("z", 360.0 * k / views) for k in range(views)]
+    return tuple(Pose(Rz @ pose.R @ Rz.T, pose.t.copy()) for Rz in turns)
+
+
+def focal_sigma(
+    camera: Camera, board: Board, pose: Pose, *, views: int = 4, noise_px: float = NOISE_PX
+) -> float:
+    """Standard deviation of fx, pixels, from a calibration with `views_like` this pose.
+
+    All nine parameters and every view's pose are unknown, as in `cv2.calibrateCamera`; every corner
+    counts, with noise of `noise_px` per axis, whether or not it is in the picture.
+
+    inf if these views do not tell the focal length: by their own figures it could as well be zero.
+    So it is with a frontal board, where a longer lens farther away gives the same picture, and with
+    a board seen edge on or from behind. `focal_words` says it to a person.
+    """
+    likes = views_like(pose, views)
+    R, t = np.stack([p.R for p in likes]), np.stack([p.t for p in likes])
+    # Edge on there is nothing to see, whatever the formula says.
+    cosines = np.einsum("ni,ni->n", R[:, :, 2], t) / np.linalg.norm(t, axis=1)
+    if cosines.min() < np.cos(np.radians(EDGE_ON_DEG)) or not _in_front(board, R, t):
+        return float("inf")
+    information = view_information(camera, board.corners, R, t).sum(axis=0)
+    scale = 1 / np.sqrt(np.diag(information))
+    if np.linalg.eigvalsh(information * np.outer(scale, scale))[0] < 1e-12:
+        return float("inf")
+    sigma = float(np.sqrt(covariance_of(information, noise_px)[0, 0]))
+    return sigma if sigma < camera.fx else float("inf")
+
+
+def focal_words(sigma_px: float, camera: Camera, views: int = 4) -> str:
+    """What `focal_sigma` means, in one sentence."""
+    if not sigma_px < camera.fx:
+        return (
+            f"{views} pictures like this say nothing about the focal length: nearer or more "
+            "zoomed in, the board looks the same."
+        )
+    share = 100 * sigma_px / camera.fx
+    return (
+        f"{views} pictures like this tell the focal length to ± {sigma_px:.{sigma_px < 10:d}f} px "
+        f"of {camera.fx:.0f} ({share:.{share < 10:d}f} %)."
+    )
+
+
+def _in_front(board: Board, R: Array, t: Array) -> bool:
+    depths = (R[:, 2] @ board.outline.T) + t[:, 2, None]
+    return bool((depths > 0.01).all())

@@ -1,0 +1,174 @@
+"""Our own search: the whole space of poses within the limits, in the time of a blink.
+
+Well-spread samples of the space, then differential evolution in batches. The best poses lie on the
+limits (as near, as tilted, as far into the picture's corner as allowed), where a free neighbour is
+mostly outside; so whatever breaks a limit is brought onto it (`onto_limits`), and steps are
+differences of good poses, which run along the limits that both lie on.
+
+The paper's annealing is in `annealing`, scipy's optimisers as yardsticks in `yardsticks`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.planning.costs import CostFunction, rough_of
+from venus3d.engine.planning.elites import Pool
+from venus3d.engine.planning.pose_space import Space, nothing_fits
+from venus3d.engine.planning.search_trace import Found, Move, Stop, Watch
+
+Numbers = NDArray[np.intp]
+_SAMPLES = 0.15  # share of the budget that goes into the first look at the whole space
+_PARENTS = (48, 16)  # at the start and at the end
+_ELITE = 0.1  # share of the parents towards which the others are drawn
+_STRIDE = 1.0  # median length of a step, in differences
+_CROSSOVER = 0.9  # share of the coordinates that a step changes
+_MIRRORED = 0.07  # share of the children that are mirrored
+# A board left of the centre, its picture mirrored: the angles about Y and Z turn round as well.
+_MIRRORS = np.array([[0, 1, 1, 1, 0, 0], [1, 0, 1, 0, 1, 0], [1, 1, 0, 1, 1, 0]], dtype=bool)
+_PART = 448  # candidates between two looks at `stop`
+
+
+def search_globally(
+    space: Space,
+    cost: CostFunction,
+    rng: np.random.Generator,
+    *,
+    budget: int = 3050,
+    stop: Stop | None = None,
+    on_move: Watch | None = None,
+) -> Found:
+    """The cheapest pose of the space; all randomness is `rng`'s.
+
+    A seventh of the budget goes into a Sobol sequence over the unit cube of `Space`, shifted at
+    random. The best 48 become parents. A child is `u + F (b - u + p - q)`: parent u, one of the
+    best tenth b, two other parents p and q, F scattered about 1 (differential evolution,
+    current-to-pbest/1: Zhang and Sanderson 2009), a tenth of the coordinates kept. The best child
+    that is cheaper takes its parent's place, and the dearest parents drop out until 16 are left.
+
+    Args:
+        cost: of pose vectors (N, 6). If it has a rough one beside it (`rough_of`), that ranks, and
+            only the poses returned are given their exact cost.
+        budget: costs to compute, about.
+        stop, on_move: see `search`.
+
+    Raises `VenusError` if no pose fits the limits.
+    """
+    run = _Run(space, cost, stop, on_move)
+    parents, costs = run.samples(budget, rng)
+    # In a space of few poses most children are lost: there is an end even then.
+    for _ in range(10 + 4 * budget // _PART):
+        if run.pool.evaluated >= budget or run.stopped():
+            break
+        spent = run.pool.evaluated / budget
+        count = round(_PARENTS[0] + (_PARENTS[1] - _PARENTS[0]) * spent)
+        order = np.argsort(costs, kind="stable")[:count]
+        parents, costs = parents[order], costs[order]
+        children, of = _children(parents, min(_PART, budget - run.pool.evaluated), rng)
+        found, values, kept = run.look_at(children)
+        _replace(parents, costs, found, values, of[kept])
+    return run.found()
+
+
+class _Run:
+    """One search under way."""
+
+    def __init__(
+        self,
+        space: Space,
+        cost: CostFunction,
+        stop: Stop | None,
+        on_move: Watch | None,
+    ) -> None:
+        self.pool = Pool(space)
+        self._space, self._cost, self._rough = space, cost, rough_of(cost)
+        self._stop, self._on_move, self._stopped = stop, on_move, False
+
+    def stopped(self) -> bool:
+        self._stopped = self._stopped or (self._stop is not None and self._stop())
+        return self._stopped
+
+    def samples(self, budget: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Points (N, 6) of the unit cube spread over the space, and their costs (N,)."""
+        sequence, shift = qmc.Sobol(6, scramble=False), rng.random(6)
+        wanted = max(1, round(_SAMPLES * budget))
+        size = min(512, 2 ** int(np.ceil(np.log2(2 * wanted))))  # Sobol wants powers of two
+        points: list[Array] = []
+        costs: list[Array] = []
+        for _ in range(2**15 // size):
+            unit, values, _ = self.look_at((np.asarray(sequence.random(size)) + shift) % 1.0)
+            points.append(unit)
+            costs.append(values)
+            if self.pool.evaluated >= wanted or (self.pool.evaluated and self.stopped()):
+                break
+        if not self.pool.evaluated:
+            raise nothing_fits(self._space)
+        return np.concatenate(points), np.concatenate(costs)
+
+    def look_at(self, unit: Array) -> tuple[Array, Array, Numbers]:
+        """Points (N, 6) brought into the space: those (K, 6) for which it worked, their costs (K,)
+        and numbers (K,)."""
+        vectors, good = self._space.bring_inside(self._space.from_unit(unit))
+        kept = np.flatnonzero(good)
+        if not kept.size:
+            return unit[:0], np.zeros(0), kept
+        vectors = vectors[kept]
+        costs = self._rough(vectors)
+        self.pool.add(vectors, costs)
+        self._tell(vectors, costs)
+        return self._space.to_unit(vectors), costs, kept
+
+    def _tell(self, vectors: Array, costs: Array) -> None:
+        """Tell of a batch's best pose; it counts as accepted if it is the best of all."""
+        if self._on_move is None:
+            return
+        i, pool = int(np.argmin(costs)), self.pool
+        cost = float(costs[i])
+        self._on_move(
+            Move(
+                vectors[i],
+                cost,
+                cost <= pool.best_cost,
+                pool.best,
+                pool.best_cost,
+                pool.evaluated,
+                vectors,
+                costs,
+            )
+        )
+
+    def found(self) -> Found:
+        found = self.pool.found(self._stopped)
+        if self._rough is self._cost:
+            return found
+        costs = self._cost(found.pool)
+        order = np.argsort(costs, kind="stable")
+        pool, costs = found.pool[order], costs[order]
+        return Found(pool[0], float(costs[0]), found.evaluated, self._stopped, pool, costs)
+
+
+def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Array, Numbers]:
+    """Children (K, 6) of parents (N, 6), cheapest first, and whose they are (K,); K about count."""
+    n = len(parents)
+    of = np.repeat(np.arange(n), -(-count // n))
+    size = len(of)
+    stride = np.clip(_STRIDE + 0.1 * rng.standard_cauchy((size, 1)), 0.05, 1.5)
+    best = parents[rng.integers(max(1, round(_ELITE * n)), size=size)]
+    one, other = parents[rng.integers(n, size=(2, size))]
+    step = stride * (best - parents[of] + one - other)
+    step *= rng.random((size, 6)) < _CROSSOVER
+    children = parents[of] + step
+    mirrored = rng.random(size) < _MIRRORED
+    flip = _MIRRORS[rng.integers(len(_MIRRORS), size=size)] & mirrored[:, None]
+    return np.where(flip, 1 - children, children), of
+
+
+def _replace(parents: Array, costs: Array, found: Array, values: Array, of: Numbers) -> None:
+    """Put each parent's cheapest child in its place, in place, if it is cheaper."""
+    order = np.lexsort((values, of))
+    first = order[np.unique(of[order], return_index=True)[1]]
+    better = first[values[first] < costs[of[first]]]
+    parents[of[better]], costs[of[better]] = found[better], values[better]

@@ -1,0 +1,255 @@
+"""Poses made by rule from the parameter that is known worst (3.2), the paper's and Rojtberg's.
+
+Both aim at one parameter: for a focal length or the principal point the board is tilted, for a
+distortion coefficient it covers the most distorted part of the image. They differ in the angles:
+eq. (11) averages the last two, Rojtberg et al. 2018 bisect the range breadth first.
+
+What has been used is an explicit frozen `GenerationState`; nothing is searched here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.costs import index_of_dispersion
+from venus3d.engine.planning.limits import Limits, brought_within
+
+ROLL_DEG = 22.5
+"""pi/8 of eq. (10): turned in its plane, the board's rows are not parallel to the image's."""
+CELL_PX = 20
+"""Cell of the distortion map."""
+WINDOW_WIDTH = 0.3
+"""Width of a distortion window, as a fraction of the image's."""
+_ORBIT_WIDTHS = 1.6  # Rojtberg's distance of an orbit pose, in board widths
+_SHIFT = 0.05  # his shift for the principal point, as a fraction of the image
+_ABOUT_Y = ("fx", "cx")
+_ABOUT_X = ("fy", "cy")
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of the image, pixels: left, top, width, height."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+@dataclass(frozen=True)
+class GenerationState:
+    """What the generators have used so far."""
+
+    counts: tuple[int, ...] = (0,) * 9
+    """How many poses were made for each of the nine `PARAMETERS`."""
+    windows: tuple[Window, ...] = ()
+    """Distortion windows already shown."""
+    sigma: tuple[float, ...] = ()
+    """(9,) standard deviations when the last pose was made; empty before."""
+    aimed: str = ""
+    """The parameter that the last pose was made for."""
+    settled: tuple[str, ...] = ()
+    """Parameters passed over because the view made for them changed them little."""
+
+    def observed(self, sigma: ArrayLike, epsilon: float = 0.1) -> GenerationState:
+        """The state after the views so far gave standard deviations `sigma` (9,).
+
+        A parameter whose sigma fell by less than `epsilon` through the view made for it is
+        settled and not aimed at again, as in Rojtberg's program; else k3, which hardly ever stops
+        being the worst, would claim all poses. When all are settled it begins anew. Unchanged
+        values (a target was skipped) say nothing.
+        """
+        now = np.asarray(sigma, dtype=np.float64)
+        begun = replace(self, sigma=tuple(float(v) for v in now))
+        if not self.sigma or not self.aimed or np.allclose(now, self.sigma, rtol=1e-6, atol=0):
+            return begun
+        aimed = PARAMETERS.index(self.aimed)
+        if not 0 <= 1 - now[aimed] / self.sigma[aimed] < epsilon:
+            return begun
+        settled = tuple(sorted({*self.settled, self.aimed}))
+        return replace(begun, settled=() if len(settled) == len(PARAMETERS) else settled)
+
+    def count(self, *names: str) -> int:
+        """How many poses were made for these parameters together."""
+        return sum(self.counts[PARAMETERS.index(name)] for name in names)
+
+    def after(self, name: str, window: Window | None = None) -> GenerationState:
+        """The state after one more pose for the parameter `name`."""
+        counts = list(self.counts)
+        counts[PARAMETERS.index(name)] += 1
+        windows = self.windows if window is None else (*self.windows, window)
+        return replace(self, counts=tuple(counts), windows=windows, aimed=name)
+
+
+@dataclass(frozen=True, eq=False)
+class Generated:
+    """A pose made by rule."""
+
+    vector: Array
+    """(6,) pose vector, within the limits."""
+    parameter: str
+    """What it was made for."""
+    state: GenerationState
+    """The state to go on with."""
+    note: str = ""
+    """How the rule's own pose had to be changed to stay within the limits; empty if it was not."""
+
+
+def weakest_parameter(camera: Camera, covariance: ArrayLike, settled: Collection[str] = ()) -> str:
+    """The parameter with the largest index of dispersion, eq. (13), among those not settled."""
+    dispersion = index_of_dispersion(camera, covariance)
+    passed_over = [name in settled for name in PARAMETERS]
+    return PARAMETERS[int(np.argmax(np.where(passed_over, -np.inf, dispersion)))]
+
+
+def paper_angle_deg(i: int) -> float:
+    """Eq. (11) as printed, i from 1: -70, 70, 0, 35, 17.5, 26.25 ... -> 23.3."""
+    older, newer = -70.0, 70.0
+    if i == 1:
+        return older
+    for _ in range(i - 2):
+        older, newer = newer, (older + newer) / 2
+    return newer
+
+
+def bisection_angle_deg(i: int, half_range_deg: float = 70.0) -> float:
+    """Rojtberg's angles, i from 1: the midpoints of ever finer halves of the range, level by level.
+
+    For +-70: -35, 35, -52.5, -17.5, 17.5, 52.5, ... (0 itself, parallel to the image, is left out).
+    """
+    level, first = 2, 1
+    while i >= first + level:
+        first, level = first + level, level * 2
+    return -half_range_deg + 2 * half_range_deg * (i - first + 0.5) / level
+
+
+def generate_paper(
+    board: Board, camera: Camera, limits: Limits, parameter: str, state: GenerationState
+) -> Generated:
+    """The paper's pose for `parameter`: eqs (10), (11), or the distortion window."""
+    if parameter not in _ABOUT_X + _ABOUT_Y:
+        return _distortion_pose(board, camera, limits, parameter, state)
+    about_y = parameter in _ABOUT_Y
+    angle = paper_angle_deg(1 + state.count(*(_ABOUT_Y if about_y else _ABOUT_X)))
+    angles = [0.0, angle, ROLL_DEG] if about_y else [angle, 0.0, ROLL_DEG]
+    # z is not given: the nearest at which the whole board is seen, which is where it says most.
+    wanted = _nearest_visible(board, camera, limits, np.array([*angles, 0.0, 0.0, 1.0]))
+    return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
+
+
+def generate_rojtberg(
+    board: Board, camera: Camera, limits: Limits, parameter: str, state: GenerationState
+) -> Generated:
+    """Rojtberg's pose for `parameter`; his very first one is frontal and fills the image."""
+    if not any(state.counts):
+        wanted = _nearest_visible(board, camera, limits, np.array([0.0, 0, 0, 0, 0, 1]))
+        return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
+    if parameter not in _ABOUT_X + _ABOUT_Y:
+        return _distortion_pose(board, camera, limits, parameter, state)
+    about_y = parameter in _ABOUT_Y
+    angle = bisection_angle_deg(1 + state.count(*(_ABOUT_Y if about_y else _ABOUT_X)))
+    angles = [0.0, angle, ROLL_DEG] if about_y else [angle, 0.0, ROLL_DEG]
+    z = _ORBIT_WIDTHS * board.width
+    x = y = 0.0
+    if parameter in ("cx", "cy"):
+        sign = 1 if state.count(parameter) % 2 == 0 else -1
+        x = sign * _SHIFT * camera.width / camera.fx * z
+        y = sign * _SHIFT * camera.height / camera.fy * z
+    wanted = np.array([*angles, x, y, z])
+    return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
+
+
+def distortion_map(camera: Camera, cell_px: int = CELL_PX) -> Array:
+    """(rows, columns) of cells: how far, pixels, the lens moves a point that belongs there."""
+    columns, rows = camera.width // cell_px, camera.height // cell_px
+    u = (np.arange(columns) + 0.5) * camera.width / columns - 0.5
+    v = (np.arange(rows) + 0.5) * camera.height / rows - 0.5
+    f, c = np.array([camera.fx, camera.fy]), np.array([camera.cx, camera.cy])
+    ideal = (np.stack(np.meshgrid(u, v), axis=-1) - c) / f
+    return np.linalg.norm((camera.distort(ideal) - ideal) * f, axis=-1)
+
+
+def distortion_window(
+    board: Board, camera: Camera, used: tuple[Window, ...] = ()
+) -> tuple[Window, bool]:
+    """The window of the board's shape with the largest distortion not yet shown, and whether that
+    started a new round because everything had been shown.
+
+    The window is `WINDOW_WIDTH` of the image wide and slides over the map in steps of a cell.
+    """
+    strength = distortion_map(camera)
+    rows, columns = strength.shape
+    cell = np.array([camera.width / columns, camera.height / rows])
+    # A lens whose distortion is not yet known bends the border most: an invisible cone decides.
+    v, u = np.mgrid[:rows, :columns]
+    strength = strength + 1e-6 * np.hypot(u - (columns - 1) / 2, v - (rows - 1) / 2)
+    width = WINDOW_WIDTH * camera.width
+    shape = np.array([width, min(width * board.height / board.width, camera.height)])
+    across, down = (np.maximum(1, np.round(shape / cell))).astype(int)
+    free = strength.copy()
+    for window in used:
+        left, top = np.round(np.array([window.x, window.y]) / cell).astype(int)
+        free[top : top + down, left : left + across] = 0.0
+    again = float(free.max()) <= 0.0
+    sums = np.zeros((rows + 1, columns + 1))
+    sums[1:, 1:] = (strength if again else free).cumsum(axis=0).cumsum(axis=1)
+    inside = sums[down:, across:] - sums[:-down, across:]
+    inside = inside - sums[down:, :-across] + sums[:-down, :-across]
+    top, left = np.unravel_index(int(np.argmax(inside)), inside.shape)
+    x, y = np.array([left, top]) * cell
+    return Window(float(x), float(y), float(across * cell[0]), float(down * cell[1])), again
+
+
+def window_pose(board: Board, camera: Camera, window: Window) -> Pose:
+    """The pose parallel to the image under which the board fills the window's width."""
+    centre = [window.x + window.width / 2 - 0.5, window.y + window.height / 2 - 0.5]
+    ray = camera.unproject(np.array(centre))
+    if not np.isfinite(ray).all():
+        ray = camera.without_distortion().unproject(np.array(centre))
+    z = camera.fx * board.width / window.width
+    return Pose(np.eye(3), np.array([ray[0] * z, ray[1] * z, z]))
+
+
+def _finished(
+    board: Board,
+    camera: Camera,
+    limits: Limits,
+    wanted: Array,
+    parameter: str,
+    state: GenerationState,
+) -> Generated:
+    vector, note = brought_within(board, camera, limits, wanted)
+    return Generated(vector, parameter, state, note)
+
+
+def _distortion_pose(
+    board: Board, camera: Camera, limits: Limits, parameter: str, state: GenerationState
+) -> Generated:
+    window, again = distortion_window(board, camera, state.windows)
+    begun = replace(state, windows=()) if again else state
+    wanted = window_pose(board, camera, window).vector()
+    return _finished(board, camera, limits, wanted, parameter, begun.after(parameter, window))
+
+
+def _nearest_visible(board: Board, camera: Camera, limits: Limits, vector: Array) -> Array:
+    """The vector at the smallest distance at which the limits hold, or the board is just seen.
+
+    If the tilt alone breaks the limits, only the picture's border decides: the rest is for
+    `brought_within`.
+    """
+    distances = np.geomspace(limits.nearest, limits.farthest, 121)
+    candidates = np.tile(vector, (distances.size, 1))
+    candidates[:, 5] = distances
+    seen_only = replace(limits, max_tilt_deg=90.0, max_depth_ratio=np.inf, min_square_px=0.0)
+    for bounds in (limits, seen_only):
+        good = np.flatnonzero(bounds.accepts(camera, board, candidates))
+        if good.size:
+            return candidates[good[0]]
+    return candidates[distances.size // 2]

@@ -1,0 +1,132 @@
+"""scipy's global optimisers on the same space and cost, to measure our own search against.
+
+Both work in the unit cube of `Space.from_unit`, on the logarithm of the cost (so that neither its
+unit nor its size matters to their temperatures). A point outside the space costs more than any pose
+by as much as it breaks the limits: a slope that leads back inside.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from scipy.optimize import differential_evolution, dual_annealing
+
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.planning.costs import CostFunction
+from venus3d.engine.planning.elites import Pool
+from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.engine.planning.search_trace import Found, Move, Stop, Watch
+
+# scipy renames `seed` to `rng`; the old name is understood by all versions, not by all stubs.
+_dual_annealing: Any = dual_annealing
+_differential_evolution: Any = differential_evolution
+_BOUNDS = [(0.0, 1.0)] * 6
+_OUTSIDE = 20.0  # in units of the logarithm: dearer than any pose of the space
+
+
+class _Ended(Exception):  # noqa: N818 (no error: the way out of scipy's loops)
+    """The budget is used up, or somebody asked to stop."""
+
+
+def dual_annealing_search(
+    space: Space,
+    cost: CostFunction,
+    rng: np.random.Generator,
+    *,
+    budget: int = 5000,
+    stop: Stop | None = None,
+    on_move: Watch | None = None,
+) -> Found:
+    """`scipy.optimize.dual_annealing` with its defaults, until `budget` points were looked at."""
+    objective = _Objective(space, cost, rng, budget, stop, on_move)
+    with suppress(_Ended):
+        _dual_annealing(objective.of_one, _BOUNDS, maxiter=10**9, seed=rng)
+    return objective.found()
+
+
+def differential_evolution_search(
+    space: Space,
+    cost: CostFunction,
+    rng: np.random.Generator,
+    *,
+    budget: int = 5000,
+    stop: Stop | None = None,
+    on_move: Watch | None = None,
+) -> Found:
+    """`scipy.optimize.differential_evolution`, 60 at a time, until `budget` points were looked at.
+
+    From a Sobol sequence and without a polish at the end, otherwise with its defaults.
+    """
+    objective = _Objective(space, cost, rng, budget, stop, on_move)
+    with suppress(_Ended):
+        _differential_evolution(
+            objective.of_columns,
+            _BOUNDS,
+            popsize=10,
+            maxiter=10**9,
+            tol=0.0,
+            init="sobol",
+            polish=False,
+            updating="deferred",
+            vectorized=True,
+            seed=rng,
+        )
+    return objective.found()
+
+
+class _Objective:
+    """Logarithms of costs of points of the unit cube, with everything kept that was met."""
+
+    def __init__(
+        self,
+        space: Space,
+        cost: CostFunction,
+        rng: np.random.Generator,
+        budget: int,
+        stop: Stop | None,
+        on_move: Watch | None,
+    ) -> None:
+        self._space, self._cost, self._left = space, cost, budget
+        self._stop, self._on_move, self._stopped = stop, on_move, False
+        self._pool = Pool(space)
+        # A valid pose to begin with: the search may be stopped before it finds one.
+        first = random_pose(space, rng)[None]
+        self._pool.add(first, cost(first))
+
+    def __call__(self, unit: Array) -> Array:
+        """(N,) for points (N, 6). Ends the search by `_Ended` when it is time."""
+        self._stopped = self._stop is not None and self._stop()
+        if self._stopped or self._left <= 0:
+            raise _Ended
+        self._left -= len(unit)
+        vectors = self._space.from_unit(unit)
+        excess = self._space.excess(vectors)
+        values = _OUTSIDE + excess
+        inside = np.flatnonzero(excess == 0)
+        if len(inside):
+            costs = self._cost(vectors[inside])
+            values[inside] = np.log(costs / self._pool.first_cost)
+            self._tell(vectors[inside], costs)
+        return values
+
+    def _tell(self, vectors: Array, costs: Array) -> None:
+        before = self._pool.best_cost
+        self._pool.add(vectors, costs)
+        if self._on_move is not None:
+            i, pool = int(np.argmin(costs)), self._pool
+            better = bool(costs[i] < before)
+            cost = float(costs[i])
+            self._on_move(Move(vectors[i], cost, better, pool.best, pool.best_cost, pool.evaluated))
+
+    def of_one(self, unit: Array) -> float:
+        """For one point (6,)."""
+        return float(self(unit[None])[0])
+
+    def of_columns(self, unit: Array) -> Array:
+        """For points (6, N)."""
+        return self(unit.T)
+
+    def found(self) -> Found:
+        return self._pool.found(self._stopped)

@@ -1,0 +1,99 @@
+"""Looking for the pose with the smallest cost: all strategies behind one function.
+
+annealing                Algorithm 1 of the paper, from a given pose
+global                   ours: the whole pose space within the limits
+dual-annealing           scipy's, a yardstick
+differential-evolution   scipy's, a yardstick (the paper's outlook names evolutionary search)
+
+All take a random generator, end when asked to with the best pose so far, and report their moves so
+that they can be watched. What a pose costs is `costs`' business, which poses are allowed `space`'s.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from venus3d.engine.errors import VenusError
+from venus3d.engine.planning.annealing import ROUNDS, anneal, neighbour_sigma
+from venus3d.engine.planning.costs import CostFunction
+from venus3d.engine.planning.global_search import search_globally
+from venus3d.engine.planning.method import STRATEGIES, Strategy
+from venus3d.engine.planning.pose_space import Space
+from venus3d.engine.planning.scipy_searches import (
+    differential_evolution_search,
+    dual_annealing_search,
+)
+from venus3d.engine.planning.search_trace import Found, Move, Stop, Watch
+
+__all__ = [
+    "BUDGET",
+    "Found",
+    "Move",
+    "Stop",
+    "Watch",
+    "anneal",
+    "neighbour_sigma",
+    "search",
+    "search_globally",
+]
+
+BUDGET: dict[Strategy, int] = {
+    "annealing": 70,
+    "global": 3050,
+    "dual-annealing": 5000,
+    "differential-evolution": 5000,
+}
+"""Poses looked at if nothing else is asked for."""
+
+
+def search(
+    strategy: Strategy,
+    space: Space,
+    cost: CostFunction,
+    rng: np.random.Generator,
+    *,
+    start: ArrayLike | None = None,
+    budget: int | None = None,
+    stop: Stop | None = None,
+    on_move: Watch | None = None,
+    keep_best: bool = False,
+) -> Found:
+    """The cheapest pose of the space that the strategy finds.
+
+    Args:
+        cost: of pose vectors (N, 6), never negative; see `make_cost`.
+        start: (6,) where the annealing begins, a pose of the space; the others need none.
+        budget: about how many poses to look at; None for the strategy's own (`BUDGET`).
+        stop: asked again and again; once it says True the best pose so far is returned.
+        on_move: told of every pose looked at, or of the best of every batch.
+        keep_best: let the annealing return the best pose it met, not the one it ends on as printed.
+
+    Raises `VenusError` for a strategy that does not exist, an annealing without a start, a budget
+    below one, and limits that leave no pose.
+    """
+    if strategy not in STRATEGIES:
+        raise VenusError(f"There is no strategy {strategy!r}; use one of {', '.join(STRATEGIES)}.")
+    count = BUDGET[strategy] if budget is None else budget
+    if count < 1:
+        raise VenusError(f"A search that looks at {count} poses finds none; allow at least one.")
+    if strategy == "annealing":
+        if start is None:
+            raise VenusError("The strategy annealing walks from a pose; give it a start.")
+        return anneal(
+            space,
+            cost,
+            start,
+            rng,
+            tries=-(-count // ROUNDS),
+            keep_best=keep_best,
+            stop=stop,
+            on_move=on_move,
+        )
+    if strategy == "global":
+        return search_globally(space, cost, rng, budget=count, stop=stop, on_move=on_move)
+    run = {
+        "dual-annealing": dual_annealing_search,
+        "differential-evolution": differential_evolution_search,
+    }[strategy]
+    return run(space, cost, rng, budget=count, stop=stop, on_move=on_move)

@@ -1,0 +1,91 @@
+"""What a search reports while it runs and what it ends with. The searches are in `search`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from venus3d.engine.geometry.pose import Array
+
+Stop = Callable[[], bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """One step of a search, for somebody who watches."""
+
+    vector: Array
+    """(6,) the pose looked at."""
+    cost: float
+    accepted: bool
+    """Whether the search went on from it."""
+    best_vector: Array
+    """(6,) the cheapest pose so far."""
+    best_cost: float
+    evaluated: int
+    """Costs computed so far."""
+    candidates: Array = field(default_factory=lambda: np.empty((0, 6)))
+    """(N, 6) all poses of the batch that this is the best of; empty if it was looked at alone."""
+    candidate_costs: Array = field(default_factory=lambda: np.empty(0))
+    """(N,) their costs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """A whole search as it went, to be watched afterwards."""
+
+    moves: tuple[Move, ...]
+    """In order; the first ones only, if there were very many."""
+    end: Array
+    """(6,) the pose that the search ended with."""
+
+    @property
+    def is_batched(self) -> bool:
+        """Whether each move stands for a batch of poses (no walk from pose to pose)."""
+        return any(len(move.candidates) > 0 for move in self.moves)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search ended with."""
+
+    vector: Array
+    """(6,) pose vector."""
+    cost: float
+    evaluated: int
+    """Costs computed."""
+    stopped: bool
+    """Whether it was stopped before its end."""
+    pool: Array = field(default_factory=lambda: np.empty((0, 6)))
+    """(K, 6) the good poses met, cheapest first, the best included; empty if none were kept."""
+    pool_costs: Array = field(default_factory=lambda: np.empty(0))
+    """(K,) their costs."""
+
+
+Watch = Callable[[Move], None]
+
+
+class Recorder:
+    """Keeps the moves of a search. Used within one search; a move is kept as it is, not copied."""
+
+    AT_MOST = 6000
+    """Poses kept, so that no search fills the memory: a third of a megabyte."""
+
+    def __init__(self, watch: Watch | None = None) -> None:
+        """`watch` is told of every move as well."""
+        self._watch, self._moves, self._poses = watch, list[Move](), 0
+
+    def __call__(self, move: Move) -> None:
+        """Take in one move."""
+        poses = max(1, len(move.candidates))
+        if self._poses + poses <= self.AT_MOST:
+            self._moves.append(move)
+            self._poses += poses
+        if self._watch is not None:
+            self._watch(move)
+
+    def walk(self, end: Array) -> Walk | None:
+        """The search that ended with the pose vector `end` (6,); None if there was no move."""
+        return Walk(tuple(self._moves), end) if self._moves else None

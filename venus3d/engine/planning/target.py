@@ -1,0 +1,45 @@
+"""The next target: the pose asked for, what it is for, and what it is expected to give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from venus3d.engine.geometry.decomposition import Steps
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.method import Cost, Method
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """The pose asked for, why, and how to get there."""
+
+    number: int
+    """Counts from 1; a skipped target uses up its number."""
+    pose: Pose
+    steps: Steps
+    """Eq. (15): from the frontal, upright board to the target."""
+    method: Method
+    cost: Cost
+    serves: tuple[str, ...]
+    """The parameters this view helps most, best first."""
+    reason: str
+    """One sentence: what this pose is for."""
+    predicted_sigma: Array
+    """(9,) expected standard deviations after this view; NaN where not known."""
+    predicted_error_px: float
+    """Expected mean projection error over the image after this view; NaN where not known."""
+    evaluated: int
+    """How many candidate poses were looked at."""
+    search_s: float
+    """How long the search took."""
+    error_px: float = float("nan")
+    """Expected mean projection error over the image before this view; NaN where not known."""
+    alternatives: tuple[Target, ...] = ()
+    """Clearly different poses that are nearly as good, best first; one may suit the wrists."""
+    held: str = ""
+    """In a few words, how the board is held there: upright or turned, place, tilt, distance."""
+
+    @property
+    def gain_px(self) -> float:
+        """By how much this view is expected to lower the mean projection error; NaN if unknown."""
+        return self.error_px - self.predicted_error_px

@@ -1,0 +1,121 @@
+"""Options that several commands share: the board, the limits, and how numbers are checked.
+
+Lengths are in millimetres here, because a person types them; `BoardOptions.board()` and
+`LimitOptions.chosen()` turn them into the engine's metres. Each field's docstring is its `--help`
+text.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from tyro.conf import FlagCreatePairsOff, arg
+
+from venus3d.engine.errors import VenusError
+from venus3d.engine.geometry.board import Board
+
+Switch = FlagCreatePairsOff[bool]
+"""An option that is off unless it is named."""
+
+
+def optional(unit: str, usual: str) -> object:
+    """How `--help` shows an option that is None unless given."""
+    return arg(metavar=unit, help_behavior_hint=f"(usual: {usual})")
+
+
+@dataclass(frozen=True)
+class BoardOptions:
+    """The ChArUco board that is held in front of the camera."""
+
+    columns: int = 9
+    """Squares from left to right."""
+    rows: int = 6
+    """Squares from top to bottom."""
+    square_mm: float = 28.0
+    """Side of a square in millimetres, as measured on the printed board."""
+    marker_mm: float = 21.0
+    """Side of a marker in millimetres."""
+    dictionary: str = "DICT_5X5_100"
+    """OpenCV's name of the marker dictionary."""
+    legacy: Switch = False
+    """The layout of boards printed before OpenCV 4.6; found out by itself where it matters."""
+    inverted: Switch = False
+    """White on black; found out by itself."""
+
+    def board(self) -> Board:
+        """The engine's board. Raises `BoardError` for options that make no board."""
+        return Board(
+            columns=self.columns,
+            rows=self.rows,
+            square=self.square_mm / 1000,
+            marker=self.marker_mm / 1000,
+            dictionary=self.dictionary,
+            legacy=self.legacy,
+            inverted=self.inverted,
+        )
+
+
+@dataclass(frozen=True)
+class LimitOptions:
+    """What a target pose may ask of a person; by itself what suits the board and the camera."""
+
+    max_angle_deg: Annotated[float | None, optional("DEG", "70")] = None
+    """Largest turn about each axis in degrees."""
+    max_tilt_deg: Annotated[float | None, optional("DEG", "55")] = None
+    """Largest angle between the board's normal and the line of sight in degrees."""
+    nearest_mm: Annotated[float | None, optional("MM", "200")] = None
+    """Nearest distance of a corner in millimetres."""
+    farthest_mm: Annotated[float | None, optional("MM", "1200")] = None
+    """Farthest distance of a corner in millimetres."""
+    max_depth_ratio: Annotated[float | None, optional("RATIO", "2.2")] = None
+    """Largest ratio of the farthest to the nearest corner's distance: focus."""
+    min_square_px: Annotated[float | None, optional("PX", "12")] = None
+    """Smallest side of a square in the picture in pixels; more where the markers need it."""
+
+    def check(self) -> None:
+        """Raises `VenusError` for the first limit that cannot be met."""
+        ranges = {
+            "max_angle_deg": (1, 180),
+            "max_tilt_deg": (1, 85),
+            "nearest_mm": (10, 100_000),
+            "farthest_mm": (10, 100_000),
+            "max_depth_ratio": (1.01, 100),
+            "min_square_px": (1, 1000),
+        }
+        for name, (low, high) in ranges.items():
+            value = getattr(self, name)
+            if value is not None:
+                check_range(f"--limits.{name.replace('_', '-')}", value, low, high)
+        nearest, farthest = self.nearest_mm, self.farthest_mm
+        if nearest is not None and farthest is not None and nearest >= farthest:
+            raise VenusError("--limits.nearest-mm must be smaller than --limits.farthest-mm.")
+
+    def chosen(self) -> dict[str, float]:
+        """What was set, as fields of the engine's `Limits`; the session finds the rest itself."""
+        given = {
+            "max_angle_deg": self.max_angle_deg,
+            "max_tilt_deg": self.max_tilt_deg,
+            "nearest": None if self.nearest_mm is None else self.nearest_mm / 1000,
+            "farthest": None if self.farthest_mm is None else self.farthest_mm / 1000,
+            "max_depth_ratio": self.max_depth_ratio,
+            "min_square_px": self.min_square_px,
+        }
+        return {name: value for name, value in given.items() if value is not None}
+
+
+def image_size_of(text: str) -> tuple[int, int]:
+    """(width, height) of a text like 1280x720. Raises `VenusError` for anything else."""
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal() and int(width) and int(height)):
+        raise VenusError(f"A picture's size is WIDTHxHEIGHT, such as 1280x720, not {text!r}.")
+    size = int(width), int(height)
+    if not all(64 <= side <= 16384 for side in size):
+        raise VenusError(f"A picture of {text} px is of no use; take 64 to 16384 px a side.")
+    return size
+
+
+def check_range(option: str, value: float | None, low: float, high: float) -> None:
+    """Raises `VenusError` if a number was given that cannot be met."""
+    if value is not None and not low <= value <= high:  # also refuses what is no number
+        raise VenusError(f"{option} must be from {low:g} to {high:g}, not {value:g}.")

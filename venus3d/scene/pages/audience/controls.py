@@ -1,0 +1,53 @@
+"""The operator's choices about the second monitor: a folder and hotkeys on the operator's page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import viser
+
+from venus3d.scene.pages.audience import texts
+from venus3d.scene.pages.audience.audience import Audience
+from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.web.help import Command, add_commands
+
+
+class AudienceControls:
+    """A folder in the current panel of the operator's server. Callbacks only change a value."""
+
+    def __init__(self, server: viser.ViserServer, audience: Audience) -> None:
+        """Make the switches and the hotkeys."""
+        self._audience = audience
+        self._boxes: dict[str, Any] = {}
+        with server.gui.add_folder(texts.PANEL, expand_by_default=False):
+            for name, label, key, hint in texts.CONTROLS:
+                said = label if key is None else f"{label} ({key})"
+                box = server.gui.add_checkbox(said, getattr(audience.look, name), hint=hint)
+                box.on_update(self._ticked(name))
+                self._boxes[name] = box
+        self.commands = tuple(
+            Command(f"{texts.PANEL}: {label}", key, hint, self._toggled(name))
+            for name, label, key, hint in texts.CONTROLS
+        )
+        """In the palette; for the page's help as well."""
+        add_commands(server, self.commands)
+
+    def _ticked(self, name: str) -> Callable[[Any], None]:
+        def ticked(event: Any) -> None:
+            if event.client is not None:  # not set by us
+                self._audience.choose(_with(name, bool(event.target.value)))
+
+        return ticked
+
+    def _toggled(self, name: str) -> Callable[[], None]:
+        def toggled() -> None:
+            self._audience.choose(lambda look: _with(name, not getattr(look, name))(look))
+            self._boxes[name].value = getattr(self._audience.look, name)
+
+        return toggled
+
+
+def _with(name: str, on: bool) -> Callable[[Look], Look]:
+    return lambda look: replace(look, **{name: on})

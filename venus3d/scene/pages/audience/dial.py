@@ -1,0 +1,186 @@
+"""The dial: what is left of the one degree of freedom that matters now, as SVG in HTML.
+
+A turn is a gauge: the hand stands where the board is, the green band at the top is where it is
+right, the arrow points the way. A move has three such scales, straight ones. Degrees and
+millimetres near zero are drawn larger (by the square root), since that is where they matter. Left
+and right are the holder's own, like the words. Sizes are in the picture's own units: 400 by 400.
+"""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+
+from venus3d.engine.guidance.matching import Match
+from venus3d.scene.pages.audience import texts
+from venus3d.scene.render.amounts import degrees
+from venus3d.scene.render.palette import DARK, LIGHT, hex_of
+from venus3d.scene.render.shapes import Colour
+
+RIGHT_ON_DARK: Colour = DARK.reached
+RIGHT_ON_LIGHT: Colour = LIGHT.reached
+"""Something is right: always with a tick or a word."""
+LARGEST_DEG, LARGEST_MM = 90.0, 300.0
+"""The ends of the scales."""
+_CENTRE, _RADIUS, _REACH_DEG = (200.0, 210.0), 150.0, 125.0
+_LEFT, _RIGHT_END = 24.0, 376.0
+
+
+def right_colour(*, dark: bool) -> str:
+    """CSS colour of what is right."""
+    return hex_of(RIGHT_ON_DARK if dark else RIGHT_ON_LIGHT)
+
+
+def share(value: float, largest: float) -> float:
+    """Where a remaining amount stands on its scale, -1 ... 1; 0 is the target."""
+    return float(np.sign(value) * np.sqrt(min(abs(value) / largest, 1.0)))
+
+
+def dial_html(match: Match, step: int) -> str:
+    """The dial of step 1 ... 4. Its colours are CSS's: --step, --right, --text, --soft, --line."""
+    return _move(match) if step == 1 else _turn(match, step)
+
+
+def tick_html() -> str:
+    """What stands in the dial's place when it is right."""
+    tick = (
+        "<circle cx='200' cy='200' r='150' fill='var(--right)'/>"
+        "<path d='M122 206l54 56 104-116' fill='none' stroke='var(--ink)' stroke-width='34' "
+        "stroke-linecap='round' stroke-linejoin='round'/>"
+    )
+    return _svg(tick, texts.RIGHT)
+
+
+def amount_text(match: Match, step: int) -> str:
+    """What is left of a step, with sign and unit: "−31°" or "120 mm"."""
+    if step == 1:
+        return f"{float(np.linalg.norm(match.remaining_mm)):.0f} mm"
+    return degrees(match.remaining_deg[step - 2])
+
+
+def _turn(match: Match, step: int) -> str:
+    left = float(match.remaining_deg[step - 2])
+    # A turn that is positive for the camera goes counter-clockwise for the holder: so the hand
+    # stands to the right of the top, and moves to the left.
+    at, band = share(left, LARGEST_DEG), share(match.limit_deg, LARGEST_DEG)
+    hand, way = at * _REACH_DEG, np.sign(at) * band * _REACH_DEG
+    parts = [
+        _arc(-_REACH_DEG, _REACH_DEG, _RADIUS, "var(--line)", 30),
+        _arc(-band * _REACH_DEG, band * _REACH_DEG, _RADIUS, "var(--right)", 30),
+        *(_mark(side * share(deg, LARGEST_DEG)) for deg in (10, 30, 90) for side in (-1, 1)),
+        _hand(hand),
+    ]
+    if abs(hand - way) > 14:
+        parts.append(_arc_arrow(hand, float(way)))
+    amount = amount_text(match, step)
+    parts += [
+        f"<text x='200' y='246' class='v-figure'>{escape(amount)}</text>",
+        f"<text x='200' y='290' class='v-unit'>{escape(texts.TO_GO)}</text>",
+    ]
+    limit = f"{match.limit_deg:.1f}°"
+    return _svg("".join(parts), texts.DIAL_LABEL.format(amount=amount, limit=limit))
+
+
+def _move(match: Match) -> str:
+    x, y, z = (float(v) for v in match.remaining_mm)
+    # Each part's share of a tolerance that is for all three together.
+    band = match.limit_mm / np.sqrt(3)
+    rows = (
+        # What is to the right for the camera is to the holder's left.
+        (-x, texts.MOVE_PARTS[0], texts.LEFT_RIGHT),
+        (y, texts.MOVE_PARTS[1], texts.UP_DOWN),
+        (z, texts.MOVE_PARTS[2], texts.NEAR_FAR),
+    )
+    parts = [
+        _scale(60.0 + 130 * i, towards, float(band), words, ends)
+        for i, (towards, words, ends) in enumerate(rows)
+    ]
+    label = texts.DIAL_LABEL.format(amount=amount_text(match, 1), limit=f"{match.limit_mm:.0f} mm")
+    return _svg("".join(parts), label)
+
+
+def _scale(
+    y: float, towards: float, band: float, words: tuple[str, str], ends: tuple[str, str]
+) -> str:
+    """One straight scale; the board has to go by `towards` millimetres, + to the second end."""
+    half = (_RIGHT_END - _LEFT) / 2
+
+    def place(mm: float) -> float:
+        return 200 + half * share(mm, LARGEST_MM)
+
+    at, right, middle = place(-towards), abs(towards) <= band, y + 34
+    second = towards > 0
+    text = f"✓ {texts.RIGHT}" if right else words[second].format(mm=f"{abs(towards):.0f}")
+    colour = "var(--right)" if right else "var(--step)"
+    rest = "" if right else _line(at, middle, place(-np.sign(towards) * band), middle, 9)
+    first_end, second_end = (
+        f"<text x='{x:.0f}' y='{y:.0f}' class='v-end{' v-way' if way else ''}' "
+        f"text-anchor='{anchor}'>{escape(word)}</text>"
+        for x, word, anchor, way in (
+            (_LEFT - 16, ends[0], "start", not right and not second),
+            (_RIGHT_END + 16, ends[1], "end", not right and second),
+        )
+    )
+    return (
+        f"<text x='200' y='{y:.0f}' class='v-part' style='fill:{colour}'>{escape(text)}</text>"
+        f"{first_end}{second_end}"
+        f"<rect x='{_LEFT:.0f}' y='{middle - 11:.0f}' width='{2 * half:.0f}' height='22' rx='11' "
+        "fill='var(--line)'/>"
+        f"<rect x='{place(-band):.1f}' y='{middle - 20:.0f}' width='{2 * (place(band) - 200):.1f}' "
+        f"height='40' rx='6' fill='var(--right)'/>{rest}"
+        f"<circle cx='{at:.1f}' cy='{middle:.0f}' r='17' fill='{colour}' stroke='var(--ink)' "
+        "stroke-width='4'/>"
+    )
+
+
+def _point(angle_deg: float, radius: float) -> tuple[float, float]:
+    """On the gauge; 0 is the top, clockwise is positive."""
+    angle = np.radians(angle_deg)
+    return _CENTRE[0] + radius * float(np.sin(angle)), _CENTRE[1] - radius * float(np.cos(angle))
+
+
+def _arc(start: float, end: float, radius: float, colour: str, width: float) -> str:
+    (x, y), (u, v) = _point(start, radius), _point(end, radius)
+    large, sweep = int(abs(end - start) > 180), int(end > start)
+    return (
+        f"<path d='M{x:.1f} {y:.1f}A{radius:.0f} {radius:.0f} 0 {large} {sweep} {u:.1f} {v:.1f}' "
+        f"fill='none' stroke='{colour}' stroke-width='{width:.0f}'/>"
+    )
+
+
+def _arc_arrow(start: float, end: float) -> str:
+    radius, head = 112.0, 11.0 * float(np.sign(end - start))
+    tip, base = end, end - head
+    points = [_point(tip, radius), _point(base, radius + 15), _point(base, radius - 15)]
+    corners = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+    shaft = _arc(start, base, radius, "var(--step)", 10)
+    return f"{shaft}<polygon points='{corners}' fill='var(--step)'/>"
+
+
+def _hand(angle_deg: float) -> str:
+    (x, y), (u, v) = _point(angle_deg, 96), _point(angle_deg, 178)
+    return (
+        _line(x, y, u, v, 22, "var(--ink)")
+        + _line(x, y, u, v, 14)
+        + f"<circle cx='{u:.1f}' cy='{v:.1f}' r='13' fill='var(--step)'/>"
+    )
+
+
+def _mark(at: float) -> str:
+    (x, y), (u, v) = _point(at * _REACH_DEG, 170), _point(at * _REACH_DEG, 182)
+    return _line(x, y, u, v, 4, "var(--soft)")
+
+
+def _line(x: float, y: float, u: float, v: float, width: float, colour: str = "var(--step)") -> str:
+    return (
+        f"<line x1='{x:.1f}' y1='{y:.1f}' x2='{u:.1f}' y2='{v:.1f}' stroke='{colour}' "
+        f"stroke-width='{width:.0f}' stroke-linecap='round'/>"
+    )
+
+
+def _svg(content: str, label: str) -> str:
+    return (
+        f"<svg viewBox='0 0 400 400' role='img' aria-label='{escape(label, quote=True)}'>"
+        f"{content}</svg>"
+    )

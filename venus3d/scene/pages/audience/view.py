@@ -1,0 +1,134 @@
+"""The second monitor's page in viser: a picture in the scene, HTML around it, and nothing to press.
+
+Every browser's camera stands in the real camera's place and looks along its axis; where it was
+moved away, it is put back. What is said is `moment`'s and `glance`'s.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.glance import glance_html, sheet
+from venus3d.scene.pages.audience.lens import Plane, plain_plane
+from venus3d.scene.pages.audience.sound import hint_html, tone_html
+from venus3d.scene.pages.audience.view_model import Cue, Moment
+from venus3d.scene.web.server import ReadOnlyServer
+
+JPEG_QUALITY = 80
+_DISTANCE = 30.0
+"""Where the picture stands, metres: behind everything."""
+_HERE, _AHEAD, _UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
+_USUAL_ASPECT = 16 / 9
+
+
+class AudiencePage:
+    """The page for all who look. All methods but the callback belong to the drawing threads."""
+
+    def __init__(self, server: ReadOnlyServer, on_window: Callable[[], None]) -> None:
+        """Lay everything out. `on_window` is called, on any thread, when a browser's window or the
+        picture's shape has changed: `fit` is due then, on the thread that calls `show`."""
+        self._server, self._on_window = server, on_window
+        self._plane = plain_plane((16, 9))
+        self._fitted: dict[int, tuple[float, Plane]] = {}
+        self._image: Any = None
+        self._aspect = self._shown_aspect = _USUAL_ASPECT
+        self._hung: Plane | None = None
+        camera = server.initial_camera
+        camera.position, camera.look_at, camera.up = _HERE, _AHEAD, _UP
+        camera.near, camera.far = 0.01, 2 * _DISTANCE
+        camera.fov = self._plane.fov_rad(_USUAL_ASPECT)
+        gui = server.gui
+        self._sheet, self._glance = gui.add_html(""), gui.add_html("")
+        self._hint, self._tone = gui.add_html("", visible=False), gui.add_html("")
+        self._tones = 0
+        self.dress(Look())
+
+        def connected(client: viser.ClientHandle) -> None:
+            client.camera.on_update(lambda _: on_window())
+            on_window()
+
+        server.on_client_connect(connected)
+
+    @property
+    def watched(self) -> int:
+        """How many browsers look."""
+        return len(self._server.get_clients())
+
+    def dress(self, look: Look) -> None:
+        """Take over the choices that concern the whole page."""
+        self._server.gui.configure_theme(
+            dark_mode=not look.light, show_logo=False, show_share_button=False
+        )
+        self._look = look
+        self._sheet.content = sheet(look, self._aspect)
+        self._hint.content = hint_html() if look.sound else ""
+        self._hint.visible = look.sound
+
+    def show(self, moment: Moment, snapshot: Snapshot | None, *, dark: bool) -> None:
+        """Say what there is to say."""
+        self._glance.content = glance_html(moment, snapshot, dark=dark)
+
+    def play(self, cue: Cue | None) -> None:
+        """Play a tone; None takes the last one away, so that no late comer hears it."""
+        self._tones += cue is not None
+        self._tone.content = "" if cue is None else tone_html(cue, self._tones)
+
+    def show_picture(self, rgb: NDArray[np.uint8], plane: Plane) -> None:
+        """Show this picture (H, W, 3) RGB; it fills this plane."""
+        self._aspect = rgb.shape[1] / rgb.shape[0]
+        if plane == self._hung:
+            self._image.image = rgb
+            return
+        width, height = plane.right - plane.left, plane.bottom - plane.top
+        centre = np.array([plane.left + plane.right, plane.top + plane.bottom, 2.0]) / 2
+        with self._server.atomic():
+            if self._image is None:
+                self._image = self._server.scene.add_image(
+                    "/picture",
+                    rgb,
+                    1.0,
+                    1.0,
+                    format="jpeg",
+                    jpeg_quality=JPEG_QUALITY,
+                    cast_shadow=False,
+                    receive_shadow=False,
+                )
+            self._image.render_width, self._image.render_height = (
+                _DISTANCE * width,
+                _DISTANCE * height,
+            )
+            self._image.position, self._image.image = _DISTANCE * centre, rgb
+            self._plane = self._hung = plane
+            self._server.initial_camera.fov = plane.fov_rad(_USUAL_ASPECT)
+        self._on_window()
+
+    def fit(self) -> None:
+        """Every browser sees the whole picture, whatever its window, from the real camera."""
+        if self._aspect != self._shown_aspect:
+            self._shown_aspect = self._aspect
+            self.dress(self._look)
+        clients = self._server.get_clients()
+        for number, client in clients.items():
+            camera = client.camera
+            aspect = camera.image_width / max(camera.image_height, 1)
+            astray = (
+                float(np.abs(camera.position - _HERE).max()) > 1e-4
+                or float(np.abs(camera.look_at - _AHEAD)[:2].max()) > 1e-4
+            )
+            if not astray and self._fitted.get(number) == (aspect, self._plane):
+                continue
+            self._fitted[number] = (aspect, self._plane)
+            # A browser may say something else meanwhile; whatever it says stops nobody.
+            with contextlib.suppress(ValueError), client.atomic():
+                if astray:
+                    camera.up_direction, camera.position, camera.look_at = _UP, _HERE, _AHEAD
+                camera.fov = self._plane.fov_rad(aspect)
+        self._fitted = {number: seen for number, seen in self._fitted.items() if number in clients}

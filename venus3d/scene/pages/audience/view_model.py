@@ -1,0 +1,94 @@
+"""What the second monitor says at one moment, and what has just been achieved.
+
+The sentences are the engine's and `texts.audience`'s; how they look is `page`'s.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from venus3d.engine.guidance.matching import Match
+from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.audience import texts
+from venus3d.scene.pages.guide.diagnosis_panel import another_board, doubt
+
+Kind = Literal["wait", "unseen", "step", "good"]
+"""Nothing to do; something is missing; a step is to be done; something is right."""
+Cue = Literal["reached", "captured"]
+"""What a person is glad to hear: a step is right; a view is captured."""
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One moment in a badge, a title and one sentence."""
+
+    kind: Kind
+    badge: str
+    title: str
+    sentence: str
+    step: int = 0
+    """1 ... 4: the step that is active, or just done; 0 for none."""
+    match: Match | None = None
+    """How far the board is from its target, where that is of interest."""
+    fresh: bool = False
+    """Whether a view has been captured that does not count yet."""
+
+
+def moment_of(snapshot: Snapshot | None, *, paused: bool = False) -> Moment:
+    """What to say now."""
+    if paused:
+        return Moment("wait", *texts.PAUSED)
+    if snapshot is None:
+        return Moment("wait", *texts.STARTING)
+    if snapshot.phase == "captured":
+        return Moment("wait", *texts.THINKING)
+    if snapshot.phase == "converged":
+        if doubt(snapshot) is not None:
+            return Moment("wait", *texts.DOUBTED)
+        return Moment("good", *texts.CONVERGED)
+    if snapshot.phase == "finished":
+        return Moment("good", *texts.FINISHED)
+    if snapshot.pose is None or snapshot.match is None:
+        return _unseen(snapshot)
+    match = snapshot.match
+    if match.reached or all(match.within):
+        return Moment("good", *texts.HOLD_STILL, match=match)
+    step = match.active_step
+    words = step_words(match.steps[step - 1])
+    return Moment("step", str(step), texts.STEP_TITLES[step - 1], words.holder, step, match)
+
+
+def _unseen(snapshot: Snapshot) -> Moment:
+    other = another_board(snapshot)
+    if other is not None:
+        return Moment("unseen", *texts.OTHER_BOARD, other.cure)
+    sentence = snapshot.instruction.holder
+    if snapshot.phase == "startup" and snapshot.target is None:
+        return Moment("unseen", *texts.SHOW_BOARD, sentence)
+    if snapshot.pose is None:
+        return Moment("unseen", *texts.NOT_SEEN, sentence)
+    return Moment("unseen", *texts.NO_TARGET, sentence)
+
+
+def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, Moment] | None:
+    """What became right between two snapshots, and how it is said."""
+    if before is None:
+        return None
+    was = before.match
+    there = was is not None and (was.reached or all(was.within))
+    taken = before.phase in ("startup", "guiding") and now.phase == "captured" and there
+    # A view that was asked for by a key is known to be one only when it counts.
+    later = before.phase == "captured" and len(now.views) > len(before.views)
+    if taken or later:
+        return "captured", Moment("good", *texts.CAPTURED, fresh=True)
+    same = before.target is not None and before.target is now.target
+    if was is None or now.match is None or not same:
+        return None
+    step = was.active_step
+    if was.within[step - 1] or not now.match.within[step - 1]:
+        return None
+    title = texts.STEP_TITLES[step - 1]
+    done = Moment("good", "✓", title, texts.STEP_DONE.format(title=title), step, now.match)
+    return "reached", done

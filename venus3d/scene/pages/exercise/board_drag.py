@@ -1,0 +1,85 @@
+"""The board itself as a handle: dragged with the mouse in whatever view the trainee looks from.
+
+Seen through the camera this is dragging in the projection: viser's pointer moves on a plane that
+is parallel to the picture, so the point of the board that was grabbed stays under the pointer.
+
+    drag            moves in the plane of the view
+    Shift + drag    tilts and swings, as if the board were the front of a ball
+    Ctrl + drag     rotates about Z, to the right for clockwise
+    right button    up for farther, down for nearer
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+
+from venus3d.engine.geometry.pose import Pose
+
+Gesture = Literal["move", "tilt", "rotate", "depth"]
+TURN_DEG = 180.0
+"""A drag across the whole view turns so far."""
+_DEPTH_PER_VIEW = 2.0  # natural logarithm of the change over the view's height
+_BINDINGS: tuple[tuple[Gesture, str, str | None], ...] = (
+    ("move", "left", None),
+    ("tilt", "left", "shift"),
+    ("rotate", "left", "cmd/ctrl"),
+    ("depth", "right", None),
+)
+
+
+class BoardDrag:
+    """Makes one board's node draggable; knows where the board is from `follow`."""
+
+    def __init__(self, node: Any, dragged: Callable[[Pose], None], pose: Pose) -> None:
+        """`dragged` is called with `T_camera_board`, in order, and must not block."""
+        self._dragged = dragged
+        self._pose = pose
+        self._grabbed: tuple[Pose, Any] | None = None
+        for gesture, button, modifier in _BINDINGS:
+            node.on_drag(button, modifier=modifier)(self._callback(gesture))
+
+    def follow(self, pose: Pose) -> None:
+        """Where the board is now."""
+        self._pose = pose
+
+    def _callback(self, gesture: Gesture) -> Callable[[Any], Any]:
+        # Async, so that viser keeps the order of one gesture's events.
+        async def moved(event: Any) -> None:
+            if event.phase == "start" or self._grabbed is None:
+                self._grabbed = (self._pose, event)
+            pose, start = self._grabbed
+            self._dragged(
+                dragged_pose(
+                    pose,
+                    gesture,
+                    np.subtract(event.end_position, start.start_position),
+                    np.subtract(event.end_screen_pos, start.start_screen_pos),
+                )
+            )
+            if event.phase == "end":
+                self._grabbed = None
+
+        return moved
+
+
+def dragged_pose(pose: Pose, gesture: Gesture, shift: Any, across: Any) -> Pose:
+    """Where a gesture brings the board.
+
+    Args:
+        pose: where it was when it was grabbed.
+        gesture: which one.
+        shift: (3,) the pointer's way on the plane of the view, metres, camera frame.
+        across: (2,) the same in widths and heights of the view, right and down.
+    """
+    if gesture == "move":
+        return pose.moved(shift)
+    right, down = (float(part) for part in across)
+    if gesture == "tilt":
+        return pose.turned("x", TURN_DEG * down).turned("y", -TURN_DEG * right)
+    if gesture == "rotate":
+        return pose.turned("z", TURN_DEG * right)
+    z = float(pose.t[2]) * float(np.exp(-_DEPTH_PER_VIEW * down))
+    return Pose(pose.R, np.array([pose.t[0], pose.t[1], z]))

@@ -1,0 +1,248 @@
+"""The practice page's texts as HTML: what to do, how far it is, how it went, the keys."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.guidance.exercise import Score
+from venus3d.engine.guidance.prompts import step_words
+from venus3d.scene.pages.exercise import texts as say
+from venus3d.scene.pages.exercise.view_model import PracticeMoment
+from venus3d.scene.render.amounts import degrees
+from venus3d.scene.render.palette import STEP_STYLES
+from venus3d.scene.web.theme import Theme
+
+_FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
+
+SHEET = """<style>
+.v-do{border-left:6px solid var(--step);background:var(--tile);border-radius:7px;
+padding:10px 12px 11px;margin:2px 0 4px}
+.v-do header{display:flex;align-items:center;gap:10px;line-height:1.15}
+.v-do .v-badge{width:36px;height:36px;font-size:22px}
+.v-do b{font-size:21px;font-weight:750;flex:1}
+.v-do em{font-style:normal;font-size:27px;font-weight:800;color:var(--step);white-space:nowrap}
+.v-do p{font-size:17px;line-height:1.3;margin:7px 0 0;font-weight:550}
+.v-do small{display:block;font-size:14px;line-height:1.35;color:var(--soft);margin-top:5px}
+.v-bar{display:grid;grid-template-columns:24px 1fr auto;column-gap:8px;align-items:center;
+padding:4px 0 5px;font-size:15px;line-height:1.2}
+.v-bar .v-badge{width:22px;height:22px;font-size:14px;background:var(--step)}
+.v-bar i{font-style:normal;font-weight:750;white-space:nowrap}
+.v-bar.v-done i{color:var(--yes)}
+.v-track{grid-column:2/4;position:relative;height:13px;border-radius:4px;margin-top:3px;
+background:var(--line);overflow:hidden}
+.v-track span{position:absolute;left:0;top:0;bottom:0;background:var(--step)}
+.v-bar.v-done .v-track span{background:var(--yes)}
+.v-track u{position:absolute;left:0;top:0;bottom:0;border-right:3px solid var(--text);
+background:linear-gradient(0deg,var(--yes) 0 5px,var(--ink) 5px 6px,transparent 6px)}
+.v-clock b{font-size:22px;white-space:nowrap}
+.v-list{border-collapse:collapse;width:100%;font-size:14px}
+.v-list td,.v-list th{padding:3px 6px 3px 0;border-bottom:1px solid var(--line);text-align:right;
+font-weight:600;white-space:nowrap}
+.v-list th{color:var(--soft);font-size:13px}
+.v-list td:nth-child(-n+2),.v-list th:nth-child(-n+2){text-align:left}
+.v-keylist{display:grid;grid-template-columns:auto 1fr 1fr;gap:4px 10px;font-size:14px;
+align-items:baseline}
+.v-keylist.v-two{grid-template-columns:auto 1fr;margin-top:8px}
+.v-keylist .v-key{font-size:13px;margin-right:2px}
+.v-keylist small{color:var(--soft);font-size:13px}
+.mantine-ScrollArea-root:has(.v-under) img{width:100%}
+.v-file{font-size:13px;color:var(--soft);overflow-wrap:anywhere;margin-top:6px}
+</style>"""
+"""What this page adds to the pages' own sheet; once for each panel."""
+
+
+def card_html(moment: PracticeMoment, theme: Theme) -> str:
+    """What to do now, in large letters; below it which numbers change."""
+    colour, badge, headline, sentence, amount = _card_of(moment, theme)
+    free = say.ALL_FREE
+    if moment.level < 6:
+        names = [name for name, on in zip(say.FREE_NAMES, moment.free, strict=True) if on]
+        free = say.ONLY_FREE.format(names=", ".join(names))
+    left = f"<em>{escape(amount)}</em>" if amount else ""
+    small = " ".join([moment.note, "" if moment.stage == "reached" else free]).strip()
+    first = "" if moment.scores or moment.stage == "hold" else f"<small>{say.HOW_TO}</small>"
+    return (
+        f"<div class='v-progress' style='--step:{colour}'><div class='v-do' "
+        f"role='status'><header><span class='v-badge'>{badge}</span><b>{escape(headline)}</b>{left}"
+        f"</header><p>{escape(sentence)}</p><small>{escape(small)}</small>{first}</div></div>"
+    )
+
+
+def _card_of(moment: PracticeMoment, theme: Theme) -> tuple[str, str, str, str, str]:
+    good = theme.reached
+    if moment.stage == "reached":
+        score = moment.scores[-1]
+        headline = say.REACHED_HEADLINE.format(seconds=score.seconds)
+        straight = not score.detour >= 1.05
+        way = say.STRAIGHT_SENTENCE if straight else say.DETOUR_SENTENCE
+        sentence = f"{way.format(detour=score.detour)} {say.REACHED_SENTENCE}"
+        return good, "✓", headline, sentence, ""
+    if moment.stage == "hold":
+        return good, "✓", say.HOLD_HEADLINE, say.HOLD_SENTENCE, ""
+    if moment.help != "steps":
+        return theme.info, "◎", say.HEADLINES[moment.help], say.SENTENCES[moment.help], ""
+    step = moment.match.steps[moment.match.active_step - 1]
+    style = STEP_STYLES[step.number - 1]
+    amount = _amounts(moment)[step.number - 1]
+    colour = theme.steps[step.number - 1]
+    return colour, str(step.number), style.title, step_words(step).camera, amount
+
+
+def _amounts(moment: PracticeMoment) -> tuple[str, ...]:
+    mm = float(np.linalg.norm(moment.match.remaining_mm))
+    return (f"{mm:.0f} mm", *(degrees(deg) for deg in moment.match.remaining_deg))
+
+
+def bars_html(moment: PracticeMoment, theme: Theme) -> str:
+    """How far it is to the target. With the steps a bar for each; else one for the place and one
+    for the largest turn, since a help must not say more than it is."""
+    match = moment.match
+    mm, turns = float(np.linalg.norm(match.remaining_mm)), np.abs(match.remaining_deg)
+    place = _share(mm, _FAR_MM), _share(match.limit_mm, _FAR_MM)
+    zone = _share(match.limit_deg, _FAR_DEG)
+    if moment.help == "steps":
+        shares = (place, *((_share(float(turn), _FAR_DEG), zone) for turn in turns))
+        rows = zip(
+            ("1", "2", "3", "4"),
+            say.STEP_BARS,
+            _amounts(moment),
+            shares,
+            match.within,
+            theme.steps,
+            strict=True,
+        )
+    else:
+        largest = float(turns.max())
+        rows = zip(
+            ("↔", "↻"),
+            (say.PLACE_BAR, say.TURN_BAR),
+            (f"{mm:.0f} mm", f"{largest:.0f}°"),
+            (place, (_share(largest, _FAR_DEG), zone)),
+            (match.within[0], all(match.within[1:])),
+            (theme.info, theme.info),
+            strict=True,
+        )
+    # What this level leaves alone is right from the start and only distracts.
+    free = moment.free
+    asked = (any(free[3:]), *free[:3]) if moment.help == "steps" else (any(free[3:]), any(free[:3]))
+    bars = "".join(_bar(*row) for row, on in zip(rows, asked, strict=True) if on)
+    return (
+        f"<div class='v-progress' style='--yes:{theme.reached}'>"
+        f"<h3>{say.BARS_TITLE}</h3>{bars}<div class='v-legend'>{say.BARS_LEGEND}</div></div>"
+    )
+
+
+def _share(value: float, far: float) -> float:
+    """Percent of a bar; by the square root, so that the last bit is seen well."""
+    return 100 * float(np.sqrt(min(value / far, 1.0)))
+
+
+def _bar(
+    badge: str, name: str, amount: str, shares: tuple[float, float], done: bool, colour: str
+) -> str:
+    fact = f"{say.RIGHT} &nbsp;{escape(amount)}" if done else f"{escape(amount)} {say.TO_GO}"
+    return (
+        f"<div class='v-bar{' v-done' if done else ''}' style='--step:{colour}'>"
+        f"<span class='v-badge'>{badge}</span><span>{escape(name)}</span><i>{fact}</i>"
+        f"<div class='v-track'><span style='width:{shares[0]:.1f}%'></span>"
+        f"<u style='width:{shares[1]:.1f}%'></u></div></div>"
+    )
+
+
+def clock_html(moment: PracticeMoment) -> str:
+    """Time and way of this pose."""
+    boxes = [(f"{moment.seconds:.0f} {say.TIME_UNIT}", say.TIME)]
+    if any(moment.free[3:]):
+        shortest = f"{moment.shortest_mm:.0f} mm"
+        boxes.append((f"{moment.path_mm:.0f} mm", say.MOVED.format(shortest=shortest)))
+    if any(moment.free[:3]):
+        shortest = f"{moment.shortest_deg:.0f}°"
+        boxes.append((f"{moment.path_deg:.0f}°", say.TURNED.format(shortest=shortest)))
+    inside = "".join(f"<div><b>{value}</b><span>{name}</span></div>" for value, name in boxes)
+    return f"<div class='v-progress'><div class='v-big v-clock'>{inside}</div></div>"
+
+
+def results_html(moment: PracticeMoment) -> str:
+    """The last poses, newest first, and where all of them are written."""
+    scores = moment.scores
+    if not scores:
+        return (
+            f"<div class='v-progress'><h3>{say.RESULTS_TITLE}</h3>"
+            f"<div class='v-legend'>{say.NO_RESULTS}</div></div>"
+        )
+    head = "".join(f"<th>{name}</th>" for name in say.RESULTS_HEAD)
+    rows = "".join(_row(score) for score in scores[:-6:-1])
+    times = [score.seconds for score in scores if score.reached]
+    total = ""
+    if times:
+        total = say.RESULTS_SUM.format(reached=len(times), all=len(scores), median=median(times))
+    written = say.WRITTEN.format(path=moment.written) if moment.written else ""
+    return (
+        f"<div class='v-progress'><h3>{say.RESULTS_TITLE}</h3><table class='v-list'>"
+        f"<tr>{head}</tr>{rows}</table><div class='v-line'>{total}</div>"
+        f"<div class='v-file'>{escape(written)}</div></div>"
+    )
+
+
+def _row(score: Score) -> str:
+    time = f"{score.seconds:.1f} s" if score.reached else say.GAVE_UP
+    way = f"{score.detour:.1f} ×" if score.reached and np.isfinite(score.detour) else "–"
+    cells = (f"{score.level}", say.SHORT_HELP_NAMES[score.help], time, way)
+    return f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
+
+
+def plot_lines(scores: Sequence[Score]) -> tuple[Array, Array, Array] | None:
+    """For two plots: pose numbers, seconds, ways in times the shortest; None before two poses.
+
+    Given up or without a way: not a number, a gap in the line.
+    """
+    if sum(score.reached for score in scores) < 2:
+        return None
+    seconds = [score.seconds if score.reached else np.nan for score in scores]
+    ways = [score.detour if score.reached else np.nan for score in scores]
+    numbers = [float(number) for number in range(1, len(scores) + 1)]
+    return np.array(numbers), np.array(seconds), np.array(ways)
+
+
+def series_of(label: str, theme: Theme) -> tuple[Any, ...]:
+    """The look of one plot's line."""
+    points = {"show": True, "size": 8}
+    return (
+        {"label": say.POSE_AXIS},
+        {"label": label, "stroke": theme.steps[3], "width": 2, "points": points},
+    )
+
+
+def keys_html() -> str:
+    """Which keys move the board, what the mouse does, and the other keys."""
+    head = "".join(f"<small>{name}</small>" for name in ("", *say.KEYS_HEAD))
+    moves = "".join(
+        f"<span>{_key(one)} {_key(other)}</span><span>{alone}</span><span>{shifted}</span>"
+        for one, other, alone, shifted in say.MOVE_KEYS
+    )
+    mouse = "".join(f"<b>{how}</b><span>{what}</span>" for how, what in say.MOUSE_LINES)
+    others = " &nbsp; ".join(f"{_key(key)} {what}" for key, what in say.OTHER_KEYS)
+    return (
+        f"<div class='v-progress'><h3>{say.KEYS_TITLE}</h3><div class='v-keylist'>{head}{moves}"
+        f"</div><div class='v-keylist v-two'>{mouse}</div><div class='v-line'>{others}</div></div>"
+    )
+
+
+def legend_html(legend: str) -> str:
+    """Under the picture: what is drawn in it."""
+    return f"<div class='v-progress v-under'><div class='v-legend'>{escape(legend)}</div></div>"
+
+
+def title_html(title: str) -> str:
+    """Above a picture: what it is."""
+    return f"<div class='v-progress'><h3>{escape(title)}</h3></div>"
+
+
+def _key(name: str) -> str:
+    return f"<span class='v-key'>{name}</span>"

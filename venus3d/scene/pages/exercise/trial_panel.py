@@ -1,0 +1,186 @@
+"""What a trial's page says: who and where we are, what to do, and at the end how long it took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN
+from venus3d.scene.pages.exercise import trial_texts as say
+from venus3d.scene.pages.exercise.trial_view_model import HELPS, Help, HelpTimes, TrialMoment
+from venus3d.scene.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
+from venus3d.scene.render.palette import hex_of
+from venus3d.scene.web.theme import Theme
+
+_HELP_COLOURS: dict[Help, int] = {"steps": 3, "axes": 2, "outline": 4}
+"""Each help's colour in the plot, by the step that has it elsewhere."""
+
+SHEET = """<style>
+.v-card{flex-direction:row!important;align-items:center;gap:var(--gap-l);--u:min(.55cqw,1vh);
+padding:var(--gap-s) var(--gap-l) var(--gap-m)}
+.mantine-ScrollArea-root:has(.v-card) img{width:100%}
+.v-card b{display:block;font-size:var(--size-say);line-height:1.1;font-weight:750}
+.v-card span.v-say{display:block;font-size:calc(.65*var(--size-say));line-height:1.25;
+margin-top:var(--gap-s)}
+.v-key-line{font-size:var(--size-lead);line-height:1.3;color:var(--soft);
+padding:var(--gap-s) var(--gap-l)!important}
+.v-key-line b{color:var(--text)}
+.v-who{font-size:var(--size-figure);font-weight:750;line-height:1.15;overflow-wrap:anywhere}
+.v-what{font-size:var(--size-lead);color:var(--soft);line-height:1.25;margin-bottom:8px}
+.v-count{display:grid;grid-template-columns:1fr 1fr;gap:8px;margin:8px 0}
+.v-count div{background:var(--tile);border-radius:7px;padding:6px 10px}
+.v-count b{display:block;font-size:calc(1.7*var(--size-figure));line-height:1.05;
+font-weight:780;white-space:nowrap}
+.v-count small{font-size:var(--size-lead);font-weight:600;color:var(--soft)}
+.v-count span{font-size:var(--size-note);color:var(--soft)}
+.v-remark{font-size:var(--size-lead);line-height:1.3;color:var(--info);margin-top:10px}
+.v-order{font-size:var(--size-text);line-height:1.55}
+.v-order div{padding:1px 8px;border-left:4px solid transparent;color:var(--soft)}
+.v-order .v-now{border-left-color:var(--info);color:var(--text);font-weight:700}
+.v-times{border-collapse:collapse;width:100%;font-size:var(--size-figure);margin:var(--gap-m) 0}
+.v-times td,.v-times th{padding:6px var(--gap-l);border-bottom:1px solid var(--line);
+text-align:right;font-weight:650;white-space:nowrap}
+.v-times th{color:var(--soft);font-size:var(--size-lead);font-weight:600;white-space:normal}
+.v-times td:first-child,.v-times th:first-child{text-align:left}
+.v-path{font-size:var(--size-lead);color:var(--soft);overflow-wrap:anywhere}
+.v-swatch{display:inline-block;width:1em;height:.75em;border-radius:2px;margin:0 .35em 0 .1em}
+</style>"""
+
+
+def side_html(moment: TrialMoment | None, note: str = "") -> str:
+    """The left column: participant, help, pose, time; and a remark."""
+    if moment is None:
+        return f"<div class='v-progress'>{say.WAITING}</div>"
+    place, helps = moment.place, len(moment.order)
+    what = say.HELP_OF.format(place=place, helps=helps, name=say.HELP_NAMES[moment.help])
+    if moment.stage == "over":
+        what = say.ALL_DONE
+    rows = "".join(_order_row(moment, number) for number in range(1, helps + 1))
+    return (
+        f"{SHEET}<div class='v-progress'><div class='v-who'>{escape(moment.participant)}</div>"
+        f"<div class='v-what'>{escape(what)}</div>{_counters(moment)}"
+        f"<h3>{say.ORDER_TITLE}</h3><div class='v-order'>{rows}</div>"
+        f"<div class='v-remark'>{escape(note)}</div></div>"
+    )
+
+
+def _counters(moment: TrialMoment) -> str:
+    if moment.stage != "running":
+        return ""
+    since = say.SINCE_START if moment.pose == 1 else say.SINCE_FIRST
+    poses = say.OF_POSES.format(poses=moment.poses)
+    return (
+        f"<div class='v-count'><div><b>{moment.pose} <small>{poses}</small></b>"
+        f"<span>{say.POSE}</span></div>"
+        f"<div><b>{clock(moment.elapsed_s)}</b><span>{since}</span></div></div>"
+    )
+
+
+def _order_row(moment: TrialMoment, number: int) -> str:
+    help_ = moment.order[number - 1]
+    now = moment.stage != "over" and number == moment.place
+    done = moment.stage == "over" or number < moment.place
+    mark = "✓ " if done else f"{number} "
+    return f"<div class='{'v-now' if now else ''}'>{mark}{say.HELP_NAMES[help_]}</div>"
+
+
+def clock(seconds: float) -> str:
+    """Minutes and whole seconds that have passed, m:ss."""
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def card_html(moment: TrialMoment | None, theme: Theme, *, seen: bool) -> str:
+    """The large text above the picture: what comes, what to do; the same for each help."""
+    if moment is None:
+        return _card(theme.info, "…", say.STARTING, say.WAITING)
+    how = say.HOW[moment.help]
+    if moment.stage == "over":
+        return _card(theme.reached, "✓", say.DONE, say.DONE_SENTENCE)
+    if moment.stage == "ready":
+        name = say.HELP_NAMES[moment.help]
+        return _card(theme.info, "▶", say.NEXT.format(name=name), how)
+    if not seen:
+        return _card(theme.info, "?", say.NOT_SEEN, NOT_SEEN.holder)
+    if moment.there:
+        return _card(theme.reached, "✓", say.HOLD_STILL, HOLD_STILL.holder)
+    headline = say.POSE_OF.format(pose=moment.pose, poses=moment.poses)
+    return _card(theme.info, str(moment.pose), headline, how)
+
+
+def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
+    return (
+        f"{SHEET}<div class='v-wide'><div class='v-guide v-card' style='--step:{colour}'>"
+        f"<span class='v-badge'>{badge}</span><div><b>{escape(headline)}</b>"
+        f"<span class='v-say'>{escape(sentence)}</span></div></div></div>"
+    )
+
+
+def legend_html(moment: TrialMoment | None) -> str:
+    """Under the picture: what is drawn in it."""
+    if moment is None or moment.stage != "running":
+        return ""
+    if moment.help == "axes":
+        keys = (f"<b>{escape(name)}</b>: {meaning}" for name, meaning in say.AXES_LEGEND)
+        text = " &nbsp; ".join((*keys, say.AXES_MEANING))
+    else:
+        names = zip((TARGET_FILL, OVERLAP_FILL, BOARD_FILL), say.OUTLINE_LEGEND, strict=True)
+        text = " &nbsp; ".join(f"{_swatch(colour)}{name}" for colour, name in names)
+    return f"<div class='v-wide'><div class='v-steps v-key-line'>{text}</div></div>"
+
+
+def _swatch(colour: Any) -> str:
+    return f"<span class='v-swatch' style='background:{hex_of(colour)}'></span>"
+
+
+def result_html(moment: TrialMoment, theme: Theme) -> str:
+    """At the end: the times of each help, and where they are written."""
+    head = f"<tr>{''.join(f'<th>{title}</th>' for title in say.RESULT_HEAD)}</tr>"
+    rows = "".join(_time_row(times, theme) for times in moment.times)
+    written = escape(say.WRITTEN.format(path=moment.written))
+    return (
+        f"{SHEET}<div class='v-wide'><div class='v-progress'><table class='v-times'>{head}{rows}"
+        f"</table><div class='v-path'>{written}</div></div></div>"
+    )
+
+
+def _time_row(times: HelpTimes, theme: Theme) -> str:
+    middle = f"{median(times.reached_s):.1f} s" if times.reached_s else "–"
+    whole = clock(round(times.ends_s[-1])) if times.ends_s else "–"
+    name = f"{_swatch(_colour(times.help, theme))}{say.HELP_NAMES[times.help]}"
+    return f"<tr><td>{name}</td><td>{middle}</td><td>{whole}</td><td>{times.given_up}</td></tr>"
+
+
+def _colour(help_: Help, theme: Theme) -> tuple[int, int, int]:
+    return theme.step_colours[_HELP_COLOURS[help_] - 1]
+
+
+def progress_lines(times: Sequence[HelpTimes]) -> tuple[Array, ...] | None:
+    """For a plot: numbers of the poses, then for each of `HELPS` the seconds since the first pose
+    when each was done with. None if no help was finished; one that was not done has zeros."""
+    ends = {entry.help: entry.ends_s for entry in times}
+    count = max((len(e) for e in ends.values()), default=0)
+    if count < 2 or any(len(e) != count for e in ends.values()):
+        return None
+    x = np.arange(1, count + 1, dtype=np.float64)
+    return (x, *(np.array(ends.get(help_, (0.0,) * count)) for help_ in HELPS))
+
+
+def progress_series(theme: Theme, shown: Sequence[Help] = HELPS) -> tuple[Any, ...]:
+    """Looks of those lines; a help that was not done is hidden."""
+    series: list[dict[str, Any]] = [{"label": say.POSE}]
+    for help_ in HELPS:
+        series.append(
+            {
+                "label": say.HELP_NAMES[help_],
+                "stroke": hex_of(_colour(help_, theme)),
+                "width": 3,
+                "points": {"show": True, "size": 8},
+                "show": help_ in shown,
+            }
+        )
+    return tuple(series)

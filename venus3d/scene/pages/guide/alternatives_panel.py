@@ -1,0 +1,80 @@
+"""Buttons for poses that are nearly as good as the target; none while there are none.
+
+One of them may suit the person's wrists, or the room. The best of them stands first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import viser
+
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.planning.target import Target
+from venus3d.scene.pages.guide import texts as say
+from venus3d.scene.pages.guide.intents import ChooseAlternative, Intent
+from venus3d.scene.pages.guide.progress_panel import px_text
+from venus3d.scene.web.help import Command
+
+_AT_MOST = 3
+
+
+class AlternativesPanel:
+    """The buttons of one server. `ask` is called on viser's threads."""
+
+    def __init__(self, gui: viser.GuiApi, ask: Callable[[Intent], None]) -> None:
+        """Make the buttons in the current panel."""
+        self._ask = ask
+        self._target = 0
+        self._title = gui.add_html("", visible=False)
+        self._buttons = [
+            gui.add_button("–", visible=False, color="gray", hint=say.OTHER_HINT)
+            for _ in range(_AT_MOST)
+        ]
+        for index, button in enumerate(self._buttons):
+            button.on_click(lambda _, index=index: self._choose(index))
+
+    @property
+    def commands(self) -> tuple[Command, ...]:
+        """The same choices, the first on a key."""
+        return tuple(
+            Command(
+                label,
+                None if index else "J",
+                say.OTHER_COMMAND_HINT,
+                lambda index=index: self._choose(index),
+            )
+            for index, label in enumerate(say.OTHER_COMMANDS)
+        )
+
+    def show(self, snapshot: Snapshot | None) -> None:
+        """Let the buttons say what there is to choose from."""
+        shown = snapshot is not None and snapshot.phase in ("guiding", "captured")
+        target = snapshot.target if snapshot is not None and shown else None
+        others = () if target is None else target.alternatives[:_AT_MOST]
+        self._target = 0 if target is None else target.number
+        self._title.visible = bool(others)
+        if target is not None and others:
+            self._title.content = _title(target)
+        for index, button in enumerate(self._buttons):
+            button.visible = index < len(others)
+            if index < len(others):
+                button.label = alternative_text(others[index])
+
+    def _choose(self, index: int) -> None:
+        self._ask(ChooseAlternative(index, self._target))
+
+
+def alternative_text(other: Target) -> str:
+    """How the board is held there, and what comes of it."""
+    if not np.isfinite(other.gain_px):
+        return other.held
+    return say.OTHER_TEXT.format(held=other.held, error=px_text(other.predicted_error_px))
+
+
+def _title(target: Target) -> str:
+    instead = ""
+    if np.isfinite(target.gain_px):
+        instead = say.OTHERS_INSTEAD.format(error=px_text(target.predicted_error_px))
+    return f"<div class='v-progress'><h3>{say.OTHERS_TITLE.format(instead=instead)}</h3></div>"

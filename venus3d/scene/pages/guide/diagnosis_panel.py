@@ -1,0 +1,67 @@
+"""What makes the numbers doubtful: an area above the progress, absent while there is nothing.
+
+Each diagnosis has a title, its cause and its cure. How bad it is can be told without colours, by
+the sign, its shape and a word.
+"""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Literal
+
+from venus3d.engine.calibration.result import Diagnosis, DiagnosisKind
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide import texts as say
+
+Severity = Literal["wrong", "weak", "note"]
+
+SHOWN = 2
+"""So many are told in full; of the others only the number."""
+SEVERITIES: dict[DiagnosisKind, Severity] = {
+    "wrong-dictionary": "wrong",
+    "swapped-size": "wrong",
+    "impossible-distance": "wrong",
+    "parallel-views": "weak",
+    "weak-focal-length": "weak",
+    "folding": "weak",
+    "outlying-view": "weak",
+    "unseen-side": "weak",
+    "correlated": "weak",
+    "same-depth": "weak",
+    "wrong-layout": "note",
+}
+_SIGNS: dict[Severity, str] = {"wrong": "✕", "weak": "!", "note": "i"}
+
+
+def diagnoses_html(snapshot: Snapshot | None) -> str:
+    """The diagnoses of a moment, worst first; empty if there are none."""
+    if snapshot is None or not snapshot.diagnoses:
+        return ""
+    items = "".join(_item(diagnosis) for diagnosis in snapshot.diagnoses[:SHOWN])
+    more = len(snapshot.diagnoses) - SHOWN
+    rest = say.DIAGNOSES_MORE.format(count=more) if more > 0 else ""
+    rest = f"<div class='v-more'>{rest}</div>" if rest else ""
+    return f"<div class='v-progress v-diagnoses'><h3>{say.DIAGNOSES_TITLE}</h3>{items}{rest}</div>"
+
+
+def another_board(snapshot: Snapshot) -> Diagnosis | None:
+    """What says that another board is held up than the one asked for; None if nothing does."""
+    unread = (d for d in snapshot.diagnoses if d.kind in ("wrong-dictionary", "swapped-size"))
+    return next(unread, None)
+
+
+def doubt(snapshot: Snapshot) -> Diagnosis | None:
+    """The worst diagnosis that speaks against the result; None if none does."""
+    against = (d for d in snapshot.diagnoses if SEVERITIES[d.kind] != "note")
+    return next(against, None)
+
+
+def _item(diagnosis: Diagnosis) -> str:
+    severity, title = SEVERITIES[diagnosis.kind], say.DIAGNOSIS_TITLES[diagnosis.kind]
+    sign, word = _SIGNS[severity], say.SEVERITIES[severity]
+    return (
+        f"<div class='v-diagnosis v-is-{severity}' data-kind='{diagnosis.kind}'>"
+        f"<div class='v-named'><b class='v-sign'>{sign}</b>{word}: {escape(title)}</div>"
+        f"<div>{escape(diagnosis.cause)}</div>"
+        f"<div class='v-cure'>→ {escape(diagnosis.cure)}</div></div>"
+    )

@@ -1,0 +1,66 @@
+"""Guiding without a screen: everything in order on one thread, so that a seed repeats a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from venus3d.engine.errors import CalibrationError, SourceError
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.frame import Source
+from venus3d.sources.sim import Simulation
+
+# Some ten times as long as the simulated hand takes for a target.
+_PATIENCE_FRAMES = 400
+
+
+def run_headless(
+    session: Session, source: Source, eyes: Eyes, keep: Callable[[Snapshot], None]
+) -> str:
+    """Guide without a screen until convergence, enough views, or the recording's end.
+
+    `keep` is called after every view.
+
+    Returns a sentence if it ended otherwise, because the source broke after views had been captured
+    or because the simulated hand got nowhere; the views are kept. Raises `SourceError` if the
+    source broke before.
+    """
+    waited, views = 0, 0
+    try:
+        while session.phase not in ("converged", "finished"):
+            if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
+                return "The simulated hand did not come near enough to its target; lower --overlap."
+            frame = source.read()
+            if frame is None:
+                break
+            observation = eyes.look(frame)
+            session.use_board(eyes.detector.board)
+            session.board_diagnoses = eyes.detector.diagnoses
+            session.observe(observation)
+            if session.pending is not None:
+                work_out(session)
+                keep(session.snapshot())
+            if isinstance(source, Simulation):
+                snapshot = session.snapshot()
+                source.follow(snapshot.target, snapshot.pose)
+                waited = waited + 1 if len(snapshot.views) == views else 0
+                views = len(snapshot.views)
+    except KeyboardInterrupt:
+        # What was captured until then is a result, too.
+        work_out(session, stop=lambda: True)
+    except SourceError as error:
+        if session.snapshot().calibration is None:
+            raise
+        return f"The source broke: {error}"
+    return ""
+
+
+def work_out(session: Session, stop: Callable[[], bool] | None = None) -> None:
+    """Run the session's pending work on the spot, until there is none."""
+    while session.pending is not None:
+        work = session.pending
+        try:
+            session.apply(work.run(stop))
+        except CalibrationError as error:
+            session.fail(work, error)

@@ -1,0 +1,97 @@
+"""What a person asks for in the browser. The viewer queues these, the guidance loop obeys them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.planning.method import Cost, Method
+
+
+@dataclass(frozen=True)
+class Capture:
+    """Take the present view, matched or not."""
+
+
+@dataclass(frozen=True)
+class SkipTarget:
+    """Ask for another target."""
+
+
+@dataclass(frozen=True)
+class UndoView:
+    """Take back the last captured view."""
+
+
+@dataclass(frozen=True)
+class DropView:
+    """Leave one captured view out of the calibration."""
+
+    number: int
+    """The view's number, as in `View.number`."""
+
+
+@dataclass(frozen=True)
+class ChangeMethod:
+    """Find the next poses in another way."""
+
+    method: Method
+    cost: Cost | None = None
+    """None: the method's own."""
+
+
+@dataclass(frozen=True)
+class ChooseAlternative:
+    """Take another of the nearly equal targets."""
+
+    index: int
+    """Into the target's `alternatives`."""
+    target: int
+    """Number of the target that they belong to: meanwhile there may be another."""
+
+
+@dataclass(frozen=True)
+class Finish:
+    """End the calibration and keep what is known."""
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Stop taking frames, or go on."""
+
+    on: bool
+
+
+@dataclass(frozen=True, eq=False)
+class DragBoard:
+    """The simulated board was dragged in the scene."""
+
+    pose: Pose
+    """`T_camera_board`."""
+
+
+@dataclass(frozen=True)
+class Autopilot:
+    """Let the simulated hand move the board by itself, or not."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
+class Begin:
+    """The participant of a trial is ready: show the first pose of the next help."""
+
+
+Intent = (
+    Capture
+    | SkipTarget
+    | UndoView
+    | DropView
+    | ChangeMethod
+    | ChooseAlternative
+    | Finish
+    | Pause
+    | DragBoard
+    | Autopilot
+    | Begin
+)

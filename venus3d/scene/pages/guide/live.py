@@ -1,0 +1,186 @@
+"""Guiding with the viewer: four threads that hand things on through one-slot, newest-wins boxes.
+
+    watch   source -> frame box, and the picture to the viewer at once
+    look    frame box -> detection -> observation box
+    think   the session's slow work: calibration and search
+    guide   (the caller's thread) observation box and what users asked for -> session -> viewer
+
+The picture never waits for detection, detection never for the mathematics.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.guidance.work import Outcome, Work
+from venus3d.scene.pages.audience.audience import Audience
+from venus3d.scene.pages.guide import intents
+from venus3d.scene.pages.guide.headless import work_out
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.pages.guide.watching import Watching
+from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.frame import Frame, Source
+from venus3d.sources.sim import Simulation
+
+
+class LiveGuide(Watching):
+    """One session with its viewer. `run` returns when `stop` was called or the source broke."""
+
+    def __init__(
+        self,
+        session: Session,
+        source: Source,
+        eyes: Eyes,
+        viewer: Viewer,
+        keep: Callable[[Snapshot], None],
+        again: Callable[[], Source],
+        audience: Audience | None = None,
+    ) -> None:
+        """`keep` is called with every moment that may hold a new result, and must not wait; `again`
+        opens a recording anew when it has ended; `source` is closed by `run`."""
+        super().__init__(source, eyes, viewer, again, audience)
+        self._session, self._keep = session, keep
+        self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
+        self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
+        self._frame: tuple[Observation, Frame] | None = None
+
+    def run(self) -> Snapshot:
+        """Guide until stopped, by `stop`, Ctrl-C or a signal that asks to end.
+
+        Raises what broke the source or anything else, after what had been captured was handed on.
+        """
+        try:
+            self._watch_until_stopped()
+        except BaseException:
+            with suppress(Exception):  # the first error is the one to tell
+                self._concluded()
+            raise
+        snapshot = self._concluded()
+        if self._failure is not None:
+            raise self._failure
+        return snapshot
+
+    def _concluded(self) -> Snapshot:
+        # A view that was captured a moment ago counts; there is no next pose to search.
+        work_out(self._session, stop=lambda: True)
+        snapshot = self._session.snapshot()
+        self._keep(snapshot)
+        return snapshot
+
+    def _end(self) -> None:
+        if self._job is not None:
+            self._job[2].set()
+        self._thinker.shutdown(wait=True, cancel_futures=True)
+
+    # -- the guiding thread ----------------------------------------------------------------------
+
+    def _guide(self) -> None:
+        session = self._session
+        observation = self._observations.take(timeout=0.05)
+        asked = self._viewer.drain_intents()
+        for intent in asked:
+            self._obey(intent)
+        if observation is not None:
+            session.use_board(self._eyes.detector.board)
+            session.board_diagnoses = self._eyes.detector.diagnoses
+            session.observe(observation)
+        self._keep_picture(observation)
+        if asked or observation is not None:
+            self._show()
+        # Only now: a board that moved need not wait to be seen for what came of the search.
+        if self._think():
+            self._show()
+
+    def _show(self) -> None:
+        snapshot = self._session.snapshot()
+        if isinstance(self._source, Simulation):
+            self._source.follow(snapshot.target, snapshot.pose)
+        self._viewer.show(snapshot)
+        if self._audience is not None:
+            self._audience.show(snapshot)
+        self._keep(snapshot)
+
+    def _keep_picture(self, observation: Observation | None) -> None:
+        """Hand on the picture of a view that was captured just now."""
+        work, before = self._session.pending, self._frame
+        if observation is not None:
+            self._frame = next((pair for pair in self._looked if pair[0] is observation), None)
+        for pair in (before, self._frame):
+            if work is not None and pair is not None and work.observations[-1] is pair[0]:
+                self._viewer.keep_view(work.numbers[-1], pair[1].image)
+                self._frame = None
+
+    def _think(self) -> bool:
+        """Hand pending work to its thread, take finished work back; whether any came back."""
+        pending, came = self._session.pending, False
+        if self._job is not None:
+            work, future, halt = self._job
+            if work is not pending:
+                halt.set()
+            if not future.done():
+                return False
+            self._job, came = None, True
+            try:
+                self._session.apply(future.result())
+            except CalibrationError as error:
+                self._session.fail(work, error)
+            pending = self._session.pending
+        if pending is not None:
+            halt = threading.Event()
+            self._job = (pending, self._thinker.submit(pending.run, halt.is_set), halt)
+        return came
+
+    def _obey(self, intent: intents.Intent) -> None:
+        session, source = self._session, self._source
+        match intent:
+            case intents.Capture():
+                if not session.capture():
+                    self._viewer.say(
+                        "This calibration has ended; no more views are taken."
+                        if session.phase == "finished"
+                        else "Nothing to capture: no board is seen, or this view is taken."
+                    )
+            case intents.SkipTarget():
+                session.skip()
+            case intents.UndoView():
+                session.undo()
+            case intents.DropView(number):
+                if not session.drop(number):
+                    self._viewer.say("This calibration has ended; its views stay as they are.")
+            case intents.ChooseAlternative(index, number):
+                self._choose(index, number)
+            case intents.ChangeMethod(method, cost):
+                try:
+                    session.change(method, cost)
+                except VenusError as error:
+                    self._viewer.say(str(error))
+            case intents.Finish():
+                session.finish()
+            case intents.Pause(on):
+                (self._running.clear if on else self._running.set)()
+                if self._audience is not None:
+                    self._audience.pause(on)
+            case intents.DragBoard(pose) if isinstance(source, Simulation):
+                source.move_to(pose)
+            case intents.Autopilot(on) if isinstance(source, Simulation):
+                source.autopilot_on = on
+            case _:
+                pass
+
+    def _choose(self, index: int, number: int) -> None:
+        target = self._session.snapshot().target
+        if target is not None and target.number != number:
+            self._viewer.say("Meanwhile there is another target; choose among its neighbours.")
+        elif not self._session.choose(index):
+            self._viewer.say(
+                "No other pose is nearly as good; K asks for another one."
+                if self._session.phase == "guiding"
+                else "There is no other pose to choose just now."
+            )

@@ -1,0 +1,161 @@
+"""What a person can choose for a guided calibration; a docstring is its option's `--help`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Literal
+
+from tyro.conf import Positional, arg
+
+from venus3d.engine.errors import VenusError
+from venus3d.engine.planning.method import Cost, Method, Strategy, way_of
+from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
+from venus3d.scene.web.address import audience_address
+
+_CALIBRATING = {
+    "method": "--method",
+    "cost": "--cost",
+    "search": "--search",
+    "wanted_error": "--wanted-error",
+    "keep_best": "--keep-best",
+    "convergence": "--convergence",
+    "max_views": "--max-views",
+    "auto_capture": "--no-auto-capture",
+}
+
+
+@dataclass(frozen=True)
+class GuideOptions:
+    """One guided calibration."""
+
+    source: Annotated[Positional[str], arg(metavar="SOURCE")] = "sim"
+    """sim, a camera's number or device, a stream's address, a video, a folder or a pattern."""
+    board: BoardOptions = field(default_factory=BoardOptions)
+    camera_size: Annotated[
+        str | None, arg(metavar="WIDTHxHEIGHT", help_behavior_hint="(usual: as it comes)")
+    ] = None
+    """Size of the picture to ask a camera for, or to simulate (sim: 1280x720)."""
+    method: Method = "global"
+    """How the next pose is found: ours (global), the paper's (venus), Rojtberg's, or by chance."""
+    cost: Annotated[Cost | None, arg(help_behavior_hint="(the method's own)")] = None
+    """What the search makes small: by itself projection-variance for global, sum-iod for venus."""
+    search: Annotated[Strategy | None, arg(help_behavior_hint="(the method's own)")] = None
+    """How it is searched for: by itself annealing for venus, the whole space for global."""
+    wanted_error: Annotated[float, arg(metavar="PX")] = 0.3
+    """Mean projection error in pixels that is enough; the views until then are forecast."""
+    limits: LimitOptions = field(default_factory=LimitOptions)
+    keep_best: Switch = False
+    """Method venus: take the best pose that its search met, not the one it ends on."""
+    overlap: float = 0.85
+    """How much the board must cover its target in the picture, 0 to 1, to be captured."""
+    auto_capture: bool = True
+    """Capture by itself once the board is in place and still; otherwise only on command."""
+    convergence: Literal["repaired", "printed"] = "repaired"
+    """When a parameter counts as settled: the repaired rule, or the paper's as printed."""
+    max_views: int = 20
+    """End after this many views at the latest."""
+    seed: int = 0
+    """One number that makes a run repeat: search, simulated noise, autopilot."""
+    autopilot: bool = False
+    """Let a simulated hand walk the board through the four steps (sim only)."""
+    speed: float = 1.0
+    """How fast the simulated hand moves; 1 is a calm person."""
+    headless: Switch = False
+    """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
+    host: str = "127.0.0.1"
+    """Address the viewer listens on; 0.0.0.0 lets other machines in, without a password."""
+    port: int = 8080
+    """Port of the viewer; the next free one is used if it is taken."""
+    tour: bool = True
+    """Show a browser that is new here around, once."""
+    audience: Annotated[str | None, arg(metavar="[HOST:]PORT", help_behavior_hint="(optional)")] = (
+        None
+    )
+    """A second, read-only page for a monitor or a class; with 0.0.0.0:PORT for other machines."""
+    audience_view: Literal["picture", "lens"] = "picture"
+    """The second page shows the picture with outlines, or the 3D steps through the lens."""
+    audience_mirror: Switch = False
+    """The second page's picture as in a mirror, for whoever faces the camera."""
+    audience_light: Switch = False
+    """The second page in light colours, for a bright room."""
+    audience_sound: Switch = False
+    """The second page plays a tone when a step is right, two when a view is captured."""
+    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    """Folder for camera.yaml and result.json, written after every view, earlier ones kept (--trial:
+    trial.csv); with the viewer, venus3d-result (--trial: venus3d-trial) if none is named."""
+    json: Switch = False
+    """Print the result as one JSON object on the last line."""
+    trial: Switch = False
+    """No calibration: time one volunteer with three kinds of help to the same poses."""
+    participant: Annotated[
+        str | None, arg(metavar="NAME", help_behavior_hint="(usual: P1, P2, ...)")
+    ] = None
+    """Who takes part in the trial; one who was interrupted goes on."""
+    camera: Annotated[
+        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(sim: its own)")
+    ] = None
+    """The calibrated camera that the trial looks through."""
+    trial_poses: int = 10
+    """How many poses there are with each help of the trial."""
+
+    def check(self) -> None:
+        """Raises `VenusError` for the first option that cannot be met."""
+        self.board.board()
+        self._check_trial()
+        self._check_audience()
+        way_of(self.method, self.cost, self.search)
+        self.limits.check()
+        check_range("--wanted-error", self.wanted_error, 0.001, 100)
+        check_range("--overlap", self.overlap, 0.1, 0.99)
+        check_range("--speed", self.speed, 0.1, 10)
+        check_range("--max-views", self.max_views, 1, 1000)
+        check_range("--seed", self.seed, 0, 2**63)
+        if self.camera_size is not None:
+            image_size_of(self.camera_size)
+
+    def _check_trial(self) -> None:
+        if not self.trial and (self.participant is not None or self.camera is not None):
+            option = "--camera" if self.participant is None else "--participant"
+            raise VenusError(f"{option} goes with --trial; leave it out to calibrate.")
+        if not self.trial:
+            return
+        check_range("--trial-poses", self.trial_poses, 2, 100)
+        # A trial's poses are its own and nothing is calibrated: what would be ignored is refused.
+        usual = GuideOptions()
+        for name, option in _CALIBRATING.items():
+            if getattr(self, name) != getattr(usual, name):
+                raise VenusError(
+                    f"{option} chooses how a camera is calibrated, and a trial calibrates none; "
+                    "leave it out."
+                )
+        if self.headless and self.source != "sim":
+            raise VenusError(
+                "A trial without a viewer is a rehearsal of the simulated hand, so --trial "
+                "--headless goes with sim only."
+            )
+        if self.source != "sim" and self.camera is None:
+            raise VenusError(
+                "A trial needs a calibrated camera: calibrate it first with venus3d guide, then "
+                "give its file with --camera camera.yaml."
+            )
+        if self.participant is not None and not self.participant.strip():
+            raise VenusError("The participant's name is empty; leave --participant out for P1, P2.")
+
+    def _check_audience(self) -> None:
+        if self.audience is None:
+            if self.audience_view != "picture" or any(
+                (self.audience_mirror, self.audience_light, self.audience_sound)
+            ):
+                raise VenusError("This choice is about the second page; open it with --audience.")
+            return
+        if self.headless:
+            raise VenusError("--audience shows what a viewer shows; leave --headless out.")
+        if self.trial:
+            raise VenusError("A trial is for the participant alone; leave --audience out.")
+        audience_address(self.audience, self.port)
+
+    @property
+    def image_size(self) -> tuple[int, int] | None:
+        """`camera_size` as (width, height); None if it was not given."""
+        return None if self.camera_size is None else image_size_of(self.camera_size)

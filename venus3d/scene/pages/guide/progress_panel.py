@@ -1,0 +1,157 @@
+"""How well the camera is known: views, errors promised and come, parameters, the sigmas' trend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+from viser import uplot
+
+from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.planning.forecast import Forecast
+from venus3d.scene.pages.guide import texts as say
+from venus3d.scene.web.theme import Theme
+
+
+def progress_html(snapshot: Snapshot | None) -> str:
+    """Views, errors, what the last view brought, what the next pose is for and should bring."""
+    if snapshot is None or (snapshot.calibration is None and snapshot.target is None):
+        return f"<div class='v-progress'>{say.NOT_KNOWN_YET}</div>"
+    parts = _summary(snapshot) + _outcome(snapshot) + _reason(snapshot)
+    return f"<div class='v-progress'>{parts}</div>"
+
+
+def _summary(snapshot: Snapshot) -> str:
+    last = snapshot.history[-1] if snapshot.history else None
+    boxes = [(str(len(snapshot.views)), say.VIEWS_CAPTURED, "")]
+    if last is not None:
+        boxes.append((_short(last.rms_px), say.RMS, say.RMS_HINT))
+        boxes.append((_short(last.error_px), say.ERROR, say.ERROR_HINT))
+    cells = "".join(
+        f"<div title='{escape(hint)}'><b>{value}</b><span>{words}</span></div>"
+        for value, words, hint in boxes
+    )
+    return f"<div class='v-big'>{cells}</div>"
+
+
+def _outcome(snapshot: Snapshot) -> str:
+    """What the last view brought, and how many more it takes."""
+    lines = [brought_text(snapshot.history)]
+    if snapshot.forecast is not None and snapshot.phase != "finished":
+        goes_on = snapshot.phase == "guiding"
+        lines.append(f"<b>{forecast_text(snapshot.forecast, goes_on=goes_on)}</b>")
+    return "".join(f"<div class='v-line'>{line}</div>" for line in lines if line)
+
+
+def brought_text(history: Sequence[Progress]) -> str:
+    """What the last view brought and what its target had promised; empty if unknown.
+
+    Unknown it is, too, once an earlier view was dropped: nobody calibrated without just this one.
+    """
+    if not history or not np.isfinite(history[-1].error_px):
+        return ""
+    if history[-1].views != (history[-2].views if len(history) > 1 else 0) + 1:
+        return ""
+    before = history[-2].error_px if len(history) > 1 else np.nan
+    now, promised = px_text(history[-1].error_px), history[-1].predicted_error_px
+    if not np.isfinite(before):
+        return say.LAST_VIEW_ALONE.format(now=now)
+    extra = say.PROMISED.format(error=px_text(promised)) if np.isfinite(promised) else ""
+    return say.LAST_VIEW.format(before=px_text(before), now=now, promised=extra)
+
+
+def px_text(error_px: float) -> str:
+    """An error with the figures it is worth."""
+    return f"{error_px:.2f}" if error_px >= 0.1 else f"{error_px:.3f}"
+
+
+def forecast_text(forecast: Forecast, *, goes_on: bool = False) -> str:
+    """About how many more views, with the interval; `goes_on` if guidance does although none is
+    needed."""
+    goal = say.FORECAST_GOAL.format(error=forecast.wanted_px)
+    low, high, views = forecast.low, forecast.high, forecast.views
+    if views == 0:
+        why = say.FORECAST_UNSETTLED if goes_on else ""
+        return say.FORECAST_REACHED.format(error=forecast.wanted_px, why=why)
+    if views is None or low is None:
+        least = forecast.looked_ahead if low is None else low
+        return say.FORECAST_LEAST.format(least=least, goal=goal)
+    if high is None:
+        return say.FORECAST_OPEN.format(views=views, goal=goal, low=low)
+    words = say.FORECAST_ONE if views == 1 else say.FORECAST_MANY
+    words = words.format(views=views, goal=goal)
+    return say.FORECAST_RANGE.format(words=words, low=low, high=high) if low < high else f"{words}."
+
+
+def _promise(snapshot: Snapshot) -> str:
+    target = snapshot.target
+    # After a single view the noise is hardly known, so neither is what the next one brings.
+    if target is None or not np.isfinite(target.gain_px):
+        return ""
+    now, then = px_text(target.error_px), px_text(target.predicted_error_px)
+    return say.PROMISE.format(now=now, then=then)
+
+
+def _reason(snapshot: Snapshot) -> str:
+    target = snapshot.target
+    if target is None:
+        return ""
+    looked = say.LOOKED_AT.format(count=target.evaluated) if target.evaluated > 1 else ""
+    serves = ", ".join(target.serves[:3])
+    serves = say.SERVES.format(names=serves) if serves else ""
+    small = f"<small>{escape(looked + serves)}</small>" if looked or serves else ""
+    text = f"{target.reason} {_promise(snapshot)}".strip()
+    reason = f"<div class='v-reason'>{escape(text)}{small}</div>"
+    title = say.WHAT_FOR.format(number=target.number)
+    return f"<h3 title='{escape(say.WHAT_FOR_HINT)}'>{title}</h3>{reason}"
+
+
+def _short(value: float) -> str:
+    return "–" if not np.isfinite(value) else f"{value:.3f}" if value < 1 else f"{value:.2f}"
+
+
+def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:
+    """Numbers of views, then nine sigmas over those of the first full calibration.
+
+    None until two calibrations estimated all nine parameters.
+    """
+    full = [entry for entry in history if (entry.sigma > 0).all()]
+    if len(full) < 2:
+        return None
+    sigmas = np.array([entry.sigma for entry in full])
+    relative = 100 * sigmas / sigmas[0]
+    views = np.array([entry.views for entry in full], dtype=np.float64)
+    return (views, *(relative[:, index].copy() for index in range(9)))
+
+
+def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
+    """Looks of the nine lines: one colour for each kind of parameter."""
+    colours = [theme.info] * 2 + [theme.reached] * 2 + [theme.quiet] * 5
+    solid: tuple[float, ...] = ()
+    dashes = [solid] * 4 + [(6.0, 5.0)] * 5
+    series: list[uplot.Series] = [{"label": say.TREND_VIEWS}]
+    for name, colour, dash in zip(PARAMETERS, colours, dashes, strict=True):
+        series.append(
+            {
+                "label": name,
+                "stroke": colour,
+                "width": 2,
+                "dash": dash,
+                "points": {"show": False},
+            }
+        )
+    return tuple(series)
+
+
+def trend_caption(theme: Theme) -> str:
+    """Words for the plot: what it shows, and which line is which."""
+    looks = zip((theme.info, theme.reached, theme.quiet), "━━┅", say.TREND_KEYS, strict=True)
+    keys = " &nbsp; ".join(
+        f"<span style='color:{colour}'>{stroke} {name}</span>" for colour, stroke, name in looks
+    )
+    title = f"<h3 title='{escape(say.TREND_HINT)}'>{say.TREND_TITLE}</h3>"
+    return f"<div class='v-progress'>{title}{keys}</div>"

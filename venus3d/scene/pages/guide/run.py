@@ -1,0 +1,181 @@
+"""From a person's options to a guided calibration: opens the rooms, runs the loop, closes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, closing, suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.diagnosis import diagnose, worst_first
+from venus3d.engine.errors import VenusError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.guidance.work import Settings
+from venus3d.scene.pages.audience.controls import AudienceControls
+from venus3d.scene.pages.audience.run import open_audience, said_of
+from venus3d.scene.pages.exercise.trial_run import TrialResult, run_trial
+from venus3d.scene.pages.guide.headless import run_headless
+from venus3d.scene.pages.guide.keeper import Keeper
+from venus3d.scene.pages.guide.live import LiveGuide
+from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.projections import Projections
+from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.folder import Folder
+from venus3d.sources.frame import Source
+from venus3d.sources.opening import open_source
+from venus3d.sources.sim import Simulation
+from venus3d.threads.latency import leave_a_core
+
+# A recording does not follow a target: a view that lowers the expected error so much counts.
+_USEFUL_DROP = 0.1
+# Headless, the simulated hand is looked at this often; a person's viewer gets every frame.
+_HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
+_HEADLESS_HASTE = 2.5
+_IN_SIGHT = Pose.from_vector([12, -8, 4, 0, 0, 0.5])
+
+
+@dataclass(frozen=True, eq=False)
+class GuideResult:
+    """What a guided calibration came to."""
+
+    snapshot: Snapshot
+    warnings: tuple[str, ...]
+    truth: Camera | None
+    """The simulated camera; None for a real one."""
+
+
+def run_guide(
+    options: GuideOptions, keep: Callable[[GuideResult], str] = lambda _: ""
+) -> GuideResult:
+    """Guide one calibration as the options say, until it ends (headless) or is stopped (viewer).
+
+    `keep` is called after every view, on a thread of its own; the newest view wins, and the last is
+    kept before this ends, however it ends. What it returns is said on the screen once all is over,
+    and what it raises at once. Raises `VenusError` for whatever the user can mend.
+    """
+    board = options.board.board()
+    options = _possible(options)
+    with ExitStack() as rooms:
+        source = rooms.enter_context(closing(_opened(options, board)))
+        truth = source.truth if isinstance(source, Simulation) else None
+        eyes = Eyes(Detector(board, find_layout=truth is None))
+        session = Session(board, source.image_size, _settings(options, source))
+
+        def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
+            said = (*source.notes, *eyes.detector.notes, *snapshot.warnings, *notes)
+            # No more views come, so the set is judged as it is.
+            known = snapshot.calibration
+            found = eyes.detector.explain() if known is None else diagnose(snapshot.board, known)
+            found = dict.fromkeys((*eyes.detector.diagnoses, *found))
+            final = replace(snapshot, diagnoses=worst_first(found))
+            return GuideResult(final, tuple(dict.fromkeys(said)), truth)
+
+        def kept(snapshot: Snapshot) -> str:
+            return keep(result(snapshot))
+
+        if options.headless:
+            keeper = rooms.enter_context(closing(Keeper(kept)))
+            broken = run_headless(session, source, eyes, keeper.put)
+            return result(session.snapshot(), (broken,) if broken else ())
+        # First: its port was promised to somebody, while the viewer may take another.
+        audience = open_audience(options)
+        if audience is not None:
+            rooms.enter_context(closing(audience))
+        offscreen = rooms.enter_context(closing(Offscreen()))
+        viewer = rooms.enter_context(
+            closing(
+                Viewer(
+                    options.host,
+                    options.port,
+                    projections=Projections(offscreen),
+                    draggable_board=truth is not None,
+                    autopilot=options.autopilot,
+                    tour=options.tour,
+                )
+            )
+        )
+        for note in viewer.notes:
+            _announce(note)
+        _announce(f"Viewer: {viewer.url}   (Ctrl-C ends it)")
+
+        if audience is not None:
+            audience.on_failure = viewer.say
+            viewer.extend(lambda server: AudienceControls(server, audience).commands)
+            _announce(said_of(audience))
+        if truth is not None and not options.autopilot:
+            hint = "Drag the board by its handles in the scene, or press O for the autopilot."
+            viewer.say(hint, seconds=60)
+
+        def again() -> Source:
+            return _opened(options, board)
+
+        keeper = rooms.enter_context(closing(Keeper(kept, viewer.saved, viewer.say)))
+        live = LiveGuide(session, source, eyes, viewer, keeper.put, again, audience)
+        return result(live.run(), viewer.notes)
+
+
+def _announce(text: str) -> None:
+    with suppress(OSError):  # a terminal that is gone stops no calibration
+        print(text, flush=True)
+
+
+def run_guided_trial(options: GuideOptions, folder: Path) -> TrialResult:
+    """The trial that the options say, its times in `folder`. Raises `VenusError`."""
+    options = _possible(options)
+    return run_trial(options, lambda: _opened(options, options.board.board()), folder)
+
+
+def _possible(options: GuideOptions) -> GuideOptions:
+    """The options as they can be met. Raises `VenusError` for those that would never end."""
+    if not options.headless:
+        return options
+    if not options.auto_capture:
+        raise VenusError(
+            "Without a viewer nobody can press the key, so --headless goes with --auto-capture."
+        )
+    # Nobody could drag the simulated board either.
+    return replace(options, autopilot=True)
+
+
+def _opened(options: GuideOptions, board: Board) -> Source:
+    if not options.headless:
+        leave_a_core()
+    if options.source != "sim":
+        return open_source(options.source, size=options.image_size, realtime=not options.headless)
+    size = options.image_size
+    return Simulation(
+        PAPER_CAMERA if size is None else PAPER_CAMERA.scaled(size),
+        board,
+        seed=options.seed,
+        fps=_HEADLESS_FPS if options.headless else _LIVE_FPS,
+        realtime=not options.headless,
+        autopilot=options.autopilot,
+        speed=options.speed * (_HEADLESS_HASTE if options.headless else 1.0),
+        # A hand brings the board into sight by itself; a person needs something to take hold of.
+        start=None if options.autopilot else _IN_SIGHT,
+    )
+
+
+def _settings(options: GuideOptions, source: Source) -> Settings:
+    return Settings(
+        method=options.method,
+        cost=options.cost,
+        strategy=options.search,
+        wanted_error_px=options.wanted_error,
+        limits=options.limits.chosen(),
+        keep_best=options.keep_best,
+        seed=options.seed,
+        max_views=options.max_views,
+        auto_capture=options.auto_capture,
+        useful_drop=None if source.is_live or options.source == "sim" else _USEFUL_DROP,
+        overlap_needed=options.overlap,
+        still_px=float("inf") if isinstance(source, Folder) else 2.0,
+        rule=options.convergence,
+    )

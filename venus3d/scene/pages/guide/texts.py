@@ -1,0 +1,231 @@
+"""What the page of a guided calibration says."""
+
+from venus3d.engine.calibration.result import DiagnosisKind
+from venus3d.engine.planning.method import Cost, Method
+
+# -- what to do now --------------------------------------------------------------------------------
+
+GUIDANCE_TAB = "What to do now"
+STARTING, STARTING_SENTENCE = "Starting", "Waiting for the first picture."
+SHOW_BOARD = "Show me the whole board"
+CAPTURED = "Captured – calculating"
+CONVERGED = "Done – the camera is calibrated"
+FINISHED = "Finished"
+CONVERGED_NEXT = "Capture more views if you like, or press Finish."
+FINISHED_NEXT = "The result is kept; you may close this page."
+DOUBTFUL = "Settled, but do not trust it yet"
+DOUBTED_NEXT = "The reason stands below. C captures a view, Finish ends it as it is."
+PAUSED, PAUSED_SENTENCE = "Paused", "Press Pause again, or the space bar, to go on."
+HOLD_HEADLINE = "Hold still"
+ANOTHER_BOARD = "This is another board"
+STEP_OF_FOUR = "Step {number} of 4:"
+TO_GO = "to go"
+IN_THE_PICTURE = "In the camera's picture: {words}"
+LOOKING_ELSEWHERE = (
+    "You are looking at step {shown}; the board is on step {active}. Press F to go there."
+)
+RIGHT = "✓ right"
+CHIP_HINT = "Step {number}, {title}: {fact}"
+
+# -- live picture and the four steps ---------------------------------------------------------------
+
+PICTURE_LEGEND = (
+    ("Outline", "step's end"),
+    ("dashes", "the target"),
+    ("dots", "corners"),
+)
+TILES_TITLE = "The four steps, as the camera will see them"
+TILES_HINT = (
+    "Each picture shows the board after its step; all four in a row bring an upright board that "
+    "faces the camera to the target. The marked one is the step you are on."
+)
+TILES_EMPTY = "The four steps of the next target appear here."
+TILE_ALT = "Step {number} as the camera sees it"
+TILE_WAITING = "Step {number}"
+TILE_FAILED = "This picture could not be drawn; the terminal tells why."
+
+# -- controls --------------------------------------------------------------------------------------
+
+CAPTURE = "Capture this view (C)"
+CAPTURE_HINT = (
+    "Take the picture as it is now. It is also taken by itself when the board is where it should "
+    "be and still."
+)
+ROWS = {
+    "view": (
+        "View",
+        "Ask for another target; take back the last view; end the calibration and keep it.",
+    ),
+    "step": ("Step", "Look at each of the four steps, one by one or as an animation."),
+    "show": (
+        "Show",
+        "Follow the step that the board is on; spread the steps out; a light or a dark page.",
+    ),
+    "run": ("Run", "Stop taking pictures and go on."),
+    "page": ("Page", "The keys and what they do; what stands where on this page."),
+}
+"""What stands before a row of buttons, and its hint."""
+AUTOPILOT_HINT = " Autopilot lets a simulated hand move the board."
+BUTTONS: dict[str, tuple[str, ...]] = {
+    "skip": ("Skip K",),
+    "undo": ("Undo U",),
+    "finish": ("Finish",),
+    "previous": ("Back P",),
+    "play": ("Play L", "Stop L"),
+    "next": ("Next N",),
+    "follow": ("Follow F",),
+    "strip": ("Spread T",),
+    "theme": ("Light B", "Dark B"),
+    "pause": ("Pause ␣", "Go on ␣"),
+    "autopilot": ("Autopilot O",),
+    "help": ("Keys H",),
+    "tour": ("Tour",),
+}
+"""What stands on a button; where there are two, the second while it is on."""
+COMMANDS: dict[str, tuple[str, str]] = {
+    "capture": ("Capture this view", "Take the picture as it is now"),
+    "skip": ("Skip this target", "Ask for another pose"),
+    "undo": ("Undo the last view", "Take back what was captured last"),
+    "previous": ("Previous step", "Show the step before"),
+    "next": ("Next step", "Show the step after"),
+    "play": ("Play the steps", "Show the four steps as an animation, or stop it"),
+    "strip": ("Steps side by side", "Spread the four steps out, or put them back"),
+    "follow": ("Follow the board's step", "Show the step that the board is on"),
+    "theme": ("Light or dark", "Change the page's brightness"),
+    "pause": ("Pause", "Stop taking pictures, or go on"),
+    "finish": ("Finish", "End the calibration and keep the result"),
+    "autopilot": ("Autopilot", "Let the simulated hand move the board, or take it yourself"),
+}
+
+# -- other targets ---------------------------------------------------------------------------------
+
+OTHERS_TITLE = "Or nearly as good{instead} (J)"
+OTHERS_INSTEAD = ", instead of {error} px"
+OTHER_TEXT = "{held}: {error} px"
+OTHER_HINT = "Ask for this pose instead. J goes through all of them."
+OTHER_COMMANDS = (
+    "Another pose as good",
+    "Another pose as good: the second",
+    "Another pose as good: the third",
+)
+OTHER_COMMAND_HINT = "Ask for another pose that is nearly as good as the target"
+
+# -- how the next pose is found --------------------------------------------------------------------
+
+METHOD_FOLDER = "How the next pose is found"
+METHOD, COST = "Method", "Makes small"
+METHOD_WORDS: dict[Method, str] = {
+    "global": "Best of all poses (global)",
+    "venus": "The paper's (venus)",
+    "pose-selection": "By Rojtberg's rule (pose-selection)",
+    "random": "By chance (random)",
+}
+COST_WORDS: dict[Cost, str] = {
+    "projection-variance": "Error over the picture (projection-variance)",
+    "max-ere": "Largest error in the picture (max-ere)",
+    "trace": "Sum of the uncertainties (trace)",
+    "log-det": "Volume of the uncertainty (log-det)",
+    "sum-iod": "The paper's index, summed (sum-iod)",
+    "max-iod": "The paper's index, largest (max-iod)",
+    "rms": "Misfit of a trial calibration, slow (rms)",
+}
+METHOD_HINT = (
+    "global looks at thousands of poses and needs the fewest views. venus starts at the paper's "
+    "rule and walks a little. pose-selection follows a fixed rule. random is for comparison."
+)
+COST_HINT = (
+    "What the search makes small. The error over the picture is what matters when the camera is "
+    "used; the others are for comparison. random and pose-selection do not search."
+)
+METHOD_COMMAND, COST_COMMAND = "Method: {words}", "Make small: {words}"
+
+# -- progress --------------------------------------------------------------------------------------
+
+PROGRESS_TAB, PARAMETERS_TAB = "Progress", "Parameters"
+NOT_KNOWN_YET = (
+    "The camera is not known yet. After the first view its parameters appear under “Parameters”."
+)
+VIEWS_CAPTURED = "views captured"
+RMS, RMS_HINT = (
+    "px rms, misfit of the corners",
+    "How far the corners found are from where the calibrated camera would see them. A small one "
+    "proves little: it says nothing of what the views do not show.",
+)
+ERROR, ERROR_HINT = (
+    "px, error to expect in the image",
+    "How far off a point drawn with this camera is to be expected, on average over the whole "
+    "picture. This is what the guidance makes small.",
+)
+LAST_VIEW = "The last view: {before} → {now} px{promised}."
+LAST_VIEW_ALONE = "The last view brought the error to {now} px."
+PROMISED = " (promised {error})"
+FORECAST_GOAL = "until {error:g} px"
+FORECAST_REACHED = "The error is below {error:g} px already{why}."
+FORECAST_UNSETTLED = "; some parameters are still to settle"
+FORECAST_LEAST = "{least} more views or more {goal}."
+FORECAST_OPEN = "About {views} more views {goal} ({low} or more)."
+FORECAST_ONE, FORECAST_MANY = "About {views} more view {goal}", "About {views} more views {goal}"
+FORECAST_RANGE = "{words} ({low} to {high})."
+PROMISE = "It should bring the error from {now} to {then} px."
+WHAT_FOR = "What pose {number} is for"
+WHAT_FOR_HINT = "Why the board should go there: what its view tells of the camera."
+LOOKED_AT = "{count} poses were looked at. "
+SERVES = "Helps most: {names}."
+
+# -- the camera's parameters -----------------------------------------------------------------------
+
+TREND_TITLE = "Sigma over the views (first full set = 100 %)"
+TREND_HINT = "How the uncertainty of each parameter shrinks as views are added."
+TREND_KEYS = ("focal length", "centre", "distortion")
+TREND_VIEWS = "views"
+
+# -- what makes the numbers doubtful ---------------------------------------------------------------
+
+DIAGNOSES_TITLE = "Before you trust this"
+DIAGNOSES_MORE = "and {count} more"
+SEVERITIES = {"wrong": "Wrong", "weak": "Weak", "note": "Note"}
+DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
+    "wrong-dictionary": "other markers than asked for",
+    "swapped-size": "rows and columns do not fit",
+    "impossible-distance": "impossible distance",
+    "parallel-views": "views nearly parallel",
+    "weak-focal-length": "focal length uncertain",
+    "folding": "lens model folds back",
+    "outlying-view": "one view stands out",
+    "unseen-side": "part of the picture never used",
+    "correlated": "parameters not told apart",
+    "same-depth": "always the same distance",
+    "wrong-layout": "another layout of the board",
+}
+"""In a few words."""
+
+# -- the tour --------------------------------------------------------------------------------------
+
+TOUR = (
+    (
+        "You hold the board, the page guides you",
+        "To calibrate a camera you show it a board from several sides. This page finds out which "
+        "side helps most next, and leads you there in four small steps.",
+    ),
+    (
+        "What to do now",
+        "The large text on the left is all you need while you hold the board: which step, which "
+        "way, and how much is left. It can be read from two metres away.",
+    ),
+    (
+        "What the camera sees",
+        "On the right is the live picture. Bring the board onto the thick outline; the dashes are "
+        "where it ends up. Below are the four steps: move, tilt, swing, rotate.",
+    ),
+    (
+        "The same in space",
+        "The middle shows camera, board and target in 3D. Drag to look around, scroll to come "
+        "nearer.",
+    ),
+    (
+        "Hold still, and it is captured",
+        "When the board is where it should be, hold it still: the picture is taken by itself. "
+        "After ten views or so the camera is known. H shows all keys.",
+    ),
+)
+"""Title and text of each step; the first stands for the whole page."""

@@ -1,0 +1,88 @@
+"""The nine parameters in a table: value and sigma, how the sigma fell, settled or not, what it is.
+
+A row opens and says what the number does to the picture, by a click or by Enter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+
+from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.guidance.prompts import PARAMETER_WORDS
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.uncertainty import texts
+from venus3d.scene.pages.guide.uncertainty.look import SHEET
+
+_IN_PIXELS = 4
+"""The first four parameters are in pixels, the others have no unit."""
+_SPARK = (58.0, 16.0)
+"""Width and height of a sparkline, CSS pixels."""
+
+
+def parameters_html(snapshot: Snapshot | None) -> str:
+    """The table of parameters; a sentence while there are none."""
+    if snapshot is None or snapshot.calibration is None:
+        return f"<div class='v-progress'>{escape(texts.NO_PARAMETERS)}</div>"
+    rows = "".join(_row(snapshot, index) for index in range(len(PARAMETERS)))
+    hint = f"<div class='v-more'>{escape(texts.PARAMETERS_HINT)}</div>"
+    title = f"<h3 title='{escape(texts.SIGMA_HINT)}'>{escape(texts.PARAMETERS_TITLE)}</h3>"
+    return f"{SHEET}<div class='v-progress'>{title}{rows}{hint}</div>"
+
+
+def value_text(value: float, sigma: float, index: int) -> str:
+    """Value ± sigma of the parameter of this index, with the figures that they are worth."""
+    unit = f" {texts.PIXELS}" if index < _IN_PIXELS else ""
+    if not sigma > 0:
+        return f"{value:.1f}{unit}" if index < _IN_PIXELS else f"{value:.4f}"
+    # Two figures of the sigma are all that it is worth.
+    places = min(max(1 - math.floor(math.log10(sigma)), 0), 6)
+    return f"{value:.{places}f} <i>± {sigma:.{places}f}{unit}</i>"
+
+
+def sparkline(history: Sequence[Progress], index: int) -> str:
+    """The sigma of the parameter of this index from view to view, as a small drawing.
+
+    Its height is the logarithm: as far down for each halving. Empty while there are not two.
+    """
+    sigmas = [float(entry.sigma[index]) for entry in history if (entry.sigma > 0).all()]
+    if len(sigmas) < 2:
+        return ""
+    width, height = _SPARK
+    levels = np.log(sigmas)
+    span = max(float(np.ptp(levels)), math.log(2.0))
+    x = np.linspace(2.0, width - 3.0, len(levels))
+    y = 2.5 + (height - 5.0) * (levels.max() - levels) / span
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    said = escape(texts.TREND_ALT.format(percent=f"{100 * sigmas[-1] / sigmas[0]:.0f}"))
+    return (
+        f"<svg class='v-spark' width='{width:.0f}' height='{height:.0f}' role='img' "
+        f"aria-label='{said}'><title>{said}</title>"
+        f"<polyline points='{points}'/><circle cx='{x[-1]:.1f}' cy='{y[-1]:.1f}' r='2.2'/></svg>"
+    )
+
+
+def _row(snapshot: Snapshot, index: int) -> str:
+    calibration, judged = snapshot.calibration, snapshot.convergence
+    if calibration is None:
+        return ""
+    if not calibration.free[index]:
+        mark, kind = texts.NOT_YET, ""
+    elif judged is not None and judged.parameters[index]:
+        mark, kind = texts.SETTLED, " v-yes"
+    else:
+        mark, kind = texts.IMPROVING, ""
+    value, sigma = calibration.camera.parameters[index], calibration.sigma[index]
+    sentence = escape(texts.PARAMETER_SENTENCES[index])
+    return (
+        f"<details class='v-row v-param'><summary title='{sentence}'><b>{PARAMETERS[index]}</b>"
+        f"<span class='v-word'>{PARAMETER_WORDS[index]}</span>"
+        f"<span class='v-mark{kind}'>{mark}</span>"
+        f"<span class='v-value'>{value_text(float(value), float(sigma), index)}</span>"
+        f"{sparkline(snapshot.history, index)}</summary>"
+        f"<div class='v-does'>{sentence}</div></details>"
+    )

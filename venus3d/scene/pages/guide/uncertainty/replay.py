@@ -1,0 +1,219 @@
+"""A search, watched afterwards at a speed that a person can follow.
+
+Each pose looked at is a dot, twice: where the board's centre would be, and in a box of three axes,
+the turns about X and Y and the distance. The more a dot stands out, the smaller the cost. A search
+in batches shows batch after batch; the annealing walks move by move, a line along what it took.
+
+    /search/places, /search/angles            the dots in front of the camera, and in the box
+    /search/faint                             outlines of a few of the newest poses
+    /search/best, sheet, best_label           the best board so far
+    /search/best_angles                       and its dot in the box
+    /search/live                              the board as it is now
+    /search/now                               the pose looked at (walk)
+    /search/walk, /search/walk_angles         the line of the poses taken (walk)
+    /search/box, /search/axis_1 ... axis_3    the box, the names of its axes; with _line the axes
+    /search/title                             what the box is
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.search_trace import Walk
+from venus3d.scene.pages.guide.uncertainty import texts
+from venus3d.scene.pages.guide.uncertainty.topics import figure
+from venus3d.scene.pages.guide.viewpoint import steps_back
+from venus3d.scene.render.board_mesh import board_ghost, board_outline, outline_segments
+from venus3d.scene.render.colour_scale import colours_of
+from venus3d.scene.render.palette import ground, mixed, step_colour
+from venus3d.scene.render.shapes import LabelShape, LineShape, PointShape, Shape
+
+SECONDS, REST_SECONDS = 13.0, 4.0
+"""How long the search takes to be shown, and how long its end stays."""
+_FAINT = 10  # boards of a batch that are outlined
+_DOT = 0.0035
+_AGED = 0.6  # of the ground's colour in dots of earlier batches
+# Lowest corner and side of the box, metres, seen from as near as usual.
+_BOX, _SIDE = np.array([-0.14, 0.17, 0.10]), 0.14
+_FURTHEST_M = 1.2
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One moment of the replay: all that has been looked at so far."""
+
+    walk: Walk
+    shown: int
+    """Moves shown, 1 ... all."""
+
+    @property
+    def is_last(self) -> bool:
+        """Whether all has been shown."""
+        return self.shown == len(self.walk.moves)
+
+    @property
+    def back(self) -> float:
+        """So many times farther away than usual is looked from: the box is as much larger."""
+        return steps_back(float(np.linalg.norm(self.walk.end[3:])))
+
+
+def shown_after(walk: Walk, seconds: float) -> int:
+    """How many moves are shown so long after the start; at least 1."""
+    count = len(walk.moves)
+    return min(count, 1 + int(count * max(seconds, 0.0) / SECONDS))
+
+
+@lru_cache(maxsize=4)
+def search_shapes(walk: Walk, shown: int, board: Board, dark: bool) -> tuple[Shape, ...]:
+    """The search after `shown` moves."""
+    stage, colours = Stage(walk, shown), ground(dark)
+    moves, back = walk.moves[:shown], stage.back
+    poses, colour, fresh = _dots(stage, dark)
+    shapes: list[Shape] = [
+        PointShape("/search/places", poses[:, 3:], colour, back * _DOT),
+        PointShape("/search/angles", _in_box(poses, back), colour, 0.7 * back * _DOT),
+        LineShape("/search/faint", _outlines(board, fresh), Pose.identity(), colours.ghost, 1.0),
+        *_box_shapes(dark, back),
+    ]
+    if not walk.is_batched:
+        shapes += _walk_shapes(stage, board, dark)
+    best = walk.end if stage.is_last else moves[-1].best_vector
+    word = texts.SEARCH_CHOSEN if stage.is_last else texts.SEARCH_BEST
+    pose, marked = Pose.from_vector(best), np.array([colours.warning], dtype=np.uint8)
+    return (
+        *shapes,
+        board_ghost(board, pose, "/search/sheet", colours.warning, 0.35),
+        board_outline(board, pose, "/search/best", colours.warning, 4.0),
+        LabelShape("/search/best_label", word, pose.t, colours.text, in_projection=False),
+        PointShape(
+            "/search/best_angles",
+            _in_box(best[None], back),
+            marked,
+            2.2 * back * _DOT,
+        ),
+    )
+
+
+def caption(walk: Walk, shown: int, number: int, *, in_px: bool) -> str:
+    """What is to be seen, in one line; `in_px` if the cost is a mean variance in square pixels."""
+    last, title = walk.moves[shown - 1], texts.SEARCH_TITLE.format(number=number)
+    best, is_last = _cost_text(last.best_cost, in_px), shown == len(walk.moves)
+    if walk.is_batched:
+        text = texts.SEARCH_DONE if is_last else texts.SEARCH_BATCH
+        return f"{title}: {text.format(looked=last.evaluated, best=best)}"
+    taken = [move for move in walk.moves[:shown] if move.accepted]
+    if is_last:
+        at_end = [move.cost for move in taken if np.allclose(move.vector, walk.end, atol=1e-6)]
+        end = _cost_text(at_end[-1] if at_end else last.best_cost, in_px)
+        done = texts.SEARCH_DONE_WALK.format(looked=last.evaluated, end=end, best=best)
+        return f"{title}: {done}"
+    told = texts.SEARCH_MOVE.format(
+        move=shown,
+        moves=len(walk.moves),
+        verdict=texts.SEARCH_TAKEN if last.accepted else texts.SEARCH_REFUSED,
+        accepted=len(taken),
+        best=best,
+    )
+    return f"{title}: {told}"
+
+
+def _cost_text(cost: float, in_px: bool) -> str:
+    value = float(np.sqrt(cost)) if in_px else cost
+    return (texts.SEARCH_PX if in_px else texts.SEARCH_COST).format(value=figure(value))
+
+
+def _dots(stage: Stage, dark: bool) -> tuple[Array, NDArray[np.uint8], Array]:
+    """All poses so far (N, 6), their colours (N, 3), and a few of the newest (K, 6)."""
+    batches = [
+        (move.candidates, move.candidate_costs)
+        if len(move.candidates)
+        else (move.vector[None], np.array([move.cost]))
+        for move in stage.walk.moves
+    ]
+    every = np.log(np.concatenate([costs for _, costs in batches]))
+    low, high = np.percentile(every, [1, 90])
+    seen = batches[: stage.shown]
+    costs = np.log(np.concatenate([costs for _, costs in seen]))
+    newest, worth = seen[-1]
+    few = newest[np.argsort(worth)[:: max(1, len(worth) // _FAINT)][:_FAINT]]
+    # Small costs stand out against the ground: bright on dark, dark on light.
+    ends = (-costs, -high, -low) if dark else (costs, low, high)
+    colour = colours_of(*ends).astype(np.float64)
+    if stage.walk.is_batched and not stage.is_last:
+        older = slice(0, len(costs) - len(worth))
+        colour[older] += _AGED * (np.array(ground(dark).background) - colour[older])
+    colour = np.rint(colour).astype(np.uint8)
+    return np.concatenate([poses for poses, _ in seen]), colour, few
+
+
+def _outlines(board: Board, poses: Array) -> Array:
+    """(4 K, 2, 3) edges of boards under pose vectors (K, 6), camera frame."""
+    edges = outline_segments(board)
+    return np.concatenate([Pose.from_vector(pose).apply(edges) for pose in poses])
+
+
+def _in_box(poses: Array, back: float) -> Array:
+    """(N, 3) where pose vectors (N, 6) stand in the box, camera frame, metres."""
+    share = np.stack(
+        [
+            (poses[:, 0] + 90) / 180,
+            (poses[:, 1] + 90) / 180,
+            np.linalg.norm(poses[:, 3:], axis=1) / _FURTHEST_M,
+        ],
+        axis=1,
+    )
+    return back * (_BOX + _SIDE * np.clip(share, 0.0, 1.0))
+
+
+def _walk_shapes(stage: Stage, board: Board, dark: bool) -> list[Shape]:
+    """The line of the poses taken so far, and the pose that is looked at now."""
+    colours = ground(dark)
+    moves = stage.walk.moves[: stage.shown]
+    taken = [move.vector for move in moves if move.accepted]
+    last = moves[-1]
+    colour = step_colour(1, dark) if last.accepted else colours.ghost
+    now = Pose.from_vector(last.vector)
+    shapes: list[Shape] = [
+        board_outline(board, now, "/search/now", colour, 3.0 if last.accepted else 1.5)
+    ]
+    if len(taken) > 1:
+        path = np.array(taken)
+        ink, here = mixed(step_colour(1, dark), colours.text, 0.2), Pose.identity()
+        shapes += [
+            LineShape("/search/walk", _chain(path[:, 3:]), here, ink, 2.5),
+            LineShape("/search/walk_angles", _chain(_in_box(path, stage.back)), here, ink, 2.5),
+        ]
+    return shapes
+
+
+def _chain(points: Array) -> Array:
+    """(N - 1, 2, 3) segments from each of the points (N, 3) to the next."""
+    return np.array([[a, b] for a, b in pairwise(points)])
+
+
+@lru_cache(maxsize=4)
+def _box_shapes(dark: bool, back: float) -> tuple[Shape, ...]:
+    """The box's edges; three of them are its axes, each with its name at the end."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    edges = [(a, b) for a in corners for b in corners if np.sum(b - a) == 1 and np.sum(a != b) == 1]
+    here, colours = Pose.identity(), ground(dark)
+    lines = back * (_BOX + _SIDE * np.array(edges, dtype=np.float64))
+    shapes: list[Shape] = [LineShape("/search/box", lines, here, colours.ghost, 1.0)]
+    # The turns have their steps' colours, the distance that of the move.
+    for index, (text, step) in enumerate(zip(texts.SEARCH_AXES, (2, 3, 1), strict=True)):
+        name, colour, along = f"/search/axis_{index + 1}", step_colour(step, dark), np.eye(3)[index]
+        ends = back * (_BOX + _SIDE * np.array([[0 * along, along]]))
+        at = back * (_BOX + 1.12 * _SIDE * along)
+        shapes += [
+            LineShape(f"{name}_line", ends, here, colour, 3.5),
+            LabelShape(name, text, at, colour, in_projection=False),
+        ]
+    at = back * (_BOX + _SIDE * np.array([0.0, 1.4, 0.0]))
+    return (*shapes, LabelShape("/search/title", texts.SEARCH_BOX, at, colours.text, False))

@@ -1,0 +1,72 @@
+"""Which part of which search is being replayed now: each new target's search once, slowly.
+
+What a moment of it looks like is `replay`'s. Used by the thread that draws the scene.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.planning.search_trace import Walk
+from venus3d.scene.pages.guide.uncertainty import texts
+from venus3d.scene.pages.guide.uncertainty.replay import (
+    REST_SECONDS,
+    SECONDS,
+    caption,
+    search_shapes,
+    shown_after,
+)
+from venus3d.scene.render.board_mesh import board_outline
+from venus3d.scene.render.palette import ground
+from venus3d.scene.render.shapes import Shape
+
+_WHOLE = SECONDS + REST_SECONDS
+_KEPT = "/camera/"
+
+
+class SearchReplay:
+    """The replay of one page."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        """`clock` tells seconds."""
+        self._clock = clock
+        self._walk: Walk | None = None
+        self._began = 0.0
+        self.caption = ""
+        """What the scene shows of a search, in one line; empty if nothing."""
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether a search is being shown."""
+        return self._walk is not None and self._clock() - self._began < _WHOLE
+
+    def of(
+        self, snapshot: Snapshot, shapes: tuple[Shape, ...], *, on: bool, dark: bool
+    ) -> tuple[Shape, ...]:
+        """The scene's shapes; while a search is shown, it takes the place of all but the camera.
+
+        A search that was not shown yet begins; switched off and on again, it begins anew.
+        """
+        self.caption = ""
+        target, walk = snapshot.target, snapshot.walk
+        if not on or target is None or walk is None:
+            self._walk = None
+            if on and target is not None:
+                self.caption = texts.SEARCH_NOTHING
+            return shapes
+        if walk is not self._walk:
+            self._walk, self._began = walk, self._clock()
+        if not self.is_moving:
+            return shapes
+        shown = shown_after(walk, self._clock() - self._began)
+        in_px = target.cost == "projection-variance"
+        self.caption = caption(walk, shown, target.number, in_px=in_px)
+        search = search_shapes(walk, shown, snapshot.board, dark)
+        calm = tuple(shape for shape in shapes if shape.name.startswith(_KEPT))
+        if snapshot.pose is None:
+            return (*calm, *search)
+        # Its outline only: the printed board would hide the dots behind it.
+        live = board_outline(snapshot.board, snapshot.pose, "/search/live", ground(dark).text)
+        return (*calm, *search, live)

@@ -1,0 +1,202 @@
+"""The maps of what is known, a topic at a time: title, picture, figures on it, legend, a sentence.
+
+The pictures are drawn by `fields`; which topic is shown is the panel's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+from typing import Literal
+
+import numpy as np
+
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.planning.uncertainty import Knowledge
+from venus3d.scene.pages.guide.uncertainty import texts
+from venus3d.scene.render.colour_scale import gradient_css, round_down, round_up
+from venus3d.scene.render.maps import (
+    Picture,
+    coverage,
+    coverage_picture,
+    distortion_magnification,
+    distortion_picture,
+    error_picture,
+    largest_shift_px,
+    residual_magnification,
+    residual_picture,
+)
+from venus3d.scene.web.projections_panel import encoded
+
+Topic = Literal["error", "after", "corners", "lens", "misfit"]
+TOPICS: tuple[Topic, ...] = ("error", "after", "corners", "lens", "misfit")
+WIDTH = 640
+"""Of the pictures, pixels."""
+
+
+@dataclass(frozen=True, eq=False)
+class Map:
+    """One topic as it stands on the page."""
+
+    title: str
+    sentence: str
+    picture: Picture | None = None
+    """None where there is nothing to draw yet."""
+    ticks: tuple[float, ...] = ()
+    """The legend's figures, from the lower end to the upper, equally far apart; none for none."""
+    unit: str = texts.PIXELS
+    figures: Array | None = None
+    """(rows, columns) numbers of the picture, to be written at its middle and corners."""
+
+
+def map_of(snapshot: Snapshot, topic: Topic, *, dark: bool, chosen: int | None = None) -> Map:
+    """The topic at this moment; `chosen` is the number of a view to be drawn strongly."""
+    width, height = snapshot.camera.image_size
+    size = (WIDTH, round(WIDTH * height / width))
+    if topic == "corners":
+        return _corners(snapshot, size, dark)
+    if topic == "lens":
+        return _lens(snapshot, size, dark)
+    if topic == "misfit":
+        return _misfit(snapshot, size, dark, chosen)
+    if snapshot.knowledge is None:
+        return Map(texts.ERROR_TITLE, texts.NOTHING_YET)
+    if topic == "after":
+        return _after(snapshot, snapshot.knowledge, size, dark)
+    known, ticks = snapshot.knowledge, error_ticks(snapshot)
+    return Map(
+        texts.ERROR_TITLE,
+        texts.ERROR_TEXT.format(error=figure(known.error_px)),
+        error_picture(known.error_map, (ticks[0], ticks[-1]), size, dark=dark),
+        ticks,
+        figures=known.error_map,
+    )
+
+
+def map_html(shown: Map) -> str:
+    """The topic as HTML."""
+    title = f"<h3>{escape(shown.title)}</h3>"
+    sentence = f"<div class='v-line'>{escape(shown.sentence)}</div>"
+    if shown.picture is None:
+        return f"<div class='v-progress v-known'>{title}{sentence}</div>"
+    alt = escape(texts.PICTURE_ALT.format(title=shown.title))
+    image = f"<img alt='{alt}' src='{encoded(shown.picture)}'>"
+    legend = scale_html(shown.ticks, shown.unit) if shown.ticks else ""
+    return (
+        f"<div class='v-progress v-known'>{title}<div class='v-map'>{image}"
+        f"{_figures(shown)}</div>{legend}{sentence}</div>"
+    )
+
+
+def scale_html(ticks: tuple[float, ...], unit: str) -> str:
+    """The legend of the scale of colours, with its figures."""
+    last = len(ticks) - 1
+    figures = "".join(
+        f"<span>{figure(tick)}{f' {unit}' if index == last else ''}</span>"
+        for index, tick in enumerate(ticks)
+    )
+    return (
+        f"<div class='v-scale'><div style='background:{gradient_css()}'></div>"
+        f"<div class='v-ticks'>{figures}</div></div>"
+    )
+
+
+def even_ticks(high: float) -> tuple[float, ...]:
+    """Figures of a scale from 0."""
+    return (0.0, high / 2, high)
+
+
+def figure(value: float) -> str:
+    """A number with the figures that it is worth: 0.034, 0.42, 3.1, 12."""
+    if not np.isfinite(value):
+        return texts.NO_VIEW
+    if value == 0 or value >= 9.95:
+        return f"{value:.0f}"
+    places = 1 if value >= 0.995 else 2 if value >= 0.0995 else 3
+    text = f"{value:.{places}f}"
+    return text.removesuffix(".0")
+
+
+def error_ticks(snapshot: Snapshot) -> tuple[float, ...]:
+    """Figures of the scale that the maps “now” and “next” share, in equal ratios, pixels."""
+    known, target = snapshot.knowledge, snapshot.target
+    if known is None:
+        return ()
+    after = None if target is None else known.predicted_at(target.pose)
+    every = known.error_map if after is None else np.stack([known.error_map, after])
+    low, high = round_down(float(np.nanmin(every))), round_up(float(np.nanmax(every)))
+    return (low, float(np.sqrt(low * high)), high)
+
+
+def _after(snapshot: Snapshot, known: Knowledge, size: tuple[int, int], dark: bool) -> Map:
+    target = snapshot.target
+    if target is None:
+        return Map(texts.AFTER_TITLE.format(number="–"), texts.AFTER_NONE)
+    title = texts.AFTER_TITLE.format(number=target.number)
+    errors = known.predicted_at(target.pose)
+    if errors is None:
+        return Map(title, texts.AFTER_UNKNOWN)
+    sentence = texts.AFTER_TEXT.format(
+        number=target.number,
+        before=figure(known.error_px),
+        after=figure(target.predicted_error_px),
+    )
+    ticks = error_ticks(snapshot)
+    picture = error_picture(errors, (ticks[0], ticks[-1]), size, dark=dark)
+    return Map(title, sentence, picture, ticks, figures=errors)
+
+
+def _corners(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
+    views, image_size = snapshot.views, snapshot.camera.image_size
+    if not views:
+        return Map(texts.CORNERS_TITLE, texts.NOTHING_YET)
+    counts = coverage(views, image_size)
+    return Map(
+        texts.CORNERS_TITLE,
+        texts.CORNERS_TEXT if (counts == 0).any() else texts.CORNERS_FULL,
+        coverage_picture(views, image_size, size, dark=dark),
+        even_ticks(round_up(float(counts.max()))),
+        texts.CORNERS_UNIT,
+    )
+
+
+def _lens(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
+    calibration = snapshot.calibration
+    if calibration is None or not calibration.camera.distortion.any():
+        return Map(texts.LENS_TITLE, texts.LENS_NONE)
+    camera = calibration.camera
+    factor, largest = distortion_magnification(camera), largest_shift_px(camera)
+    magnified = texts.MAGNIFIED.format(factor=f"{factor:g}") if factor > 1 else ""
+    return Map(
+        texts.LENS_TITLE,
+        texts.LENS_TEXT.format(magnified=magnified, largest=figure(largest)),
+        distortion_picture(camera, size, dark),
+        even_ticks(round_up(largest)),
+    )
+
+
+def _misfit(snapshot: Snapshot, size: tuple[int, int], dark: bool, chosen: int | None) -> Map:
+    views, image_size = snapshot.views, snapshot.camera.image_size
+    if not views:
+        return Map(texts.MISFIT_TITLE, texts.NOTHING_YET)
+    among = chosen if any(view.number == chosen for view in views) else None
+    factor = residual_magnification(views, image_size)
+    sentence = texts.MISFIT_TEXT.format(magnified=f"{factor:g}")
+    if among is not None:
+        sentence += texts.MISFIT_CHOSEN.format(number=among)
+    picture = residual_picture(views, image_size, size, dark=dark, chosen=among)
+    return Map(texts.MISFIT_TITLE, sentence, picture)
+
+
+def _figures(shown: Map) -> str:
+    """The numbers at the picture's middle and its four corners."""
+    if shown.figures is None:
+        return ""
+    rows, columns = (n - 1 for n in shown.figures.shape)
+    spots = ((0, 0, "tl"), (0, columns, "tr"), (rows // 2, columns // 2, "mid"))
+    spots = (*spots, (rows, 0, "bl"), (rows, columns, "br"))
+    return "".join(
+        f"<b class='v-{place}'>{figure(float(shown.figures[row, column]))}</b>"
+        for row, column, place in spots
+    )

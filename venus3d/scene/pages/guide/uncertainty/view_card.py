@@ -1,0 +1,127 @@
+"""One captured view in words and figures: its picture, pose and misfit, and what it gave.
+
+What if it were left out is told before anybody does it. The figures are the engine's.
+"""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+
+from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.planning.reasons import held_in_words
+from venus3d.engine.planning.uncertainty import LeftOut
+from venus3d.scene.pages.guide.uncertainty import texts
+from venus3d.scene.pages.guide.uncertainty.topics import figure
+from venus3d.scene.render.amounts import signed
+
+_FX, _FY = PARAMETERS.index("fx"), PARAMETERS.index("fy")
+# Errors that differ by less are the same to a person.
+_SAME = 0.03
+_ALIKE = 0.1
+
+
+def view_html(snapshot: Snapshot, number: int, picture: str = "") -> str:
+    """All about the view of this number; empty if it is none of the snapshot's.
+
+    `picture` is the source of an HTML image.
+    """
+    calibration = snapshot.calibration
+    view = next((view for view in snapshot.views if view.number == number), None)
+    if calibration is None or view is None:
+        return ""
+    left = None if snapshot.knowledge is None else snapshot.knowledge.without(number)
+    alt = escape(texts.VIEW_ALT.format(number=number))
+    image = f"<img alt='{alt}' src='{picture}'>" if picture else ""
+    lines = [*_pose_lines(snapshot, view), _error_line(view, calibration)]
+    if left is not None:
+        lines += _gave_lines(snapshot, calibration, left)
+    told = "".join(f"<div class='v-line'>{escape(line)}</div>" for line in lines if line)
+    title = escape(texts.VIEW_TITLE.format(number=number))
+    return (
+        f"<div class='v-progress v-view' data-view='{number}'><h3>{title}</h3>{image}{told}"
+        f"{_what_if(snapshot, calibration, left)}</div>"
+    )
+
+
+def verdict(now_px: float, without_px: float) -> str:
+    """What leaving out would come to, in one sentence."""
+    change = without_px / now_px - 1
+    if not np.isfinite(change):
+        return texts.WITHOUT_UNKNOWN
+    if abs(change) < _SAME:
+        return texts.WITHOUT_SAME
+    text = texts.WITHOUT_WORSE if change > 0 else texts.WITHOUT_BETTER
+    return text.format(percent=f"{abs(100 * change):.0f}")
+
+
+def _pose_lines(snapshot: Snapshot, view: View) -> list[str]:
+    x, y, z, right, down, away = view.pose.vector() * [1, 1, 1, 1000, 1000, 1000]
+    held = held_in_words(view.pose, snapshot.camera)
+    numbers = {"x": x, "y": y, "z": z, "right": right, "down": down, "away": away}
+    whole = {name: signed(value) for name, value in numbers.items()}
+    return [texts.VIEW_HELD.format(held=held), texts.VIEW_POSE.format(**whole)]
+
+
+def _error_line(view: View, calibration: Calibration) -> str:
+    ratio = view.rms_px / max(calibration.rms_px, 1e-12)
+    against = (
+        texts.VIEW_LIKE
+        if abs(ratio - 1) < _ALIKE
+        else texts.VIEW_ABOVE
+        if ratio > 1
+        else texts.VIEW_BELOW
+    )
+    return texts.VIEW_ERROR.format(
+        count=view.observation.count,
+        rms=figure(view.rms_px),
+        against=against,
+        all=figure(calibration.rms_px),
+    )
+
+
+def _gave_lines(snapshot: Snapshot, calibration: Calibration, left: LeftOut) -> list[str]:
+    """What this view gave: against what all the others would know without it."""
+    known = snapshot.knowledge
+    if known is None or not np.isfinite(left.error_px):
+        return []
+    if left.error_px < known.error_px:
+        return [texts.VIEW_HARMED]
+    ratios = left.sigma / calibration.sigma
+    most = int(np.argmax(ratios))
+    return [
+        texts.VIEW_GAVE.format(
+            without=figure(left.error_px),
+            now=figure(known.error_px),
+            most=PARAMETERS[most],
+            ratio=figure(float(ratios[most])),
+        )
+    ]
+
+
+def _what_if(snapshot: Snapshot, calibration: Calibration, left: LeftOut | None) -> str:
+    title = f"<h3>{escape(texts.WITHOUT_TITLE)}</h3>"
+    known = snapshot.knowledge
+    if left is None or known is None or not np.isfinite(left.error_px):
+        if len(snapshot.views) < 2:
+            return ""
+        return f"{title}<div class='v-line'>{escape(texts.WITHOUT_UNKNOWN)}</div>"
+    sigma = calibration.sigma
+    pairs = (
+        (known.error_px, left.error_px),
+        (sigma[_FX], left.sigma[_FX]),
+        (sigma[_FY], left.sigma[_FY]),
+        (calibration.rms_px, left.rms_px),
+    )
+    rows = "".join(
+        f"<tr><td>{escape(name)}</td><td>{figure(float(now))} px</td>"
+        f"<td>{figure(float(then))} px</td></tr>"
+        for name, (now, then) in zip(texts.WITHOUT_ROWS, pairs, strict=True)
+    )
+    head = f"<tr><th></th><th>{texts.WITHOUT_NOW}</th><th>{texts.WITHOUT_THEN}</th></tr>"
+    said = escape(verdict(known.error_px, left.error_px))
+    return f"{title}<table class='v-what'>{head}{rows}</table><div class='v-verdict'>{said}</div>"

@@ -1,0 +1,183 @@
+"""The page's layout: what stands where, and how one moment is put on it.
+
+left    what to do now, in large letters; below it the progress (views, what the next pose is for
+        and which others would do) and, in a tab of its own, the camera's parameters
+middle  the 3D scene
+right   live picture, the four steps as the camera sees them, controls, how poses are found
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide import texts as say
+from venus3d.scene.pages.guide.alternatives_panel import AlternativesPanel
+from venus3d.scene.pages.guide.control_panel import Action, ControlPanel
+from venus3d.scene.pages.guide.diagnosis_panel import diagnoses_html
+from venus3d.scene.pages.guide.guidance_panel import guidance_html
+from venus3d.scene.pages.guide.intents import Intent
+from venus3d.scene.pages.guide.method_panel import MethodPanel
+from venus3d.scene.pages.guide.parameters_panel import ParametersPanel
+from venus3d.scene.pages.guide.progress_panel import progress_html
+from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.pages.guide.uncertainty.panel import KnowledgePanel
+from venus3d.scene.pages.guide.uncertainty.texts import TAB as KNOWN_TAB
+from venus3d.scene.pages.guide.viewpoint import Outlook
+from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
+from venus3d.scene.web.dressing import Dressing, fit_width
+from venus3d.scene.web.help import HelpOverlay, add_commands
+from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
+from venus3d.scene.web.theme import Theme
+from venus3d.scene.web.tour import Tour, TourStep
+
+LEFT_WIDTH, _RIGHT_WIDTH = 480, 510
+_SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
+JPEG_QUALITY = 75
+PICTURE_LEGEND = (
+    "<div class='v-steps'><div class='v-legend'>"
+    + " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)
+    + "</div></div>"
+)
+_MARKS = (
+    "",
+    "[data-dock-leaf]:has(.v-guide)",
+    "[data-dock-leaf]:has(.v-grid)",
+    "div:has(>canvas)",
+    "[data-dock-leaf]:has(.v-guide)",
+)
+"""What each step of the tour frames."""
+TOUR_KEY = "tour-guide"
+
+
+class Page:
+    """All panels of one server. `act` and `ask` are called on viser's threads."""
+
+    knowledge: KnowledgePanel | None = None
+    """What is known, in a tab and in the scene; None where nobody asks."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        act: Callable[[Action], None],
+        ask: Callable[[Intent], None],
+        *,
+        dark: bool,
+        simulated: bool,
+        tour: bool,
+    ) -> None:
+        """Lay everything out; with `tour`, a browser that is new here is shown around."""
+        self._server, self._gui = server, server.gui
+        self._dressing = Dressing(server.gui)
+        self._act, self._ask, self._simulated = act, ask, simulated
+        self.outlook = Outlook(server)
+        theme = Theme(dark)
+        self._make_guidance()
+        self._make_left(theme)
+        self._make_right()
+        self._make_commands(tour)
+        self._set_theme(theme)
+        fit_width(server, self._gui.main_panel, lambda height: self._right_width(height))
+
+    def show_picture(self, rgb: NDArray[np.uint8]) -> None:
+        """The live picture (H, W, 3) RGB."""
+        self.picture.image = rgb
+
+    def show(
+        self,
+        snapshot: Snapshot | None,
+        state: ViewState,
+        tiles: ShownSteps | None,
+        note: str,
+        drawn_by: str,
+    ) -> None:
+        """Put one moment on the page; `drawn_by` says what draws the projections, if it matters."""
+        theme = Theme(state.dark)
+        self._set_theme(theme)
+        text = guidance_html(snapshot, state, theme, note)
+        self.guidance.content = f"<div class='v-wide'>{text}</div>"
+        self.diagnoses.content = diagnoses_html(snapshot)
+        self.diagnoses.visible = bool(self.diagnoses.content)
+        self.progress.content = progress_html(snapshot)
+        self.alternatives.show(snapshot)
+        self.projections.show(tiles, state.step, theme, drawn_by)
+        phase = "startup" if snapshot is None else snapshot.phase
+        # Once it has ended no target follows, so none is announced and none is drawn.
+        ended = phase in ("converged", "finished")
+        self.projections.visible = tiles is not None or not ended
+        self._legend.visible = not ended
+        self.controls.show(state, phase)
+        if snapshot is not None:
+            self.method.show(snapshot)
+            self.parameters.show(snapshot)
+
+    def _right_width(self, height: int) -> int:
+        """Width of the right panel in a window of this height, pixels."""
+        return _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
+
+    def _make_guidance(self) -> None:
+        panel = self.guidance_panel = self._gui.add_panel()
+        with panel.add_tab(say.GUIDANCE_TAB, viser.Icon.HAND_MOVE):
+            self._dressing.add()
+            self.guidance = self._gui.add_html("")
+        panel.dock_left()
+        panel.set_width(LEFT_WIDTH)
+        panel.expand()  # on a phone panels are folded at first
+
+    def _make_left(self, theme: Theme) -> None:
+        gui = self._gui
+        panel = self.left_panel = gui.add_panel()
+        with panel.add_tab(say.PROGRESS_TAB, viser.Icon.CHART_LINE):
+            self._dressing.add()
+            self.diagnoses = gui.add_html("", visible=False)
+            self.progress = gui.add_html("")
+            self.alternatives = AlternativesPanel(gui, self._ask)
+        with panel.add_tab(say.PARAMETERS_TAB, viser.Icon.CAMERA_COG):
+            self._dressing.add()
+            self.parameters = ParametersPanel(gui, theme)
+        with panel.add_tab(KNOWN_TAB, viser.Icon.MAP_2):
+            self._dressing.add()
+            self.knowledge = KnowledgePanel(gui, self._ask)
+        panel.dock_below(self.guidance_panel)
+
+    def _make_right(self) -> None:
+        gui = self._gui
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(_RIGHT_WIDTH)
+        self._dressing.add()
+        blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
+        self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
+        self._legend = gui.add_html(PICTURE_LEGEND)
+        self.projections = ProjectionsPanel(gui)
+        self.controls = ControlPanel(gui, self._act, simulated=self._simulated)
+        names = (say.BUTTONS["help"][0], say.BUTTONS["tour"][0])
+        row: Any = gui.add_button_group(say.ROWS["page"][0], names, hint=say.ROWS["page"][1])
+        row.on_click(self._asked_about_page)
+        self.method = MethodPanel(gui, self._ask)
+
+    def _make_commands(self, tour: bool) -> None:
+        panels = (self.controls, self.alternatives, self.knowledge, self.method)
+        commands = tuple(command for panel in panels if panel for command in panel.commands)
+        add_commands(self._server, commands)
+        steps = [TourStep(*texts, marks) for texts, marks in zip(say.TOUR, _MARKS, strict=True)]
+        self.tour = Tour(self._server, TOUR_KEY, steps, at_first=tour)
+        self.help = HelpOverlay(self._server, (*commands, *self.tour.commands))
+
+    def _asked_about_page(self, event: Any) -> None:
+        if event.client is not None:
+            helps = event.target.value == say.BUTTONS["help"][0]
+            (self.help.toggle if helps else self.tour.start)(event.client)
+
+    def _set_theme(self, theme: Theme) -> None:
+        if self._dressing.show(theme):
+            self._recolour(theme)
+
+    def _recolour(self, theme: Theme) -> None:
+        self.parameters.recolour(theme)
+        self.tour.show(theme)
+        self.help.show(theme)

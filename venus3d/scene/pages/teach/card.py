@@ -1,0 +1,138 @@
+"""The large card of a teaching page: what happens now, in words and in numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+from venus3d.engine.geometry.decomposition import Step
+from venus3d.engine.guidance.prompts import step_words
+from venus3d.scene.pages.teach import texts
+from venus3d.scene.pages.teach.stage import counted
+from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.render.amounts import degrees
+from venus3d.scene.render.palette import STEP_STYLES, step_style
+from venus3d.scene.web.theme import Theme
+
+SHEET = """<style>
+.v-wide{container-type:inline-size}
+.v-now{border-left:6px solid var(--step);padding:2px 0 2px 12px;margin:4px 0 2px;min-height:104px;
+display:flex;flex-direction:column;gap:5px}
+.v-now .v-top{display:flex;align-items:baseline;gap:10px}
+.v-now .v-top b{font-size:clamp(17px,4.3cqw,30px);font-weight:750;line-height:1.1;flex:1}
+.v-now .v-top i{font-style:normal;font-size:clamp(20px,5.4cqw,36px);line-height:1;font-weight:800;
+color:var(--step);white-space:nowrap}
+.v-now .v-top small{font-size:14px;font-weight:600;color:var(--soft);margin-left:6px}
+.v-now p{margin:0;font-size:clamp(16px,3.9cqw,27px);line-height:1.2;font-weight:550}
+.v-now .v-who{font-size:13px;color:var(--soft);line-height:1.25}
+.v-four{display:grid;grid-template-columns:repeat(4,1fr);gap:5px;margin-top:6px}
+.v-four div{border:2px solid var(--line);border-radius:7px;background:var(--tile);padding:3px 4px;
+font-size:12px;line-height:1.2;display:flex;align-items:center;gap:3px;white-space:nowrap}
+@container (max-width:430px){.v-four span{display:none}}
+.v-four div.v-on{border-color:var(--step)}
+.v-four b{flex:none;width:1.5em;height:1.5em;border-radius:50%;background:var(--step);
+color:var(--ink);display:grid;place-items:center;font-size:13px}
+.v-four i{font-style:normal;font-weight:700;margin-left:auto;white-space:nowrap}
+.v-head2{font-size:13px;font-weight:700;color:var(--soft);margin:2px 0 0}
+</style>"""
+
+
+def card_html(moment: TeachMoment, state: TeachState, theme: Theme) -> str:
+    """Headline, amount, sentence and the four steps in one row."""
+    body = _comparison(moment, state, theme) if state.compares else _steps(moment, state, theme)
+    return f"{SHEET}<div class='v-progress v-wide'>{body}</div>"
+
+
+def _steps(moment: TeachMoment, state: TeachState, theme: Theme) -> str:
+    step = moment.steps[state.step - 1]
+    holder = state.viewpoint == "holder"
+    words = step_words(step).holder if holder else step_words(step).camera
+    who = texts.SIDES["holder" if holder else "camera"]
+    colour = theme.steps[step.number - 1]
+    if state.at_rest:
+        now = _now(theme.good, texts.THERE_HEADLINE, "", texts.THERE_SENTENCE, "")
+    elif state.way == 0.0:
+        now = _now(theme.good, texts.START_HEADLINE, "", texts.START_SENTENCE, "")
+    else:
+        headline = texts.STEP.format(number=step.number, title=step_style(step.number).title)
+        whole = counted(step, 1.0)
+        amount = "" if step.is_idle else escape(counted(step, state.sweep))
+        if amount and state.sweep < 1:
+            amount += f"<small>{escape(texts.OF.format(whole=whole))}</small>"
+        now = _now(colour, headline, amount, words, who)
+    return f"{now}<div class='v-four'>{_chips(moment, state, theme)}</div>"
+
+
+def _chips(moment: TeachMoment, state: TeachState, theme: Theme) -> str:
+    cells: list[str] = []
+    for style, step in zip(STEP_STYLES, moment.steps, strict=True):
+        on = " class='v-on'" if step.number == state.step and not state.at_rest else ""
+        cells.append(
+            f"<div{on} style='--step:{theme.steps[step.number - 1]}'><b>{step.number}</b>"
+            f"<span>{style.title.split()[0]}</span><i>{escape(_whole(step))}</i></div>"
+        )
+    return "".join(cells)
+
+
+def _whole(step: Step) -> str:
+    return "–" if step.is_idle else counted(step, 1.0)
+
+
+@dataclass(frozen=True)
+class Remark:
+    """What two boards side by side do now."""
+
+    headline: str
+    amount: str
+    sentence: str
+    turn: int | None = None
+    """1 ... 3: which turn goes on; None before the first and after the last."""
+    axis: int = 0
+    """0 ... 2: about which axis the left board turns."""
+
+
+def _comparison(moment: TeachMoment, state: TeachState, theme: Theme) -> str:
+    remark = comparison_remark(moment, state)
+    if remark.turn is None:
+        colour = theme.info if state.way > 1 else theme.good
+    else:
+        colour = theme.steps[remark.axis + 1]
+    return _now(colour, remark.headline, remark.amount, remark.sentence, "")
+
+
+def comparison_remark(moment: TeachMoment, state: TeachState) -> Remark:
+    """What to say of two boards that stand side by side."""
+    step, sweep = state.place
+    others = moment.others(state.arrangement)
+    if step == 1:
+        return Remark(texts.COMPARE_START, "", texts.COMPARE_PROMPT)
+    left, right = moment.fixed[step - 2], others[step - 2]
+    names = left.axis.upper(), right.axis.upper()
+    if step == 4 and sweep == 1.0:
+        apart = moment.apart_deg(state.arrangement)
+        same = apart < 0.05
+        amount = texts.SAME if same else texts.APART.format(degrees=apart)
+        sentence = texts.SAME_LABEL if same else texts.APART_LABEL
+        return Remark(texts.COMPARE_END, amount, sentence.capitalize() + ".")
+    text = texts.COMPARE_TURN if names[0] == names[1] else texts.COMPARE_TURN_TWO
+    headline = text.format(number=step - 1, left=names[0], right=names[1])
+    sentence = texts.COMPARE_SENTENCES[state.arrangement].format(
+        axis=names[0],
+        left_axis=names[0],
+        right_axis=names[1],
+        left=degrees(left.angle_deg),
+        right=degrees(right.angle_deg),
+    )
+    amount = degrees(sweep * left.angle_deg) if names[0] == names[1] else ""
+    return Remark(headline, amount, sentence, step - 1, "xyz".index(left.axis))
+
+
+def _now(colour: str, headline: str, amount: str, sentence: str, who: str) -> str:
+    """`amount` is HTML, the rest text."""
+    right = f"<i>{amount}</i>" if amount else ""
+    small = f"<div class='v-who'>{escape(who)}</div>" if who else ""
+    return (
+        f"<div class='v-now' style='--step:{colour}'><div class='v-top'><b>{escape(headline)}</b>"
+        f"{right}</div><p>{escape(sentence)}</p>{small}</div>"
+    )

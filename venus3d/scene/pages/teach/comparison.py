@@ -1,0 +1,128 @@
+"""Two boards side by side: the same three numbers read in two ways, each with its axes drawn.
+
+/compare/left/board, outline, goal, label, facts    the usual reading: fixed axes, X, Y, Z
+/compare/left/x, y, z and x_name, ...               the axes as they stand now
+/compare/left/arc, angle                            the turn that is going on
+/compare/right/...                                  the other reading
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Literal
+
+import numpy as np
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import AXES, Array, Axes, Pose
+from venus3d.engine.geometry.rotation_orders import Turn, Turns
+from venus3d.scene.render.amounts import degrees
+from venus3d.scene.render.arrows import (
+    arc_arrow,
+    arc_point,
+    frame_along,
+    straight_arrow,
+    turn_frame,
+)
+from venus3d.scene.render.board_mesh import board_outline, board_shape
+from venus3d.scene.render.palette import ground, mixed, step_colour
+from venus3d.scene.render.shapes import LabelShape, MeshShape, Shape
+
+Side = Literal["left", "right"]
+CENTRES: dict[Side, Array] = {
+    "left": np.array([-0.185, 0.0, 0.6]),
+    "right": np.array([0.185, 0.0, 0.6]),
+}
+"""Where the two boards stand for a board as wide as the default one, camera frame, metres."""
+_USUAL_WIDTH = 0.252
+_AXIS = 0.64  # of the board's width: the axes reach beyond the board
+_SHORTEST_ARC_DEG = 12.0
+
+
+def centre_of(board: Board, side: Side) -> Array:
+    """(3,) where this side's board stands: larger boards stand farther apart."""
+    return CENTRES[side] * (board.width / _USUAL_WIDTH)
+
+
+def comparison_points(board: Board) -> Array:
+    """(N, 3) points around all that is drawn here, metres."""
+    reach = 1.05 * _AXIS * board.width
+    box = np.array(np.meshgrid([-1, 1], [-1.25, 1.1], [-0.6, 0.6])).reshape(3, -1).T * reach
+    return np.concatenate([centre_of(board, side) + box for side in CENTRES])
+
+
+def column_shapes(
+    board: Board,
+    side: Side,
+    turns: Turns,
+    way: float,
+    *,
+    axes: Axes,
+    title: str,
+    dark: bool,
+) -> list[Shape]:
+    """One board `way` (0 ... 3) of its three turns on, with its axes.
+
+    Args:
+        axes: which axes are drawn: the camera's, or the board's own.
+        title: stands above the board.
+    """
+    name, centre, colours = f"/compare/{side}", centre_of(board, side), ground(dark)
+    # A turn that has just ended is still the one that the words speak of.
+    index = min(max(ceil(way - 1e-6) - 1, 0), 2)
+    turn, fraction = turns[index], min(way - index, 1.0)
+
+    def here(pose: Pose) -> Pose:
+        return Pose(pose.R, centre)
+
+    now = here(turn.pose_at(fraction))
+    above = centre - [0, 1.2 * _AXIS * board.width, 0]
+    shapes: list[Shape] = [
+        board_shape(board, now, f"{name}/board"),
+        board_outline(board, here(turns[0].before), f"{name}/outline", colours.ghost, 1.5),
+        board_outline(board, here(turns[2].after), f"{name}/goal", colours.target, 3.0),
+        LabelShape(f"{name}/label", title, above, colours.text),
+        *_axes_shapes(board, name, now, turns[0].before, turn, axes, dark),
+    ]
+    if 0 < way < 3 and abs(turn.angle_deg) > 0.5:
+        shapes += _arc(board, name, here(turn.before), turn, fraction, dark)
+    return shapes
+
+
+def _axes_shapes(
+    board: Board, name: str, now: Pose, start: Pose, turn: Turn, axes: Axes, dark: bool
+) -> list[Shape]:
+    shapes: list[Shape] = []
+    # The board's own axes start where the camera's are and are carried along.
+    directions = np.eye(3) if axes == "fixed" else now.R @ start.R.T
+    for i, axis in enumerate(AXES):
+        colour = step_colour(i + 2, dark)
+        active = axis == turn.axis
+        if not active:
+            colour = mixed(colour, ground(dark).background, 0.35)
+        direction = directions[:, i]
+        arrow = straight_arrow(round(_AXIS * board.width, 4), 0.014 * board.width)
+        # Two arrows at the same place would flicker where they begin.
+        shapes.append(
+            MeshShape(f"{name}/{axis}", arrow, frame_along(direction, now.t), colour, shaded=True)
+        )
+        at = now.t + 1.1 * _AXIS * board.width * direction
+        shapes.append(LabelShape(f"{name}/{axis}_name", axis.upper(), at, colour))
+    return shapes
+
+
+def _arc(
+    board: Board, name: str, before: Pose, turn: Turn, fraction: float, dark: bool
+) -> list[Shape]:
+    colour, radius = step_colour(AXES.index(turn.axis) + 2, dark), round(0.3 * board.width, 4)
+    aside = before.R[:, {"x": 1, "y": 0, "z": 0}[turn.axis]]
+    origin = before.t + 0.55 * _AXIS * board.width * turn.direction
+    frame = turn_frame(turn.direction, aside, origin)
+    angle = turn.angle_deg
+    end = float(np.copysign(max(abs(angle), _SHORTEST_ARC_DEG), angle))
+    arrow = arc_arrow(0.0, round(end, 1), radius, round(0.014 * board.width, 5))
+    at = frame.apply(arc_point(end / 2, 1.35 * radius))
+    return [
+        MeshShape(f"{name}/arc", arrow, frame, colour, shaded=True),
+        LabelShape(f"{name}/angle", degrees(fraction * angle), at, colour),
+    ]

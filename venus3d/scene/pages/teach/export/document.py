@@ -1,0 +1,261 @@
+"""A lesson as one HTML file that plays offline: texts, steps as the camera sees them, 3D scene.
+
+Everything is inside: viser's player once, a recording and four pictures for each page. Nothing is
+fetched from anywhere. Without JavaScript the first page's words and pictures still show.
+
+What a lesson says is text. Should that ever fail, the document's own policy still holds: no script
+runs in it but the player's and ours, and nothing is loaded from outside.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+from venus3d.engine.geometry.decomposition import Step
+from venus3d.engine.guidance.prompts import step_words
+from venus3d.lessons.lesson import Lesson, LessonPage, Question
+from venus3d.scene.pages.teach import texts as teach_texts
+from venus3d.scene.pages.teach.export import texts
+from venus3d.scene.pages.teach.export.pose_line import for_hands, pose_line
+from venus3d.scene.pages.teach.export.scene3d import ASPECT, player_scripts
+from venus3d.scene.pages.teach.pose_words import fit_html, lens_html, sigma_html, why_html
+from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.render.maps import distortion_magnification, distortion_picture, largest_shift_px
+from venus3d.scene.render.palette import ground, hex_of, mixed, step_style, text_on
+from venus3d.scene.render.projections import Picture
+from venus3d.scene.web.lesson_text import LESSON_TEXT_SHEET, lesson_text_html
+from venus3d.scene.web.projections_panel import encoded
+
+_LENS_WIDTH = 640
+_PLAYER_BAR_PX = 32
+"""Height of the player's own bar below the scene, at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class PageContent:
+    """What one page holds besides its words."""
+
+    moment: TeachMoment
+    state: TeachState
+    """The page as it is opened."""
+    pictures: tuple[Picture, Picture, Picture, Picture]
+    """The four steps as the camera sees them, RGB."""
+    recording: str
+    """The scene, base64 (`scene3d`)."""
+
+
+def document(
+    lesson: Lesson, contents: Sequence[PageContent], player: str, *, dark: bool = False
+) -> str:
+    """The whole file's text; `contents` in the pages' order, `player` is viser's."""
+    pages = "".join(
+        _page(lesson, number, page, content, dark)
+        for number, (page, content) in enumerate(zip(lesson.pages, contents, strict=True))
+    )
+    recordings = [content.recording for content in contents]
+    sheet = _SHEET.replace("ASPECT", f"{ASPECT}").replace("BAR", f"{_PLAYER_BAR_PX}")
+    given = _GIVEN.replace("DARK", json.dumps(dark))
+    script = _SCRIPT.replace("GIVEN", json.dumps(given))
+    players = player_scripts(player)
+    policy = _policy((script, given, *players) if players else None)
+    return (
+        "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
+        f"<meta http-equiv='Content-Security-Policy' content=\"{policy}\">"
+        "<meta name='viewport' content='width=device-width,initial-scale=1'>"
+        f"<title>{escape(lesson.title)}</title>"
+        f"<style>{_root(dark)}{sheet}{LESSON_TEXT_SHEET}</style></head><body>"
+        f"<header><h1>{escape(lesson.title)}</h1><p>{escape(lesson.summary)}</p></header>"
+        f"<main><div class='words'>{pages}</div><section class='scene'>"
+        f"<h3>{texts.SCENE_TITLE}</h3><iframe id='scene' title='{texts.SCENE_TITLE}'></iframe>"
+        f"<p class='hint'>{texts.SCENE_HINT}</p><noscript>{texts.NO_SCRIPT}</noscript></section>"
+        f"</main><footer>{texts.MADE_WITH}</footer>"
+        f"<script type='application/json' id='player'>{_inside(player)}</script>"
+        f"<script type='application/json' id='recordings'>{_inside(recordings)}</script>"
+        f"<script>{script}</script></body></html>"
+    )
+
+
+def _policy(scripts: Sequence[str] | None) -> str:
+    """Lets these scripts run and nothing be loaded; the scene's frame inherits it.
+
+    Args:
+        scripts: None if they are not all known; then those run that stand in the document.
+    """
+    allowed = "'unsafe-inline'"
+    if scripts is not None:
+        digests = (hashlib.sha256(script.encode()).digest() for script in scripts)
+        allowed = " ".join(f"'sha256-{base64.b64encode(each).decode()}'" for each in digests)
+    return (
+        f"default-src 'none'; script-src {allowed} 'wasm-unsafe-eval'; style-src 'unsafe-inline'; "
+        "img-src data: blob:; connect-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+
+
+def _inside(value: object) -> str:
+    """JSON that cannot end the script element it stands in."""
+    return json.dumps(value).replace("</", "<\\/").replace("<!--", "<\\u0021--")
+
+
+def _page(lesson: Lesson, number: int, page: LessonPage, content: PageContent, dark: bool) -> str:
+    count = texts.PAGE_OF.format(page=number + 1, pages=len(lesson.pages))
+    turn = (
+        f"<nav><button data-go='-1'>{texts.BACK}</button><span>{count}</span>"
+        f"<button data-go='1'>{texts.ON}</button></nav>"
+        if len(lesson.pages) > 1
+        else ""
+    )
+    steps = "".join(
+        _step(step, picture, dark)
+        for step, picture in zip(content.moment.steps, content.pictures, strict=True)
+    )
+    return (
+        f"<article data-page='{number}'{'' if number == 0 else ' hidden'}>{turn}"
+        f"<h2>{escape(page.title)}</h2>{lesson_text_html(page.text)}{_shown(page, content, dark)}"
+        f"{_question(page.question)}<h3>{texts.POSE_TITLE}</h3><p>{pose_line(page.pose)}</p>"
+        f"{fit_html(content.moment, live=False)}"
+        f"<h3>{texts.STEPS_TITLE}</h3><div class='steps'>{steps}</div></article>"
+    )
+
+
+def _shown(page: LessonPage, content: PageContent, dark: bool) -> str:
+    """What the text speaks of: the two boards, the focal length, the lens."""
+    moment, camera = content.moment, content.moment.camera
+    parts = [why_html(moment, content.state)]
+    if "sigma" in page.show:
+        parts.append(sigma_html(moment))
+    if "distortion" in page.show:
+        size = (_LENS_WIDTH, round(_LENS_WIDTH * camera.height / camera.width))
+        picture = encoded(distortion_picture(camera, size, dark))
+        legend = lens_html(distortion_magnification(camera), largest_shift_px(camera))
+        title = escape(teach_texts.LENS_TITLE)
+        parts.append(f"<h3>{title}</h3><img class='lens' alt=\"{title}\" src='{picture}'>{legend}")
+    return "".join(parts)
+
+
+def _step(step: Step, picture: Picture, dark: bool) -> str:
+    style, words = step_style(step.number), step_words(step).camera
+    colour = style.colour(dark)
+    alt = escape(texts.STEP_ALT.format(number=step.number, words=words), quote=True)
+    look = f"--step:{hex_of(colour)};--on:{hex_of(text_on(colour))}"
+    held = f"<br><small>{escape(for_hands(step_words(step)))}</small>"
+    return (
+        f"<figure style='{look}'><figcaption><b>{step.number}</b><span>"
+        f"<strong>{style.title}</strong><br>{escape(words)}"
+        f"{held}</span></figcaption>"
+        f"<img alt=\"{alt}\" src='{encoded(picture)}'>"
+        "</figure>"
+    )
+
+
+def _question(question: Question | None) -> str:
+    if question is None:
+        return ""
+    answers = "".join(
+        f"<button data-answer='{int(number == question.right)}'>{escape(answer)}</button>"
+        for number, answer in enumerate(question.answers, start=1)
+    )
+    verdicts = (
+        f"<p hidden data-verdict='1'><b>✓ {texts.RIGHT}</b> {escape(question.why)}</p>"
+        f"<p hidden data-verdict='0'><b>✕ {texts.WRONG}</b> {escape(question.why)}</p>"
+    )
+    return (
+        f"<section class='question'><h3>{texts.QUESTION}</h3><p>{escape(question.text)}</p>"
+        f"{answers}<div aria-live='polite'>{verdicts}</div></section>"
+    )
+
+
+def _root(dark: bool) -> str:
+    colours = ground(dark)
+    line = hex_of(mixed(colours.background, colours.text, 0.2))
+    tile = hex_of(mixed(colours.background, colours.text, 0.05))
+    return (
+        f":root{{--bg:{hex_of(colours.background)};--text:{hex_of(colours.text)};"
+        f"--soft:{hex_of(colours.quiet_text)};--info:{hex_of(colours.warning)};"
+        f"--line:{line};--tile:{tile}}}"
+    )
+
+
+_SHEET = """
+*{box-sizing:border-box}[hidden]{display:none!important}
+body{margin:0;background:var(--bg);color:var(--text);font:17px/1.45 Inter,"Segoe UI",Roboto,
+"Helvetica Neue",Arial,sans-serif;min-height:100vh;display:flex;flex-direction:column;
+overflow-wrap:break-word}
+header{padding:14px 24px 4px}header h1{margin:0;font-size:28px;line-height:1.2}
+header p{margin:2px 0 0;color:var(--soft)}
+main{flex:1;display:grid;grid-template-columns:minmax(380px,5fr) 7fr;gap:24px;padding:10px 24px}
+h2{font-size:24px;line-height:1.2;margin:12px 0 6px}h3{font-size:15px;color:var(--soft);
+margin:14px 0 6px}p{margin:0 0 10px}
+nav{display:flex;align-items:center;justify-content:space-between;gap:12px;color:var(--soft)}
+button{font:inherit;color:var(--text);background:var(--tile);border:1px solid var(--soft);
+border-radius:7px;padding:5px 14px;cursor:pointer}button:disabled{opacity:.45;cursor:default}
+button:focus-visible{outline:3px solid var(--info)}
+.lens{width:100%;display:block;border-radius:8px}small,.v-legend{color:var(--soft)}
+.v-legend{font-size:14px;margin-top:4px}
+.question{border-left:4px solid var(--info);padding:0 0 4px 14px}
+.question button{display:block;width:100%;text-align:left;margin:0 0 6px}
+.steps{display:grid;grid-template-columns:1fr 1fr;gap:10px}
+figure{margin:0;border:2px solid var(--step);border-radius:8px;overflow:hidden;
+background:var(--tile);display:flex;flex-direction:column}
+figcaption{flex:1;display:flex;gap:9px;font-size:14px;line-height:1.3;padding:7px 9px}
+figcaption b{flex:none;width:28px;height:28px;border-radius:50%;background:var(--step);
+color:var(--on);display:grid;place-items:center}figcaption strong{font-size:15px}
+figcaption small{font-size:13px}
+figure img{width:100%;display:block}
+.scene{position:sticky;top:10px;align-self:start;container-type:inline-size}
+.scene h3{margin-top:0}
+iframe{display:block;width:100%;
+height:clamp(260px,calc(100vh - 190px),calc(100cqw/ASPECT + BARpx));
+border:1px solid var(--line);border-radius:8px;background:var(--tile)}
+.hint,footer{color:var(--soft);font-size:14px}.hint{margin:6px 0 0}
+footer{padding:4px 24px 12px}
+@media(max-width:900px){main{grid-template-columns:1fr;padding:8px 14px}
+header{padding:12px 14px 2px}
+.scene{position:static;order:-1}.steps{grid-template-columns:1fr}}
+"""
+# The player reads its recording from a global when it starts, so each page gets a fresh frame.
+_GIVEN = (
+    "window.__VISER_EMBED_DATA__=parent.recording;window.__VISER_EMBED_CONFIG__={darkMode:DARK};"
+)
+_SCRIPT = """
+const read = id => JSON.parse(document.getElementById(id).textContent);
+const player = read('player'), recordings = read('recordings');
+const pages = [...document.querySelectorAll('article')], frame = document.getElementById('scene');
+let shown = -1;
+function show(page) {
+  if (page < 0 || page >= pages.length || page === shown) return;
+  shown = page;
+  pages.forEach((element, i) => { element.hidden = i !== page; });
+  window.recording = recordings[page];
+  const given = '<script>' + GIVEN + '<' + '/script><style>' +
+    // Orange is only that no graphics card helps. Errors are red and stay.
+    '.mantine-Notification-root[style*="orange"]{display:none}</style>';
+  const at = player.indexOf('</head>');
+  frame.srcdoc = player.slice(0, at) + given + player.slice(at);
+  document.querySelectorAll('button[data-go]').forEach(button => {
+    const to = page + Number(button.dataset.go);
+    button.disabled = to < 0 || to >= pages.length;
+  });
+}
+document.addEventListener('click', event => {
+  const button = event.target.closest('button');
+  if (!button) return;
+  if (button.dataset.go) { show(shown + Number(button.dataset.go)); scrollTo(0, 0); }
+  if (button.dataset.answer) {
+    const question = button.closest('.question');
+    question.querySelectorAll('[data-verdict]').forEach(verdict => {
+      verdict.hidden = verdict.dataset.verdict !== button.dataset.answer;
+    });
+  }
+});
+document.addEventListener('keydown', event => {
+  if (event.key === 'PageDown') { show(shown + 1); event.preventDefault(); }
+  if (event.key === 'PageUp') { show(shown - 1); event.preventDefault(); }
+});
+show(0);
+"""

@@ -1,0 +1,161 @@
+"""The way through the four steps as a film: what the camera sees, under the step's words; of a
+page that compares two readings, both boards.
+
+Pictures come from the offscreen renderer; PyAV writes MP4 (its wheels bring the encoder along,
+imageio's would be downloaded when first used), Pillow writes GIF. No files here: bytes.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import av
+import numpy as np
+from PIL import Image, ImageDraw
+
+from venus3d.lessons.lesson import Lesson
+from venus3d.scene.pages.teach.export import texts
+from venus3d.scene.pages.teach.export.journey import journey, opened
+from venus3d.scene.pages.teach.export.pair import pair_picture
+from venus3d.scene.pages.teach.pictures import marked
+from venus3d.scene.pages.teach.stage import moment_shapes, shown_step
+from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.palette import ground, mixed
+from venus3d.scene.render.projections import Picture, framed, headed
+from venus3d.scene.render.text import font, wrapped
+
+MP4_FPS, GIF_FPS = 25, 10
+MP4_WIDTH, GIF_WIDTH = 1280, 640
+_TITLE_S = 1.6
+_AHEAD = 4  # pictures that the renderer works on while one is encoded
+
+
+def film(
+    lesson: Lesson,
+    moments: Iterable[TeachMoment],
+    offscreen: Offscreen,
+    *,
+    fps: int,
+    width: int,
+    dark: bool = False,
+) -> Iterator[Picture]:
+    """The pictures, RGB, all of one size with even sides; before each page a card with its title.
+
+    Args:
+        moments: what is known of each page's pose, in the pages' order.
+    """
+    for number, moment in enumerate(moments):
+        height = round(width * moment.camera.height / moment.camera.width)
+        states = journey(moment, opened(lesson, number, dark=dark), fps)
+        first = _even(_picture(moment, states[0], offscreen, (width, height))())
+        if lesson.title:
+            card = _card(lesson, number, first.shape, dark)
+            yield from [card] * round(_TITLE_S * fps)
+        waiting: list[Callable[[], Picture]] = []
+        for before, state in zip((None, *states[:-1]), states, strict=True):
+            # A board at rest is drawn once.
+            same = before is not None and waiting and before.place == state.place
+            waiting.append(
+                waiting[-1] if same else _picture(moment, state, offscreen, (width, height))
+            )
+            if len(waiting) > _AHEAD:
+                yield _even(waiting.pop(0)())
+        yield from (_even(finished()) for finished in waiting)
+
+
+def _picture(
+    moment: TeachMoment, state: TeachState, offscreen: Offscreen, size: tuple[int, int]
+) -> Callable[[], Picture]:
+    if state.compares:
+        return pair_picture(moment, state, offscreen, size)
+    colours = ground(state.dark)
+    return offscreen.submit(
+        moment.camera,
+        moment_shapes(moment, state),
+        background=mixed(colours.background, colours.text, 0.06),
+        size=size,
+        supersample=1,
+        finish=lambda picture: _told(picture, moment, state),
+    ).result
+
+
+def _told(picture: Picture, moment: TeachMoment, state: TeachState) -> Picture:
+    """The picture under its header. A step with nothing to do leaves the word to the next."""
+    busy = [step for step in moment.steps if not step.is_idle]
+    if not busy:
+        text = ground(state.dark).text
+        return headed(picture, "0", text, texts.UPRIGHT, texts.UPRIGHT_WHERE, state.dark)
+    if state.way >= 4:
+        # Why a pose is refused is said where the board has come to it.
+        picture = marked(picture, moment, state.dark)
+    now = shown_step(moment, state)
+    step = next((step for step in busy if step.number >= now), busy[-1])
+    return framed(picture, step, state.dark)
+
+
+def _even(picture: Picture) -> Picture:
+    # A video's colours are kept for two by two pixels.
+    height, width = (side // 2 * 2 for side in picture.shape[:2])
+    return picture[:height, :width]
+
+
+def _card(lesson: Lesson, page: int, shape: tuple[int, ...], dark: bool) -> Picture:
+    colours = ground(dark)
+    image = Image.new("RGB", (shape[1], shape[0]), colours.background)
+    draw = ImageDraw.Draw(image)
+    large, small = font(shape[1] // 18, bold=True), font(shape[1] // 36)
+    lines = wrapped(lesson.pages[page].title, large, 0.86 * shape[1])
+    middle, line = shape[0] / 2, shape[1] / 15
+    draw.text(
+        (shape[1] / 2, middle - (len(lines) / 2 + 0.8) * line),
+        lesson.title,
+        fill=colours.quiet_text,
+        font=small,
+        anchor="mm",
+    )
+    for i, text in enumerate(lines):
+        at = (shape[1] / 2, middle + (i - (len(lines) - 1) / 2) * line)
+        draw.text(at, text, fill=colours.text, font=large, anchor="mm")
+    return np.asarray(image)
+
+
+def mp4(pictures: Iterable[Picture], fps: int) -> bytes:
+    """H.264 in MP4, as every browser and projector plays it. Raises `ValueError` for no picture."""
+    buffer = io.BytesIO()
+    stream: Any = None
+    with av.open(buffer, "w", format="mp4") as container:
+        for picture in pictures:
+            if stream is None:
+                stream = container.add_stream("libx264", rate=fps, options={"crf": "20"})
+                stream.height, stream.width = picture.shape[:2]
+                stream.pix_fmt = "yuv420p"
+            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
+            container.mux(stream.encode(frame))
+        if stream is None:
+            raise ValueError("a film needs a picture")
+        container.mux(stream.encode())
+    return buffer.getvalue()
+
+
+def gif(pictures: Iterable[Picture], fps: int) -> bytes:
+    """An endless GIF of one palette a picture. Raises `ValueError` for no picture."""
+    images = [
+        Image.fromarray(picture).quantize(64, dither=Image.Dither.NONE) for picture in pictures
+    ]
+    if not images:
+        raise ValueError("a film needs a picture")
+    buffer = io.BytesIO()
+    images[0].save(
+        buffer,
+        "GIF",
+        save_all=True,
+        append_images=images[1:],
+        duration=round(1000 / fps),
+        loop=0,
+        optimize=False,
+    )
+    return buffer.getvalue()

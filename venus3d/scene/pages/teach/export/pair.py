@@ -1,0 +1,111 @@
+"""Two boards side by side as one picture: the same numbers, read in two ways.
+
+Each board is looked at by an eye of its own that stands to it as the other one does to the other
+board, so that boards which are turned alike look alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import replace
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.scene.pages.teach.card import comparison_remark
+from venus3d.scene.pages.teach.comparison import Side, centre_of
+from venus3d.scene.pages.teach.export import texts
+from venus3d.scene.pages.teach.stage import stage_shapes
+from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.palette import ground, mixed, step_colour
+from venus3d.scene.render.projections import Picture, headed
+from venus3d.scene.render.shapes import Colour, LabelShape, Shape
+from venus3d.scene.render.strip import moved
+from venus3d.scene.render.text import font
+from venus3d.scene.render.viewpoints import FOV_RAD, View
+
+_DIRECTION = (0.3, 0.42, 1.0)
+"""Into the picture, from the camera's side, from above and from the left: all axes are seen."""
+_REACH = 0.8  # of the board's width around its centre: so far its axes and their names go
+_LARGE = 500  # pixels: wider pictures need no smoothing
+_SIDES: tuple[Side, Side] = ("left", "right")
+
+
+def pair_picture(
+    moment: TeachMoment, state: TeachState, offscreen: Offscreen, size: tuple[int, int]
+) -> Callable[[], Picture]:
+    """Ask for the picture, RGB, as large as `size` and the header of the steps' pictures above it.
+
+    What is returned waits for it. `state` must be one that compares.
+    """
+    state = replace(state, viewpoint="outside")  # left stays left
+    shapes, half = stage_shapes(moment, state), (size[0] // 2, size[1])
+    futures = [_half(shapes, moment.board, side, offscreen, half, state.dark) for side in _SIDES]
+
+    def finished() -> Picture:
+        picture = np.hstack([future.result() for future in futures])
+        picture[:, half[0] - 1 : half[0] + 1] = ground(state.dark).quiet_text
+        return headed(picture, *_words(moment, state), state.dark)
+
+    return finished
+
+
+def _words(moment: TeachMoment, state: TeachState) -> tuple[str, Colour, str, str]:
+    """The header's badge, colour, title and sentence."""
+    remark = comparison_remark(moment, state)
+    if remark.turn is not None:
+        colour = step_colour(remark.axis + 2, state.dark)
+        title = ", ".join(part for part in (remark.headline, remark.amount) if part)
+        return str(remark.turn), colour, title, remark.sentence
+    colour = ground(state.dark).text
+    if state.way <= 1:  # there is nothing to press in a film
+        return texts.ALIKE, colour, remark.headline, ""
+    badge = texts.ALIKE if moment.apart_deg(state.arrangement) < 0.5 else texts.DIFFERENT
+    return badge, colour, remark.headline, f"{remark.amount.capitalize()}. {remark.sentence}"
+
+
+def _half(
+    shapes: tuple[Shape, ...],
+    board: Board,
+    side: Side,
+    offscreen: Offscreen,
+    size: tuple[int, int],
+    dark: bool,
+) -> Future[Picture]:
+    eye, place = _eye(board, side, size)
+    name = f"/compare/{side}"
+    mine = [moved(shape, place) for shape in shapes if shape.name.startswith(f"{name}/")]
+    title = next(s for s in mine if isinstance(s, LabelShape) and s.name == f"{name}/label")
+    colours = ground(dark)
+    return offscreen.submit(
+        eye,
+        [shape for shape in mine if shape is not title],
+        background=mixed(colours.background, colours.text, 0.06),
+        size=size,
+        supersample=1 if size[0] > _LARGE else 2,
+        finish=lambda picture: _titled(picture, title),
+    )
+
+
+def _eye(board: Board, side: Side, size: tuple[int, int]) -> tuple[Camera, Pose]:
+    """What looks at this side's board, and from the camera's frame to its own."""
+    f = size[1] / 2 / np.tan(FOV_RAD / 2)
+    eye = Camera(*size, f, f, (size[0] - 1) / 2, (size[1] - 1) / 2)
+    centre, ahead = centre_of(board, side), np.array(_DIRECTION)
+    distance = 2 * f * _REACH * board.width / min(size)
+    view = View(centre - distance * ahead / np.linalg.norm(ahead), centre, FOV_RAD)
+    return eye, Pose(view.axes, -view.axes @ view.position)
+
+
+def _titled(picture: Picture, title: LabelShape) -> Picture:
+    image = Image.fromarray(picture)
+    size = round(image.width / 19)
+    at, face = (image.width / 2, 0.4 * size), font(size, bold=True)
+    ImageDraw.Draw(image).text(at, title.text, fill=title.colour, font=face, anchor="ma")
+    return np.asarray(image)

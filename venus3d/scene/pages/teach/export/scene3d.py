@@ -1,0 +1,103 @@
+"""The 3D scene of a page as a recording that viser's own player shows, offline too.
+
+A recording holds the scene and no panels, so what the scene must say it says by labels; the words
+stand around it, in `document`.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+import zstandard
+
+from venus3d.scene.pages.teach.export.journey import journey
+from venus3d.scene.pages.teach.stage import stage_shapes, stage_view
+from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.web.scene_view import SceneView
+from venus3d.scene.web.server import LocalServer
+
+FPS = 15
+_BEFOREHAND = 8  # states; every step is longer
+ASPECT = 1.3
+"""Width over height of the scene in the document, at least: a view cannot be told anew there."""
+_LOADER = re.compile(
+    r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">'
+    r'(.*?const A=("(?:[^"\\]|\\.)*");.*?)</script>',
+    re.DOTALL,
+)
+"""The player's one script: what is packed, the sizes of the style sheet and of the script in it,
+what unpacks them, and its digits."""
+
+
+def recorded(server: LocalServer, moment: TeachMoment, state: TeachState) -> str:
+    """Play the page's way on this server, which nobody needs to look at, and keep what it sent.
+
+    Returns the recording, base64.
+    """
+    server.scene.reset()
+    view = SceneView(server)
+    states = journey(moment, state, FPS)
+    _look(server, moment, states[0])
+    # Made beforehand and hidden: a new shape stands for a moment where the camera is.
+    for now in (*states[::_BEFOREHAND], states[0]):
+        view.draw(stage_shapes(moment, now), dark=state.dark)
+    serializer = server.get_scene_serializer()
+    for now in states[1:]:
+        view.draw(stage_shapes(moment, now), dark=state.dark)
+        serializer.insert_sleep(1 / FPS)
+    return base64.b64encode(serializer.serialize()).decode("ascii")
+
+
+def player() -> str:
+    """viser's client as one HTML document, to which a recording is given before it starts.
+
+    Raises `FileNotFoundError` if viser was installed without it.
+    """
+    spec = find_spec("viser")
+    assert spec is not None and spec.origin is not None
+    return (Path(spec.origin).parent / "client" / "build" / "index.html").read_text("utf-8")
+
+
+def player_scripts(player: str) -> tuple[str, ...]:
+    """All scripts that the player runs: the one in its document, and the one that this unpacks.
+
+    Empty if the player is packed in another way than viser 1.1 does it.
+    """
+    loader = _LOADER.search(player)
+    if loader is None:
+        return ()
+    packed, style_size, size, script, alphabet = loader.groups()
+    try:
+        content = zstandard.ZstdDecompressor().decompress(
+            _bytes_of(packed, json.loads(alphabet)), max_output_size=int(style_size) + int(size)
+        )
+        return script, content[int(style_size) :].decode()
+    except (ValueError, OverflowError, zstandard.ZstdError):
+        return ()
+
+
+def _bytes_of(digits: str, alphabet: str) -> bytes:
+    """viser's way to write bytes as text: four as five digits."""
+    values = {digit: value for value, digit in enumerate(alphabet)}
+    content = bytearray()
+    for start in range(0, len(digits), 5):
+        group, number = digits[start : start + 5], 0
+        for digit in group:
+            number = number * len(alphabet) + values.get(digit, 0)
+        content += number.to_bytes(len(group) - 1, "big")
+    return bytes(content)
+
+
+def _look(server: LocalServer, moment: TeachMoment, state: TeachState) -> None:
+    view = stage_view(moment, state, stage_shapes(moment, state), ASPECT)
+    camera = server.initial_camera
+    x, y, z = (float(value) for value in view.position)
+    camera.position = (x, y, z)
+    x, y, z = (float(value) for value in view.look_at)
+    camera.look_at = (x, y, z)
+    camera.fov, camera.near, camera.far = view.fov_rad, 0.01, 50.0

@@ -1,0 +1,149 @@
+"""The left column of a teaching page: the lesson, its question, and the pose in six numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import viser
+
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array
+from venus3d.lessons.lesson import Lesson
+from venus3d.scene.pages.teach import texts
+from venus3d.scene.pages.teach.controls import PAGE_ROW, Act, ButtonRow
+from venus3d.scene.pages.teach.pose_words import (
+    fit_html,
+    lens_html,
+    lesson_html,
+    question_html,
+    sigma_html,
+    why_html,
+)
+from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState, Vector
+from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.render.maps import distortion_magnification, distortion_picture, largest_shift_px
+from venus3d.scene.render.projections import Picture
+from venus3d.scene.web.pose_panel import PosePanel
+from venus3d.scene.web.theme import Theme
+
+_ANSWERS = 5
+_LENS_WIDTH = 640
+
+
+class LessonPanel:
+    """Made in the current panel. Callbacks come on viser's threads."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        act: Act,
+        lessons: tuple[Lesson, ...],
+        on_pose: Callable[[Vector], object],
+        on_lesson: Callable[[int | None], object],
+    ) -> None:
+        """`on_pose` gets what the sliders say, `on_lesson` a lesson's number, None for free."""
+        titles = (*(lesson.title for lesson in lessons), texts.FREE)
+        self._titles = titles
+        self._choice: Any = gui.add_dropdown(
+            texts.LESSON, titles, initial_value=texts.FREE, hint=texts.LESSON_HINT
+        )
+
+        def chosen(event: Any) -> None:
+            if event.client is not None:
+                number = titles.index(event.target.value)
+                on_lesson(number if number < len(lessons) else None)
+
+        self._choice.on_update(chosen)
+        self._text = gui.add_html("")
+        self._question = gui.add_html("", visible=False)
+        self._answers = [self._answer_button(gui, act, n) for n in range(1, _ANSWERS + 1)]
+        self._pages = ButtonRow(gui, texts.PAGES, PAGE_ROW, act, texts.PAGES_HINT)
+        self._sigma = gui.add_html("", visible=False)
+        blank = np.zeros((9, 16, 3), np.uint8)
+        self._lens = gui.add_image(blank, format="jpeg", jpeg_quality=85, visible=False)
+        self._lens_legend = gui.add_html("", visible=False)
+        gui.add_html(f"<div class='v-progress'><h3>{texts.POSE_TITLE}</h3></div>")
+        self.pose = PosePanel(gui, lambda vector: on_pose(_vector(vector)), FREE_VECTOR)
+        self._fit = gui.add_html("")
+        self._why = gui.add_html("", visible=False)
+        self._shown: dict[str, object] = {}
+
+    def show(self, moment: TeachMoment, state: TeachState, theme: Theme) -> None:
+        """Put one moment into the column; what is the same is not touched."""
+        self._show_lesson(state)
+        self._put(self._question, question_html(state, theme))
+        self._show_answers(state)
+        self._put(self._why, why_html(moment, state))
+        page = state.current_page
+        extras = () if page is None else page.show
+        self._put(self._sigma, sigma_html(moment) if "sigma" in extras else "")
+        self._show_lens(moment.camera, theme.dark, "distortion" in extras)
+        self._put(self._fit, fit_html(moment))
+        if self._changed("pose", state.set_poses):
+            self.pose.show(state.vector)
+
+    def _answer_button(self, gui: viser.GuiApi, act: Act, number: int) -> Any:
+        button = gui.add_button(str(number), visible=False, hint=texts.ANSWER_HINT)
+        button.on_click(lambda event: act(f"answer {number}", event.client))
+        return button
+
+    def _show_lesson(self, state: TeachState) -> None:
+        if not self._changed("page", (state.lesson, state.page)):
+            return
+        lesson, page = state.current_lesson, state.current_page
+        title = self._titles[-1 if state.lesson is None else state.lesson]
+        if self._choice.value != title:
+            self._choice.value = title
+        if lesson is None or page is None:
+            self._text.content = lesson_html(texts.FREE_TITLE, "", texts.FREE_TEXT)
+        else:
+            where = texts.PAGE_OF.format(page=state.page + 1, pages=len(lesson.pages))
+            self._text.content = lesson_html(page.title, where, page.text)
+
+    def _show_answers(self, state: TeachState) -> None:
+        if not self._changed("answers", (state.lesson, state.page, state.answer)):
+            return
+        page = state.current_page
+        question = None if page is None else page.question
+        for number, button in enumerate(self._answers, start=1):
+            button.visible = question is not None and number <= len(question.answers)
+            if question is None or not button.visible:
+                continue
+            text = texts.ANSWER
+            if state.answer is not None and number == question.right:
+                text = texts.ANSWER_RIGHT
+            elif state.answer == number:
+                text = texts.ANSWER_WRONG
+            button.label = text.format(number=number, answer=question.answers[number - 1])
+
+    def _show_lens(self, camera: Camera, dark: bool, shown: bool) -> None:
+        self._lens.visible = self._lens_legend.visible = shown
+        if shown and self._changed("lens", (camera, dark)):
+            self._lens.image, legend = _lens_picture(camera, dark)
+            self._lens_legend.content = legend
+
+    def _put(self, handle: Any, content: str) -> None:
+        if handle.content != content:
+            handle.content = content
+        handle.visible = bool(content)
+
+    def _changed(self, name: str, value: object) -> bool:
+        if name in self._shown and self._shown[name] == value:
+            return False
+        self._shown[name] = value
+        return True
+
+
+@lru_cache(maxsize=2)
+def _lens_picture(camera: Camera, dark: bool) -> tuple[Picture, str]:
+    size = (_LENS_WIDTH, round(_LENS_WIDTH * camera.height / camera.width))
+    legend = lens_html(distortion_magnification(camera), largest_shift_px(camera))
+    return distortion_picture(camera, size, dark), legend
+
+
+def _vector(values: Array) -> Vector:
+    a, b, c, x, y, z = (float(value) for value in values)
+    return (a, b, c, x, y, z)

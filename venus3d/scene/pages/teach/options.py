@@ -1,0 +1,46 @@
+"""What a person can choose for the teaching page. Each field's docstring is its `--help` text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import Positional, arg
+
+from venus3d.engine.errors import VenusError
+from venus3d.options import BoardOptions, Switch, check_range
+
+
+@dataclass(frozen=True)
+class TeachOptions:
+    """One teaching page, or one lesson written to a file."""
+
+    lesson: Annotated[
+        Positional[str], arg(metavar="LESSON", help_behavior_hint="(usual: the first)")
+    ] = ""
+    """A lesson's name, or a lesson file of your own (.toml)."""
+    board: BoardOptions = field(default_factory=BoardOptions)
+    camera: Annotated[
+        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(usual: a simulated webcam)")
+    ] = None
+    """The calibrated camera that is taught with."""
+    export: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
+    """Write the lesson to a file and end: .html (plays offline), .png (a sheet of the four steps),
+    .mp4 or .gif (the animation)."""
+    dark: Switch = False
+    """With --export: .html, .mp4 or .gif in dark colours, for a dark room."""
+    host: str = "127.0.0.1"
+    """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
+    port: int = 8080
+    """Port of the page; the next free one is used if it is taken."""
+
+    def check(self) -> None:
+        """Raises `VenusError` for the first option that cannot be met."""
+        self.board.board()
+        if self.dark and (self.export is None or self.export.suffix.lower() == ".png"):
+            raise VenusError(
+                "--dark goes with --export and a file that is shown on a screen (.html, .mp4, "
+                ".gif): a sheet is for paper, and on the page the key B does it."
+            )
+        check_range("--port", self.port, 1, 65535)

@@ -1,0 +1,217 @@
+"""What a teaching page shows, as one frozen state that all tabs share, and how it changes.
+
+No drawing, no threads, no geometry: `stage` draws, `viewer` owns the state.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import ceil, floor
+
+from venus3d.engine.geometry.rotation_orders import ORDERS
+from venus3d.lessons.lesson import Arrangement, Lesson, LessonPage, Viewpoint
+
+Vector = tuple[float, float, float, float, float, float]
+"""xr, yr, zr in degrees, xt, yt, zt in millimetres."""
+SECONDS_PER_STEP = 1.8
+SPEEDS: tuple[float, ...] = (0.5, 1.0, 2.0)
+FREE_VECTOR: Vector = (25.0, -30.0, 15.0, 60.0, -30.0, 520.0)
+_IDLE_HASTE = 6.0  # a step with nothing to do is passed quickly
+_HOLD = 0.7  # of a step: the target is looked at before a loop begins anew
+_EPS = 1e-6
+
+
+@dataclass(frozen=True)
+class TeachState:
+    """Frozen: every change is a new state, so that threads may share it."""
+
+    vector: Vector = FREE_VECTOR
+    """The target's pose."""
+    way: float = 4.0
+    """0 ... 4 on the way from the upright board to the target: 1.5 is half of step 2."""
+    until: float | None = None
+    """Where the animation stops; None while it does not play."""
+    focus: int | None = None
+    """The step whose number was changed last: shown although the board is at the target."""
+    dragged: bool = False
+    """Whether a person drags the board along its way; the slider must not be moved then."""
+    loop: bool = False
+    speed: float = 1.0
+    arrangement: Arrangement = "place"
+    order: str = "zyx"
+    """The order of turns shown beside "xyz"."""
+    viewpoint: Viewpoint = "outside"
+    dark: bool = True
+    lessons: tuple[Lesson, ...] = ()
+    lesson: int | None = None
+    """Which lesson; None: free."""
+    page: int = 0
+    answer: int | None = None
+    """1 ...: the answer that was given to this page's question."""
+    set_poses: int = 0
+    """Counts the poses that were not set with the sliders, so that these must follow."""
+
+    @property
+    def playing(self) -> bool:
+        """Whether the animation runs."""
+        return self.until is not None
+
+    @property
+    def place(self) -> tuple[int, float]:
+        """Where the board is: on which step, 1 ... 4, and how much of it is done, 0 ... 1.
+
+        A step that has just ended still counts.
+        """
+        step = min(max(ceil(self.way - _EPS), 1), 4)
+        return step, min(max(self.way - (step - 1), 0.0), 1.0)
+
+    @property
+    def step(self) -> int:
+        """1 ... 4: the step that is shown."""
+        return self.place[0] if self.focus is None else self.focus
+
+    @property
+    def sweep(self) -> float:
+        """0 ... 1: how much of that step is done."""
+        return self.place[1] if self.focus is None else 1.0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the board is at its target and nothing else is looked at."""
+        return self.way >= 4.0 - _EPS and self.focus is None
+
+    @property
+    def compares(self) -> bool:
+        """Whether two results stand side by side."""
+        return self.arrangement in ("axes", "order")
+
+    @property
+    def current_lesson(self) -> Lesson | None:
+        """The lesson that is open."""
+        return None if self.lesson is None else self.lessons[self.lesson]
+
+    @property
+    def current_page(self) -> LessonPage | None:
+        """The page that is open."""
+        lesson = self.current_lesson
+        return None if lesson is None else lesson.pages[self.page]
+
+    # -- the pose ---------------------------------------------------------------------------------
+
+    def posed(self, vector: Vector) -> TeachState:
+        """Another target, with the board at it; the step whose number has changed is shown."""
+        changed = [i for i in range(6) if vector[i] != self.vector[i]]
+        focus = self.focus if not changed else (changed[0] + 2 if changed[0] < 3 else 1)
+        return replace(self._at(4.0), vector=vector, focus=focus)
+
+    def reset(self) -> TeachState:
+        """The page's own pose again."""
+        page = self.current_page
+        vector = FREE_VECTOR if page is None else page.pose
+        return replace(self._at(4.0), vector=vector, set_poses=self.set_poses + 1)
+
+    def _at(self, way: float, until: float | None = None) -> TeachState:
+        return replace(self, way=way, until=until, focus=None, dragged=False)
+
+    # -- the way ----------------------------------------------------------------------------------
+
+    def play(self, on: bool) -> TeachState:
+        """Play to the end, from the start if it is there already; or stop."""
+        if not on:
+            return replace(self, until=None)
+        return self._at(0.0 if self.way >= 4.0 - _EPS else self.way, 4.0)
+
+    def step_on(self) -> TeachState:
+        """Let the next step happen, and stop."""
+        if self.way >= 4.0 - _EPS:
+            return self._at(0.0, 1.0)
+        return self._at(self.way, float(floor(self.way + _EPS) + 1))
+
+    def step_back(self) -> TeachState:
+        """Before this step; at its beginning, before the one before."""
+        return self._at(float(max(ceil(min(self.way, 4.0) - _EPS) - 1, 0)))
+
+    def scrubbed(self, share: float) -> TeachState:
+        """A `share` (0 ... 1) of the whole way."""
+        return replace(self._at(4.0 * min(max(share, 0.0), 1.0)), dragged=True)
+
+    def after(self, seconds: float, idle: tuple[bool, ...]) -> TeachState:
+        """The animation, `seconds` later. `idle`: which steps have nothing to do."""
+        if self.until is None:
+            return self
+        haste = _IDLE_HASTE if self.way < 4 - _EPS and idle[floor(self.way + _EPS)] else 1.0
+        way = self.way + seconds * self.speed * haste / SECONDS_PER_STEP
+        if self.loop and self.until == 4.0:
+            # Beyond 4 the board rests at the target.
+            return replace(self, way=way if way < 4.0 + _HOLD else 0.0)
+        if haste > 1:
+            way = min(way, floor(self.way + _EPS) + 1.0)
+        if way >= self.until:
+            return replace(self, way=self.until, until=None)
+        return replace(self, way=way)
+
+    def faster(self) -> TeachState:
+        """The next speed, round and round."""
+        return replace(self, speed=SPEEDS[(SPEEDS.index(self.speed) + 1) % len(SPEEDS)])
+
+    # -- what is shown ----------------------------------------------------------------------------
+
+    def arranged(self, arrangement: Arrangement) -> TeachState:
+        """This arrangement; once more: the steps in place again."""
+        wanted = "place" if arrangement == self.arrangement else arrangement
+        return replace(self, arrangement=wanted)
+
+    def next_order(self) -> TeachState:
+        """Another order of turns beside "xyz"; where none is shown, the comparison first."""
+        if self.arrangement != "order":
+            return self.arranged("order")
+        others = ORDERS[1:]
+        return replace(self, order=others[(others.index(self.order) + 1) % len(others)])
+
+    # -- lessons ----------------------------------------------------------------------------------
+
+    def opened(self, lesson: int | None, page: int = 0) -> TeachState:
+        """A page of a lesson, as its writer set it; None: free, with a pose of its own."""
+        if lesson is None:
+            free = replace(self, lesson=None, page=0, answer=None, arrangement="place")
+            return replace(free, viewpoint="outside").reset()
+        pages = self.lessons[lesson].pages
+        shown = pages[min(max(page, 0), len(pages) - 1)]
+        return replace(
+            self._at(4.0),
+            lesson=lesson,
+            page=pages.index(shown),
+            answer=None,
+            vector=shown.pose,
+            set_poses=self.set_poses + 1,
+            viewpoint=shown.viewpoint,
+            arrangement=shown.arrangement,
+            order=shown.order if shown.order in ORDERS[1:] else self.order,
+        )
+
+    def turned(self, pages: int) -> TeachState:
+        """Some pages on or back; past a lesson's end, the next lesson; past the last one's, free.
+        Free: the first page."""
+        if self.lesson is None:
+            return self.opened(0) if self.lessons and pages > 0 else self
+        page = self.page + pages
+        if page >= len(self.lessons[self.lesson].pages):
+            return self.opened(self.lesson + 1 if self.lesson + 1 < len(self.lessons) else None)
+        if page < 0:
+            if self.lesson == 0:
+                return self
+            return self.opened(self.lesson - 1, len(self.lessons[self.lesson - 1].pages) - 1)
+        return self.opened(self.lesson, page)
+
+    def next_lesson(self) -> TeachState:
+        """The lesson after this one, round and round."""
+        if not self.lessons:
+            return self
+        return self.opened(0 if self.lesson is None else (self.lesson + 1) % len(self.lessons))
+
+    def answered(self, number: int) -> TeachState:
+        """An answer to the page's question; nothing if it has none of this number."""
+        page = self.current_page
+        if page is None or page.question is None or number > len(page.question.answers):
+            return self
+        return replace(self, answer=number)

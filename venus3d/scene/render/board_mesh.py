@@ -1,0 +1,119 @@
+"""The board as an object: its printed front, a white rim, a thin body, a neutral back.
+
+One mesh carries all of it (the back takes its colour from an unprinted part of the same picture),
+so that a moving board is one node and one pose. Outlines and ghosts of boards are here as well.
+What a board *is*, and its picture, is the engine's `Board`.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import trimesh
+from PIL import Image
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.scene.render.shapes import Colour, LineShape, MeshShape
+
+RIM = 0.3
+"""Width of the unprinted rim around the squares, in squares."""
+THICKNESS = 0.004
+"""Of the board's body, metres."""
+BODY_COLOUR: Colour = (150, 152, 156)
+LARGEST_TEXTURE_PX = 4096
+
+
+def board_shape(board: Board, pose: Pose, name: str = "/board/live") -> MeshShape:
+    """The real, textured board under `pose` (`T_camera_board`)."""
+    return MeshShape(name, board_mesh(board), pose, textured=True)
+
+
+@lru_cache(maxsize=8)
+def board_mesh(board: Board) -> trimesh.Trimesh:
+    """Textured mesh in the board's frame, metres; the front lies in z = 0 and faces -z.
+
+    The same board gives the same object, so renderers may keep what they have uploaded.
+    """
+    picture, px = _atlas(board)
+    width, height = board.width / 2 + RIM * board.square, board.height / 2 + RIM * board.square
+    front = np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
+    faces = [np.column_stack([front, np.zeros(4)])]
+    # Sides and back are quads of their own: they need texture coordinates of their own.
+    back = np.column_stack([front, np.full(4, THICKNESS)])
+    faces.append(back[::-1])
+    for i in range(4):
+        j = (i + 1) % 4
+        faces.append(np.array([faces[0][j], faces[0][i], back[i], back[j]]))
+
+    size = np.array(picture.size, dtype=np.float64)
+    # The board's centre in the picture, from its upper left edge: one square of rim, then squares.
+    centre = np.array([board.columns / 2 + 1, board.rows / 2 + 1]) * px
+    front_uv = (front / board.square * px + centre) / size
+    body_uv = np.full((20, 2), (np.array([board.columns / 2, board.rows + 2.5]) * px) / size)
+    uv = np.vstack([front_uv, body_uv])
+    uv[:, 1] = 1 - uv[:, 1]  # texture coordinates count upwards
+
+    quads = np.arange(24).reshape(6, 4)
+    visual: Any = vars(trimesh)["visual"]  # its annotations do not name this module
+    material = visual.material.PBRMaterial(
+        baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0
+    )
+    return trimesh.Trimesh(
+        vertices=np.vstack(faces),
+        faces=np.vstack([quads[:, [0, 2, 1]], quads[:, [0, 3, 2]]]),
+        visual=visual.TextureVisuals(uv=uv, material=material),
+        process=False,
+    )
+
+
+def _atlas(board: Board) -> tuple[Image.Image, int]:
+    """Picture (board, a ring of rim one square wide, a row of body colour); px per square.
+
+    A square is a power of two wide: every mipmap level down to one texel per square then has its
+    texel edges exactly on the squares' edges, so that filtering moves no corner.
+
+    It has a palette of three, since a browser gets it as a PNG: that is packed ten times as fast as
+    full colours, and the scene stands still meanwhile.
+    """
+    px = 128
+    while px > 16 and max(board.columns + 2, board.rows + 3) * px > LARGEST_TEXTURE_PX:
+        px //= 2
+    rim = 0 if board.inverted else 1
+    numbers = np.full(((board.rows + 3) * px, (board.columns + 2) * px), rim, dtype=np.uint8)
+    printed = numbers[px : (board.rows + 1) * px, px : (board.columns + 1) * px]
+    printed[:] = board.texture(px) > 0
+    numbers[(board.rows + 2) * px :] = 2
+    picture = Image.fromarray(numbers).convert("P")
+    picture.putpalette([0, 0, 0, 255, 255, 255, *BODY_COLOUR])
+    return picture, px
+
+
+@lru_cache(maxsize=8)
+def ghost_mesh(board: Board) -> trimesh.Trimesh:
+    """The printed area as one sheet (a closed body would blend twice), board frame, metres."""
+    return trimesh.Trimesh(
+        vertices=board.outline, faces=np.array([[0, 2, 1], [0, 3, 2]]), process=False
+    )
+
+
+@lru_cache(maxsize=8)
+def outline_segments(board: Board) -> Array:
+    """(4, 2, 3) edges of the printed area, board frame, metres."""
+    return np.stack([board.outline, np.roll(board.outline, -1, axis=0)], axis=1)
+
+
+def board_outline(
+    board: Board, pose: Pose, name: str, colour: Colour, width_px: float = 2.0
+) -> LineShape:
+    """The edges of the printed area under `pose`."""
+    return LineShape(name, outline_segments(board), pose, colour, width_px)
+
+
+def board_ghost(
+    board: Board, pose: Pose, name: str, colour: Colour, opacity: float = 0.35
+) -> MeshShape:
+    """The printed area as a translucent sheet under `pose`."""
+    return MeshShape(name, ghost_mesh(board), pose, colour, opacity)

@@ -1,0 +1,139 @@
+"""What is seen at one moment, as a list of named shapes: the one description both renderers draw.
+
+Names are paths that others may rely on. No name is the beginning of another one's path.
+
+    /camera/frustum, /camera/border, /camera/axis    the camera; its true border; principal point
+    /camera/axes/x, /camera/axes/x_label             and y, z
+    /board/live                                      the board as it is estimated now
+    /target/board, /target/label                     the goal
+    /steps/N/outline                                 where the board is after step N
+    /steps/N/before, /steps/N/after                  active step only: faint outline; tinted board
+    /steps/N/arrow, /steps/N/label                   active step only: what to do, and how much
+    /steps/N/sector, axis, axis_label                active turn only
+    /steps/N/trail_1 ... trail_4                     active move only: the same at the corners
+    /strip/N/...                                     the same with /strip/N/caption, side by side
+
+All poses are in the camera's frame. The geometry of arrows and boards is made elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import Step, Steps
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_shape
+from venus3d.scene.render.frustum import camera_shapes
+from venus3d.scene.render.palette import ground, mixed, step_colour
+from venus3d.scene.render.shapes import LabelShape, Shape
+from venus3d.scene.render.step_shapes import instruction_shapes, swept
+from venus3d.scene.render.strip import strip_shapes
+from venus3d.scene.web.texts import IN_ALL, TARGET_LABEL
+
+
+@dataclass(frozen=True)
+class SceneOptions:
+    """What the viewer may choose."""
+
+    step: int = 1
+    """The active step, 1 ... 4."""
+    strip: bool = False
+    """All four steps side by side instead of the active one in place."""
+    dark: bool = True
+    sweep: float = 1.0
+    """How far the active step's board has got, 0 (before) ... 1 (after)."""
+    show_live: bool = True
+    """Whether the board as it is now is drawn."""
+
+
+def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
+    """Everything in the scene of this snapshot. Calls no algorithm of the engine.
+
+    What has not changed since the last call comes as the very same object, so that a renderer can
+    tell by identity what it need not draw again.
+    """
+    steps = None if snapshot.target is None else snapshot.target.steps
+    still = still_shapes(snapshot.camera, snapshot.board, steps, options)
+    if snapshot.pose is None or not options.show_live:
+        return still
+    return (*still, board_shape(snapshot.board, snapshot.pose))
+
+
+@lru_cache(maxsize=16)
+def still_shapes(
+    camera: Camera, board: Board, steps: Steps | None, options: SceneOptions
+) -> tuple[Shape, ...]:
+    """All but the board as it is now: it changes with the target, not with every frame."""
+    shapes: list[Shape] = [*camera_shapes(camera, dark=options.dark)]
+    if steps is None:
+        return tuple(shapes)
+    # The last step ends on the target.
+    shapes += _target_shapes(board, steps[3].after, options.dark)
+    if options.strip:
+        return (
+            *shapes,
+            *strip_shapes(
+                board, steps, dark=options.dark, active=options.step, sweep=options.sweep
+            ),
+        )
+    for step in steps:
+        if step.number == options.step:
+            shapes += active_shapes(board, camera, step, options)
+        elif not step.is_idle and step.number != 4:  # step 4 ends where the target is drawn
+            full = step_colour(step.number, options.dark)
+            quiet = mixed(full, ground(options.dark).background, 0.5)
+            name = f"/steps/{step.number}/outline"
+            shapes.append(board_outline(board, step.after, name, quiet, 1.5))
+    return tuple(shapes)
+
+
+def describe_step(
+    board: Board, camera: Camera, step: Step, *, dark: bool = False
+) -> tuple[Shape, ...]:
+    """One step as its projection shows it: the real board after it, its outline before, arrows."""
+    colours = ground(dark)
+    name = f"/steps/{step.number}"
+    shapes: list[Shape] = [board_shape(board, step.after, f"{name}/board")]
+    if not step.is_idle:
+        before = board_outline(board, step.before, f"{name}/before", colours.ghost, 2.5)
+        # A board that comes nearer would hide where it came from.
+        shapes.append(replace(before, on_top=step.axis is None))
+        shapes += instruction_shapes(board, camera, step, dark=dark, for_camera=True)
+    return tuple(shapes)
+
+
+def active_shapes(board: Board, camera: Camera, step: Step, options: SceneOptions) -> list[Shape]:
+    """The active step in place: before, after, and what to do."""
+    colours = ground(options.dark)
+    colour = step_colour(step.number, options.dark)
+    name = f"/steps/{step.number}"
+    shapes: list[Shape] = [board_outline(board, step.after, f"{name}/outline", colour, 4.0)]
+    if step.is_idle:
+        return [*shapes, board_ghost(board, step.after, f"{name}/after", colour)]
+    shapes.append(board_outline(board, step.before, f"{name}/before", colours.ghost, 2.0))
+    shapes.append(board_ghost(board, swept(step, options.sweep), f"{name}/after", colour, 0.45))
+    # The text beside the scene says what is left of the step now; this is the whole of it.
+    return [
+        *shapes,
+        *(
+            replace(shape, text=IN_ALL.format(length=shape.text))
+            if isinstance(shape, LabelShape) and shape.name == f"{name}/label"
+            else shape
+            for shape in instruction_shapes(
+                board, camera, step, dark=options.dark, sweep=options.sweep
+            )
+        ),
+    ]
+
+
+def _target_shapes(board: Board, pose: Pose, dark: bool) -> list[Shape]:
+    colours = ground(dark)
+    outline = board_outline(board, pose, "/target/board", colours.target, 3.0)
+    below = pose.apply([0, board.height / 2 + 0.7 * board.square, 0])
+    return [outline, LabelShape("/target/label", TARGET_LABEL, np.asarray(below), colours.target)]

@@ -1,0 +1,83 @@
+"""The camera as an object in the scene: frustum, the image's true border, the axes."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import AXES, Array, Pose
+from venus3d.scene.render.arrows import frame_along, straight_arrow
+from venus3d.scene.render.palette import ground, mixed, step_colour
+from venus3d.scene.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+
+DEPTH = 0.14
+"""How far in front of the lens the frustum's picture stands, metres."""
+AXIS_LENGTH = 0.07
+
+
+@lru_cache(maxsize=8)
+def camera_shapes(camera: Camera, *, dark: bool) -> tuple[Shape, ...]:
+    """Frustum, distorted border, optical axis, x y z; all with `in_projection` False."""
+    colours = ground(dark)
+    here = Pose.identity()
+    shapes: list[Shape] = [
+        frustum(camera),
+        LineShape("/camera/border", border_segments(camera), here, colours.camera, 2.0, False),
+        LineShape("/camera/axis", _axis_segments(), here, colours.camera, 1.5, False),
+    ]
+    for axis, step, direction in zip(AXES, (2, 3, 4), np.eye(3), strict=True):
+        # The colour of the step that turns about this axis.
+        colour = step_colour(step, dark)
+        name = f"/camera/axes/{axis}"
+        arrow = straight_arrow(AXIS_LENGTH, 0.0022)
+        place = frame_along(direction, np.zeros(3))
+        shapes.append(MeshShape(name, arrow, place, colour, in_projection=False, shaded=True))
+        at = direction * AXIS_LENGTH * 1.22
+        shapes.append(
+            LabelShape(f"{name}_label", axis, at, mixed(colour, colours.text, 0.2), False)
+        )
+    return tuple(shapes)
+
+
+def frustum(camera: Camera) -> FrustumShape:
+    """The frustum whose picture stands `DEPTH` in front of the lens.
+
+    viser scales a frustum to a volume: depth = scale / cbrt(tan(fov/2)^2 aspect / 3). It is drawn
+    about the optical axis; where the principal point is off the middle, the border's lines show it.
+    """
+    fov = 2 * np.arctan(camera.height / (2 * camera.fy))
+    aspect = (camera.width / camera.fx) / (camera.height / camera.fy)
+    scale = DEPTH * np.cbrt(np.tan(fov / 2) ** 2 * aspect / 3)
+    return FrustumShape("/camera/frustum", float(fov), float(aspect), float(scale), None)
+
+
+@lru_cache(maxsize=8)
+def border_segments(camera: Camera) -> Array:
+    """(N, 2, 3) the image's border where its rays pass z = `DEPTH`, lens distortion included.
+
+    Pieces that no ray reaches are left out.
+    """
+    w, h = camera.width - 0.5, camera.height - 0.5
+    along = np.linspace(0, 1, 25)[:, None]
+    corners = np.array([[-0.5, -0.5], [w, -0.5], [w, h], [-0.5, h]])
+    edges = [a + along * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)]
+    rays = camera.unproject(np.stack(edges))
+    points = np.concatenate([rays, np.ones((*rays.shape[:-1], 1))], axis=-1) * DEPTH
+    segments = np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3)
+    return segments[np.isfinite(segments).all(axis=(1, 2))]
+
+
+@lru_cache(maxsize=1)
+def _axis_segments() -> Array:
+    """The optical axis up to a cross where it meets the picture: the principal point."""
+    arm, z = 0.06 * DEPTH, DEPTH
+    return np.array(
+        [
+            [[0, 0, 0], [0, 0, z]],
+            [[-arm, 0, z], [arm, 0, z]],
+            [[0, -arm, z], [0, arm, z]],
+        ],
+        dtype=np.float64,
+    )

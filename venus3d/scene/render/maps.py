@@ -1,0 +1,205 @@
+"""Pictures of what is known over the camera's image: errors, corners, the lens, the misfit.
+
+Each is RGB, as wide and high as asked for, and holds no text: figures and legends stand beside it.
+What the numbers are is the engine's business; here they become colours and arrows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.calibration.observation import View
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array
+from venus3d.scene.render.colour_scale import colours_of, magnified, round_up
+from venus3d.scene.render.palette import ground, mixed
+from venus3d.scene.render.shapes import Colour
+
+Picture = NDArray[np.uint8]
+CELLS = (12, 8)
+"""Across and down: in these parts of the image the corners are counted."""
+_ARROWS = (16, 9)
+_INK: Colour = (255, 255, 255)
+_CASING: Colour = (16, 20, 28)
+_SHIFT = 4  # cv2 draws at 1/16 px
+_FIELD = (64, 36)
+# An arrow may be so long, in distances of two arrows.
+_REACH = 1.5
+
+
+def error_picture(
+    errors: Array, ends_px: tuple[float, float], size: tuple[int, int], *, dark: bool
+) -> Picture:
+    """Expected errors (rows, columns) over the image on a picture of `size` (width, height).
+
+    The scale of colours runs between the two ends in equal ratios: errors at the border are often
+    a hundred times those in the middle, and both are to be told apart. Where the errors are NaN
+    (no ray reaches that pixel) the picture is hatched.
+    """
+    low, high = np.log(ends_px)
+    return _heat(np.log(np.maximum(errors, 1e-12)), low, high, size, dark)
+
+
+def coverage(views: Sequence[View], image_size: tuple[int, int]) -> NDArray[np.intp]:
+    """(rows, columns) how many captured corners lie in each of the `CELLS`."""
+    counts = np.zeros(CELLS[::-1], np.intp)
+    for view in views:
+        place = (view.observation.corners + 0.5) / image_size * CELLS
+        column, row = np.clip(place.astype(np.intp), 0, np.array(CELLS) - 1).T
+        np.add.at(counts, (row, column), 1)
+    return counts
+
+
+def coverage_picture(
+    views: Sequence[View], image_size: tuple[int, int], size: tuple[int, int], *, dark: bool
+) -> Picture:
+    """Where corners were: each cell coloured by their number, hatched where there was none; each
+    corner a dot."""
+    counts = coverage(views, image_size)
+    high = round_up(float(counts.max()))
+    picture = np.repeat(np.repeat(colours_of(counts, 0, high), 64, axis=0), 64, axis=1)
+    picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+    empty = cv2.resize((counts == 0).astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
+    _hatch(picture, np.asarray(empty) > 0, dark)
+    scale = np.array(size) / image_size
+    for view in views:
+        for spot in (view.observation.corners + 0.5) * scale - 0.5:
+            _dot(picture, spot, size[0] / 320)
+    return picture
+
+
+def distortion(camera: Camera, grid: tuple[int, int] = _ARROWS) -> tuple[Array, Array]:
+    """Pixels (N, 2) of a perfect lens over the image, and where this lens puts them (N, 2).
+
+    NaN where the lens model ends.
+    """
+    across, down = grid
+    u = (np.arange(across) + 0.5) * camera.width / across - 0.5
+    v = (np.arange(down) + 0.5) * camera.height / down - 0.5
+    ideal = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    rays = (ideal - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
+    return ideal, camera.project(np.concatenate([rays, np.ones((len(rays), 1))], axis=1))
+
+
+def largest_shift_px(camera: Camera) -> float:
+    """How far the lens moves a pixel at most, as shown by `distortion_picture`; 0 for none."""
+    ideal, seen = distortion(camera, _FIELD)
+    shifts = np.linalg.norm(seen - ideal, axis=1)
+    return float(np.nanmax(shifts)) if np.isfinite(shifts).any() else 0.0
+
+
+def distortion_magnification(camera: Camera) -> float:
+    """So many times longer than they are `distortion_picture` draws the shifts."""
+    ideal, seen = distortion(camera)
+    shifts = np.linalg.norm(seen - ideal, axis=1)
+    longest = float(np.nanmax(shifts)) if np.isfinite(shifts).any() else 0.0
+    return magnified(longest, _REACH * camera.width / _ARROWS[0])
+
+
+def distortion_picture(camera: Camera, size: tuple[int, int], dark: bool) -> Picture:
+    """RGB picture of `size` (width, height): where the lens moves each point of a perfect picture.
+
+    The arrows lead from where a perfect lens would show a point to where this one does, drawn
+    `distortion_magnification` times as long; the ground's colour is the distance, from 0 to
+    `round_up(largest_shift_px(camera))` pixels. Hatched where the lens model ends.
+    """
+    ideal, seen = distortion(camera, _FIELD)
+    shifts = np.linalg.norm(seen - ideal, axis=1).reshape(_FIELD[::-1])
+    picture = _heat(shifts, 0.0, round_up(largest_shift_px(camera)), size, dark)
+    start, end = distortion(camera)
+    end = start + (end - start) * distortion_magnification(camera)
+    _arrows(picture, start, end, camera.image_size)
+    return picture
+
+
+def residual_magnification(views: Sequence[View], image_size: tuple[int, int]) -> float:
+    """So many times longer than they are `residual_picture` draws the misfits: all but the largest
+    two in a hundred are then shorter than a twentieth of the image's width."""
+    lengths = np.concatenate([np.linalg.norm(view.errors, axis=1) for view in views])
+    return magnified(float(np.percentile(lengths, 98)), image_size[0] / 20)
+
+
+def residual_picture(
+    views: Sequence[View],
+    image_size: tuple[int, int],
+    size: tuple[int, int],
+    *,
+    dark: bool,
+    chosen: int | None = None,
+) -> Picture:
+    """Observed minus calculated corners as lines, `residual_magnification` times as long.
+
+    The colour is the length, from 0 to the longest of all. With `chosen`, the number of a view, the
+    others are faint.
+    """
+    paper = ground(dark).background
+    picture = np.empty((size[1], size[0], 3), np.uint8)
+    picture[:] = mixed(paper, ground(dark).text, 0.07)
+    scale = np.array(size) / image_size
+    stretch = residual_magnification(views, image_size)
+    # Yellow is lost on white: the scale is used up to where it can still be seen.
+    quiet = mixed(paper, ground(dark).text, 0.3)
+    ink, mark = ground(dark).text, ground(dark).warning
+    for view in sorted(views, key=lambda v: v.number == chosen):
+        start = (view.observation.corners + 0.5) * scale - 0.5
+        end = start + view.errors * stretch * scale
+        loud = chosen is None or view.number == chosen
+        colour = (mark if chosen is not None else ink) if loud else quiet
+        for a, b in zip(start, end, strict=True):
+            _line(picture, a, b, colour, 2 if loud else 1)
+            _dot(picture, a, size[0] / 360, colour)
+    return picture
+
+
+def _heat(values: Array, low: float, high: float, size: tuple[int, int], dark: bool) -> Picture:
+    """Values (rows, columns) at equal cells' centres as smooth colours; NaN is hatched."""
+    known = np.isfinite(values)
+    filled = np.where(known, values, high).astype(np.float32)
+    smooth = cv2.resize(filled, size, interpolation=cv2.INTER_CUBIC)
+    picture = colours_of(smooth, low, high)
+    if not known.all():
+        gaps = cv2.resize((~known).astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
+        _hatch(picture, np.asarray(gaps) > 0, dark)
+    return picture
+
+
+def _hatch(picture: Picture, where: NDArray[np.bool_], dark: bool) -> None:
+    """Stripes in neutral colours: nothing is known here."""
+    paper, ink = ground(dark).background, ground(dark).text
+    rows, columns = np.indices(where.shape)
+    stripe = (rows + columns) % 14 < 3
+    picture[where & ~stripe] = mixed(paper, ink, 0.1)
+    picture[where & stripe] = mixed(paper, ink, 0.3)
+
+
+def _arrows(picture: Picture, start: Array, end: Array, image_size: tuple[int, int]) -> None:
+    scale = np.array([picture.shape[1], picture.shape[0]]) / image_size
+    width = max(1, round(picture.shape[1] / 400))
+    seen = np.isfinite(end).all(axis=1)
+    tails, tips = ((points[seen] + 0.5) * scale - 0.5 for points in (start, end))
+    for ink, extra in ((_CASING, 2), (_INK, 0)):
+        for tail, tip in zip(tails, tips, strict=True):
+            along = tip - tail
+            length = float(np.linalg.norm(along))
+            if length < 1.5:
+                _dot(picture, tail, width, ink)
+                continue
+            _line(picture, tail, tip, ink, width + extra)
+            back = -along / length * min(0.4 * length, 4.0 * width + 2)
+            for aside in (np.array([-back[1], back[0]]), np.array([back[1], -back[0]])):
+                _line(picture, tip, tip + back + 0.6 * aside, ink, width + extra)
+
+
+def _line(picture: Picture, a: Array, b: Array, colour: Colour, width: int) -> None:
+    if np.isfinite([a, b]).all() and (np.abs([a, b]) < 1e4).all():
+        one, other = (np.round(p * 16).astype(int).tolist() for p in (a, b))
+        cv2.line(picture, one, other, colour, width, cv2.LINE_AA, _SHIFT)
+
+
+def _dot(picture: Picture, at: Array, radius: float, colour: Colour = _INK) -> None:
+    x, y = np.round(at * 16).astype(int).tolist()
+    cv2.circle(picture, (x, y), round(radius * 16), colour, -1, cv2.LINE_AA, _SHIFT)

@@ -1,0 +1,176 @@
+"""The same shapes without OpenGL: a small software renderer out of OpenCV's polygon filling.
+
+Draws through an ideal pinhole (the lens is `lens`'s part), with a depth picture, so that boards
+that pass through each other look as they do in OpenGL. Slower than OpenGL and without its smooth
+edges; a printed board is warped as a whole, so its corners are where they belong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import cv2
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array
+from venus3d.scene.render.line_mesh import ribbon
+from venus3d.scene.render.shading import shaded_colours
+from venus3d.scene.render.shapes import Colour, LineShape, MeshShape
+
+_NEAR = 0.01
+_SUBPIXEL_BITS = 6
+
+
+class Painter:
+    """Draws meshes and lines through an ideal pinhole with OpenCV. Holds nothing."""
+
+    def render(
+        self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour
+    ) -> NDArray[np.uint8]:
+        """RGBA (H, W, 4) of the shapes before a plain background; alpha means nothing."""
+        canvas = _Canvas(camera, background)
+        # Solid things first, then translucent ones in the order of the list.
+        for shape in sorted(shapes, key=lambda s: isinstance(s, MeshShape) and s.opacity < 1):
+            if isinstance(shape, LineShape):
+                vertices, faces = ribbon(shape, camera)
+                colours = np.tile(np.array(shape.colour, dtype=np.float64), (len(faces), 1))
+                canvas.fill(vertices[faces], colours, on_top=shape.on_top)
+            elif shape.textured:
+                _paint_textured(canvas, shape)
+            else:
+                triangles = shape.pose.apply(shape.mesh.vertices)[shape.mesh.faces]
+                colours = (
+                    shaded_colours(shape, shape.mesh.face_normals)
+                    if shape.shaded
+                    else np.tile(np.array(shape.colour, dtype=np.float64), (len(triangles), 1))
+                )
+                canvas.fill(triangles, colours, shape.opacity, on_top=shape.on_top)
+        return canvas.picture
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+
+class _Canvas:
+    """A picture with the inverse depth of what is on it."""
+
+    def __init__(self, camera: Camera, background: Colour) -> None:
+        self.camera = camera
+        size = (camera.height, camera.width)
+        self.picture = np.full((*size, 4), (*background, 255), dtype=np.uint8)
+        self.nearness = np.zeros(size, dtype=np.float32)
+        """1 / z of what is seen in each pixel, 1/m."""
+        self.touched = np.zeros(size, dtype=np.bool_)
+        """Where the present sheet is painted: two of its triangles share the pixels of an edge,
+        which must not be blended twice."""
+
+    def fill(
+        self,
+        triangles: Array,
+        colours: Array,
+        opacity: float = 1.0,
+        layer: NDArray[np.uint8] | None = None,
+        on_top: bool = False,
+    ) -> None:
+        """Fill triangles (N, 3, 3), camera frame, with colours (N, 3) or with pixels of `layer`."""
+        lift = 1 / _NEAR if on_top else 0.0
+        self.touched[:] = False
+        for corners, colour in zip(triangles, colours, strict=True):
+            if (corners[:, 2] > _NEAR).all():
+                self._fill_one(corners, colour, opacity, layer, lift)
+
+    def _fill_one(
+        self,
+        corners: Array,
+        colour: Array,
+        opacity: float,
+        layer: NDArray[np.uint8] | None,
+        lift: float,
+    ) -> None:
+        camera = self.camera
+        pixels = corners[:, :2] / corners[:, 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
+        if np.abs(pixels).max() > 30000:  # beyond what OpenCV's fixed point holds
+            return
+        low = np.maximum(np.floor(pixels.min(axis=0)).astype(int), 0)
+        high = np.minimum(np.ceil(pixels.max(axis=0)).astype(int) + 1, camera.image_size)
+        if (high <= low).any():
+            return
+        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        offset = float(normal @ corners[0])
+        if abs(offset) < 1e-12:  # seen exactly edge-on
+            return
+        box = np.s_[low[1] : high[1], low[0] : high[0]]
+        mask = np.zeros((high[1] - low[1], high[0] - low[0]), dtype=np.uint8)
+        fixed = np.round((pixels - low) * (1 << _SUBPIXEL_BITS)).astype(np.int32)
+        cv2.fillConvexPoly(mask, fixed, 1, shift=_SUBPIXEL_BITS)
+        # On the plane n·p = d the ray (x, y, 1) has 1/z = n·(x, y, 1) / d.
+        x = (np.arange(low[0], high[0]) - camera.cx) / camera.fx
+        y = (np.arange(low[1], high[1]) - camera.cy) / camera.fy
+        across = (normal[0] * x + normal[2]) / offset + lift
+        nearness = (across + (normal[1] / offset * y)[:, None]).astype(np.float32)
+        won = (mask > 0) & (nearness > self.nearness[box]) & ~self.touched[box]
+        picture = self.picture[box]
+        if layer is None:
+            paint = np.array([*colour, 255.0])
+        else:
+            won &= layer[box][..., 3] > 0
+            paint = layer[box][won].astype(np.float64)
+        picture[won] = np.round(picture[won] * (1 - opacity) + paint * opacity).astype(np.uint8)
+        if opacity >= 1:
+            self.nearness[box][won] = nearness[won]
+        else:
+            self.touched[box] |= won
+
+
+def _paint_textured(canvas: _Canvas, shape: MeshShape) -> None:
+    mesh = shape.mesh
+    triangles = shape.pose.apply(mesh.vertices)[mesh.faces]
+    picture, uv = _texture_of(mesh)
+    face_uv = uv[mesh.faces]
+    edges = face_uv[:, 1:] - face_uv[:, :1]
+    printed = np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]) > 1e-9
+    texel = np.clip(face_uv[:, 0].astype(int), 0, [picture.shape[1] - 1, picture.shape[0] - 1])
+    colours = picture[texel[:, 1], texel[:, 0]].astype(np.float64)
+    canvas.fill(triangles[~printed], colours[~printed], shape.opacity)
+    if printed.any() and (triangles[printed][..., 2] > _NEAR).all():
+        layer = _warped(canvas.camera, picture, face_uv[printed], triangles[printed])
+        canvas.fill(triangles[printed], colours[printed], shape.opacity, layer)
+
+
+@lru_cache(maxsize=8)
+def _texture_of(mesh: trimesh.Trimesh) -> tuple[NDArray[np.uint8], Array]:
+    """The picture (H, W, 3) RGB and each vertex' place in it (N, 2), texels from the upper left."""
+    visual: Any = mesh.visual
+    picture = np.asarray(visual.material.baseColorTexture.convert("RGB"))
+    height, width = picture.shape[:2]
+    return picture, np.asarray(visual.uv) * [width, -height] + [0, height]
+
+
+def _warped(
+    camera: Camera, picture: NDArray[np.uint8], face_uv: Array, triangles: Array
+) -> NDArray[np.uint8]:
+    """The flat, printed part of a mesh as the pinhole sees it, RGBA (H, W, 4)."""
+    texels, points = face_uv.reshape(-1, 2), triangles.reshape(-1, 3)
+    pixels = points[:, :2] / points[:, 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
+    # Shrink the picture first, as a mipmap would: a warp that skips texels scatters the corners.
+    texel_edges = np.linalg.norm(np.diff(face_uv, axis=1), axis=-1)
+    pixel_edges = np.linalg.norm(np.diff(pixels.reshape(-1, 3, 2), axis=1), axis=-1)
+    coarsest = float((texel_edges / np.maximum(pixel_edges, 1e-6)).max())
+    halvings = int(np.clip(np.ceil(np.log2(max(coarsest, 1))), 0, 5))
+    for _ in range(halvings):
+        half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        picture = np.asarray(half, dtype=np.uint8)
+    # Texels are counted from their edges, OpenCV's pixels from their centres.
+    source = texels / 2**halvings - 0.5
+    H, _ = cv2.findHomography(source, pixels)
+    if H is None:  # exactly edge on, a picture has no area
+        return np.zeros((camera.height, camera.width, 4), np.uint8)
+    rgba = cv2.cvtColor(picture, cv2.COLOR_RGB2RGBA)
+    return np.asarray(
+        cv2.warpPerspective(rgba, H, camera.image_size, flags=cv2.INTER_LINEAR), dtype=np.uint8
+    )

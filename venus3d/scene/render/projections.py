@@ -1,0 +1,167 @@
+"""The four steps of a target as the camera itself would see them, each under its instruction.
+
+Rendered once for each target and camera, when somebody first asks, and kept (the paper's lazy
+loading).
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from concurrent.futures import Future
+from functools import lru_cache
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import Step
+from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.planning.target import Target
+from venus3d.scene.render.describe import describe_step
+from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.render.palette import ground, mixed, step_style, text_on
+from venus3d.scene.render.shapes import Colour
+from venus3d.scene.render.text import fitting_font, font, wrapped
+from venus3d.scene.web.texts import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
+
+Picture = NDArray[np.uint8]
+Pictures = tuple[Future[Picture], Future[Picture], Future[Picture], Future[Picture]]
+KEPT_TARGETS = 6
+HEADER_SHARE = 0.26
+"""Height of the header above a picture, in heights of the picture."""
+
+
+class Projections:
+    """The pictures of the steps, by target. May be asked from any thread."""
+
+    def __init__(self, offscreen: Offscreen) -> None:
+        """Pictures will come from this renderer."""
+        self._offscreen = offscreen
+        self._kept: OrderedDict[tuple[object, ...], Pictures] = OrderedDict()
+        self._lock = Lock()
+
+    @property
+    def note(self) -> str:
+        """Why the painter draws; empty when OpenGL does."""
+        return self._offscreen.note
+
+    def of(
+        self,
+        target: Target,
+        camera: Camera,
+        board: Board,
+        *,
+        size: tuple[int, int] = (480, 270),
+        dark: bool = True,
+        header: bool = True,
+    ) -> Pictures:
+        """Pictures of steps 1 ... 4, RGB; each `size` large, with a `header` of its own above.
+
+        Returns at once; the pictures come from the render thread.
+        """
+        key = (target, camera, board, size, dark, header)
+        with self._lock:
+            if key not in self._kept:
+                one, two, three, four = (
+                    self.of_step(step, camera, board, size=size, dark=dark, header=header)
+                    for step in target.steps
+                )
+                self._kept[key] = (one, two, three, four)
+            self._kept.move_to_end(key)
+            while len(self._kept) > KEPT_TARGETS:
+                self._kept.popitem(last=False)
+            return self._kept[key]
+
+    def of_step(
+        self,
+        step: Step,
+        camera: Camera,
+        board: Board,
+        *,
+        size: tuple[int, int] = (480, 270),
+        dark: bool = True,
+        supersample: int = 2,
+        header: bool = True,
+    ) -> Future[Picture]:
+        """The picture of one step; not kept. Drawn `supersample` times as large and shrunk."""
+        colours = ground(dark)
+        return self._offscreen.submit(
+            camera,
+            lambda: describe_step(board, camera, step, dark=dark),
+            background=mixed(colours.background, colours.text, 0.06),
+            size=size,
+            supersample=supersample,
+            finish=lambda picture: (framed if header else told)(picture, step, dark),
+        )
+
+
+def framed(picture: Picture, step: Step, dark: bool) -> Picture:
+    """The picture under a header with the step's number, title and words."""
+    style = step_style(step.number)
+    colour = style.colour(dark)
+    picture = headed(picture, str(step.number), colour, style.title, step_words(step).camera, dark)
+    return told(picture, step, dark)
+
+
+def headed(
+    picture: Picture, badge: str, colour: Colour, title: str, sentence: str, dark: bool
+) -> Picture:
+    """The picture in a frame of this colour, under a header with a badge and words."""
+    height, width = picture.shape[:2]
+    head = _header((width, round(height * HEADER_SHARE)), badge, colour, title, sentence, dark)
+    framed = np.array(picture)
+    framed[:2] = framed[-2:] = colour
+    framed[:, :2] = framed[:, -2:] = colour
+    return np.concatenate([head, framed])
+
+
+@lru_cache(maxsize=32)
+def _header(
+    size: tuple[int, int], badge: str, colour: Colour, title: str, sentence: str, dark: bool
+) -> Picture:
+    """Kept, since words change less often than what stands below them."""
+    colours = ground(dark)
+    width, header = size
+    image = Image.new("RGB", size, colours.background)
+    draw = ImageDraw.Draw(image)
+    side = round(header * 0.72)
+    draw.rectangle((0, 0, side, header - 1), fill=colour)
+    draw.text(
+        (side / 2, header / 2),
+        badge,
+        fill=text_on(colour),
+        font=font(round(header * 0.6), bold=True),
+        anchor="mm",
+    )
+    left, room = side + round(0.02 * width), width - side - round(0.035 * width)
+    face = fitting_font(title, round(header * 0.31), room, bold=True)
+    draw.text((left, header * 0.01), title, fill=colour, font=face)
+    words = font(round(header * 0.225))
+    for i, line in enumerate(wrapped(sentence, words, room)[:2]):
+        draw.text((left, header * (0.41 + 0.27 * i)), line, fill=colours.text, font=words)
+    return np.asarray(image)
+
+
+def told(picture: Picture, step: Step, dark: bool) -> Picture:
+    """The picture as it is, or with a banner that says how many corners leave it."""
+    if step.is_visible:
+        return picture
+    image = Image.fromarray(picture)
+    _banner(ImageDraw.Draw(image), image.size, len(step.corners_outside), dark)
+    return np.asarray(image)
+
+
+def _banner(draw: ImageDraw.ImageDraw, size: tuple[int, int], corners: int, dark: bool) -> None:
+    colours = ground(dark)
+    # A tile on the page is half as wide as its picture, and must be read all the same.
+    face = font(round(size[0] * 0.04), bold=True)
+    text = ONE_CORNER_OUTSIDE if corners == 1 else CORNERS_OUTSIDE.format(count=corners)
+    half, tall = face.getlength(text) / 2 + 8, round(size[0] * 0.056)
+    middle, bottom = size[0] / 2, size[1] - 5
+    draw.rectangle((middle - half, bottom - tall, middle + half, bottom), fill=colours.warning)
+    draw.text(
+        (middle, bottom - tall / 2), text, fill=text_on(colours.warning), font=face, anchor="mm"
+    )

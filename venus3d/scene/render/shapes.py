@@ -1,0 +1,91 @@
+"""The one description of what is seen: named shapes, drawn by viser and by pyrender alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from venus3d.engine.geometry.pose import Array, Pose
+
+Colour = tuple[int, int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class MeshShape:
+    """A mesh of one colour, or with a texture."""
+
+    name: str
+    """Path in the scene tree: "/steps/3/arrow"."""
+    mesh: trimesh.Trimesh
+    """Vertices in the shape's own frame, metres; a textured mesh carries uv and image itself."""
+    pose: Pose
+    """Own frame to camera frame."""
+    colour: Colour = (255, 255, 255)
+    opacity: float = 1.0
+    textured: bool = False
+    in_projection: bool = True
+    """Whether the offscreen projections draw it too."""
+    shaded: bool = False
+    """Whether light and shade show its form (arrows do; boards keep their plain colours)."""
+    on_top: bool = False
+    """Whether nothing hides it in the offscreen projections."""
+
+
+@dataclass(frozen=True, eq=False)
+class LineShape:
+    """Straight segments, drawn at a constant width on the screen."""
+
+    name: str
+    segments: Array
+    """(N, 2, 3) in the shape's own frame, metres."""
+    pose: Pose
+    colour: Colour
+    width_px: float = 2.0
+    in_projection: bool = True
+    on_top: bool = False
+    """Whether nothing hides it in the offscreen projections."""
+
+
+@dataclass(frozen=True, eq=False)
+class LabelShape:
+    """A short text at a point."""
+
+    name: str
+    text: str
+    position: Array
+    """(3,) camera frame, metres."""
+    colour: Colour
+    in_projection: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class FrustumShape:
+    """The camera's frustum with its live picture."""
+
+    name: str
+    fov_y_rad: float
+    aspect: float
+    scale: float
+    image: NDArray[np.uint8] | None
+    in_projection: Literal[False] = False
+
+
+@dataclass(frozen=True, eq=False)
+class PointShape:
+    """Many dots of one size."""
+
+    name: str
+    points: Array
+    """(N, 3) camera frame, metres."""
+    colours: NDArray[np.uint8]
+    """(N, 3) RGB."""
+    size: float
+    """Across a dot, metres."""
+    in_projection: Literal[False] = False
+
+
+Shape = MeshShape | LineShape | LabelShape | FrustumShape | PointShape

@@ -1,0 +1,96 @@
+"""All four steps side by side, for teaching: each with its board before and after, and arrow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.decomposition import Step
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.scene.render.amounts import degrees
+from venus3d.scene.render.board_mesh import board_outline, board_shape
+from venus3d.scene.render.palette import ground, step_colour, step_style
+from venus3d.scene.render.shapes import (
+    FrustumShape,
+    LabelShape,
+    LineShape,
+    MeshShape,
+    PointShape,
+    Shape,
+)
+from venus3d.scene.render.step_shapes import instruction_shapes, swept
+
+STRIP_CENTRE = (0.0, -0.5, 0.55)
+"""Middle of the strip in the camera's frame, metres: above everything that is drawn in place."""
+_GAP = 0.5
+"""Between two steps, in board widths."""
+
+
+def strip_shapes(
+    board: Board, steps: Sequence[Step], *, dark: bool, active: int, sweep: float
+) -> list[Shape]:
+    """The four steps spread along x about `STRIP_CENTRE`, none touching another."""
+    cells = [_cell(board, s, dark, sweep if s.number == active else 1.0) for s in steps]
+    boxes = [bounds_of(cell) for cell in cells]
+    gap = _GAP * board.width
+    total = sum(box[1, 0] - box[0, 0] for box in boxes) + gap * (len(boxes) - 1)
+    left = STRIP_CENTRE[0] - total / 2
+    heights = [step.after.t[1] - box[0, 1] for step, box in zip(steps, boxes, strict=True)]
+    caption_y = STRIP_CENTRE[1] - max(heights) - 0.25 * board.width
+    shapes: list[Shape] = []
+    for step, cell, box in zip(steps, cells, boxes, strict=True):
+        width = box[1, 0] - box[0, 0]
+        offset = np.array([left - box[0, 0], *(np.array(STRIP_CENTRE) - step.after.t)[1:]])
+        shapes += [moved(shape, Pose(np.eye(3), offset)) for shape in cell]
+        at = np.array([left + width / 2, caption_y, STRIP_CENTRE[2]])
+        colour = step_colour(step.number, dark)
+        shapes.append(LabelShape(f"/strip/{step.number}/caption", caption(step), at, colour))
+        left += width + gap
+    return shapes
+
+
+def caption(step: Step) -> str:
+    """Number, word and amount: "2 Tilt about X +30°"."""
+    amount = f" {degrees(step.angle_deg)}"
+    if step.axis is None:
+        amount = f" {np.linalg.norm(step.translation) * 1000:.0f} mm"
+    return f"{step.number} {step_style(step.number).title}{'' if step.is_idle else amount}"
+
+
+def _cell(board: Board, step: Step, dark: bool, sweep: float) -> list[Shape]:
+    name = f"/strip/{step.number}"
+    colour = step_colour(step.number, dark)
+    return [
+        board_shape(board, swept(step, sweep), f"{name}/board"),
+        board_outline(board, step.after, f"{name}/outline", colour, 3.0),
+        board_outline(board, step.before, f"{name}/before", ground(dark).ghost, 2.0),
+        *instruction_shapes(
+            board, None, step, dark=dark, prefix="/strip", for_camera=True, sweep=sweep
+        ),
+    ]
+
+
+def bounds_of(shapes: Sequence[Shape]) -> Array:
+    """(2, 3) lowest and highest coordinates of all that is drawn, camera frame, metres."""
+    points: list[Array] = []
+    for shape in shapes:
+        if isinstance(shape, MeshShape):
+            points.append(shape.pose.apply(shape.mesh.vertices))
+        elif isinstance(shape, LineShape):
+            points.append(shape.pose.apply(shape.segments.reshape(-1, 3)))
+        elif isinstance(shape, LabelShape):
+            points.append(shape.position[None])
+    everything = np.vstack(points)
+    return np.stack([everything.min(axis=0), everything.max(axis=0)])
+
+
+def moved(shape: Shape, by: Pose) -> Shape:
+    """The shape elsewhere; a frustum and points stay."""
+    if isinstance(shape, LabelShape):
+        return replace(shape, position=by.apply(shape.position))
+    if isinstance(shape, FrustumShape | PointShape):
+        return shape
+    return replace(shape, pose=by @ shape.pose)

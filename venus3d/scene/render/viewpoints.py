@@ -1,0 +1,222 @@
+"""Where the scene is looked at from, and the flight from one such view to another.
+
+    outside   behind, above and beside the camera: camera and board together
+    camera    where the camera stands, with its own field of view
+    holder    behind the board, where the person with the board stands: left and right are swapped
+    above     a map: the camera below, the board above it, right is right
+
+Things that stand side by side to be compared are looked at square to their row and from far away:
+equal things look equal then, wherever they stand.
+
+A view fits the points that must be seen into a window of any shape exactly. What is seen is left
+to others, and so is an overlay that must match the camera's picture to the pixel.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import viser
+from numpy.typing import ArrayLike
+
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array
+from venus3d.lessons.lesson import Viewpoint
+
+FOV_RAD = float(np.radians(42.0))
+"""Vertical field of view of all views but the camera's own and those of things side by side."""
+_LONG_LENS_RAD = float(np.radians(9.0))
+FLIGHT_SECONDS = 0.6
+_FILLED = 0.88  # of the window's half width or height: the rest is air
+_BESIDE_THE_PICTURE = 1.06
+_USUAL_ASPECT = 1.0
+# On a phone the panels are a sheet over the lower part of a narrow window.
+_PHONE, _COVERED_ON_A_PHONE = 0.62, 0.62
+# From what is looked at to the eye; screens have -y up, so none may be exactly upright.
+_DIRECTIONS: dict[Viewpoint, tuple[float, float, float]] = {
+    "outside": (-0.56, -0.56, -0.61),
+    "camera": (0.0, 0.0, -1.0),
+    "holder": (0.20, -0.62, 0.76),
+    "above": (0.0, -1.0, -0.06),
+}
+# For a row along x: none leans to a side. From a little above, so that the far axis is seen.
+_ABREAST: dict[Viewpoint, tuple[float, float, float]] = {
+    "outside": (0.0, -0.4, -1.0),
+    "camera": (0.0, 0.0, -1.0),
+    "holder": (0.0, -0.4, 1.0),
+    "above": (0.0, -1.0, -0.06),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A place to look from. Camera frame, metres; -y is up."""
+
+    position: Array
+    """(3,) the eye."""
+    look_at: Array
+    """(3,) a point in the middle of the window."""
+    fov_rad: float
+    """Vertical field of view."""
+
+    @property
+    def axes(self) -> Array:
+        """(3, 3) rows: to the right, down and forward in the window."""
+        return _axes(self.look_at - self.position)
+
+
+def view_from(viewpoint: Viewpoint, camera: Camera, points: ArrayLike, aspect: float) -> View:
+    """The view from `viewpoint` in which all of the points (N, 3), metres, are just seen.
+
+    Through the camera they are not asked: the view holds the camera's picture.
+
+    Args:
+        aspect: width over height of the window.
+    """
+    seen = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    if viewpoint == "camera":
+        half = max(camera.height / camera.fy, camera.width / camera.fx / aspect) / 2
+        ahead = np.array([0.0, 0.0, max(0.2, float(np.median(seen[:, 2])))])
+        return View(np.zeros(3), ahead, float(2 * np.arctan(_BESIDE_THE_PICTURE * half)))
+    return view_along(-np.array(_DIRECTIONS[viewpoint]), seen, aspect)
+
+
+def view_abreast(viewpoint: Viewpoint, points: Array, aspect: float) -> View:
+    """The view of things in a row along x: like `view_from`, but level and through a long lens."""
+    fov_rad = _LONG_LENS_RAD / max(1.0, aspect)  # a wide window is no reason to be nearer
+    return view_along(-np.array(_ABREAST[viewpoint]), points, aspect, fov_rad=fov_rad)
+
+
+def view_along(
+    forward: ArrayLike, points: Array, aspect: float, *, fov_rad: float = FOV_RAD
+) -> View:
+    """The nearest view in this direction (3,) in which all of the points (N, 3) are seen.
+
+    With the eye at e and the window's slope t, a point p is seen if |p_x - e_x| <= t (p_z - e_z).
+    The two bounds on e_x meet where e_z is largest; likewise for y, where the slopes upwards and
+    downwards may differ, and the farther eye counts.
+    """
+    axes = _axes(np.asarray(forward, dtype=np.float64))
+    local = points @ axes.T
+    slope = np.tan(fov_rad / 2) * np.array([aspect, 1.0])
+    ahead, back = _FILLED * slope, _FILLED * slope
+    if aspect < _PHONE:
+        ahead[1] = (1 - 2 * _COVERED_ON_A_PHONE) * slope[1]
+    low = (local[:, :2] - ahead * local[:, 2:]).max(axis=0)
+    high = (local[:, :2] + back * local[:, 2:]).min(axis=0)
+    depth = float(((high - low) / (ahead + back)).min())
+    eye = np.append((low + high + (ahead - back) * depth) / 2, depth)
+    middle = np.append(eye[:2], max(depth + 0.05, float(local[:, 2].mean())))
+    return View(eye @ axes, middle @ axes, fov_rad)
+
+
+def between(start: View, end: View, fraction: float) -> View:
+    """The view a `fraction` (0 ... 1) of the way: the eye goes round what is looked at."""
+    share = float(fraction * fraction * (3 - 2 * fraction))  # starts and ends gently
+    look_at = start.look_at + share * (end.look_at - start.look_at)
+    arms = start.position - start.look_at, end.position - end.look_at
+    lengths = [float(np.linalg.norm(arm)) for arm in arms]
+    one, other = (arm / length for arm, length in zip(arms, lengths, strict=True))
+    angle = float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
+    if angle < 1e-3:
+        direction = other
+    else:
+        direction = np.sin((1 - share) * angle) * one + np.sin(share * angle) * other
+        direction = direction / max(float(np.linalg.norm(direction)), 1e-9)
+    length = lengths[0] ** (1 - share) * lengths[1] ** share
+    fov = start.fov_rad + share * (end.fov_rad - start.fov_rad)
+    return View(look_at + length * direction, look_at, fov)
+
+
+class Flight:
+    """Brings the cameras of all tabs to a view, each by its own window's shape.
+
+    One thread calls `go` and `advance`; a tab that comes later, or whose window changes its shape,
+    is brought there at once.
+    """
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        """Nothing moves until `go`."""
+        self._server = server
+        self._view: Callable[[float], View] | None = None
+        self._begun = -FLIGHT_SECONDS
+        self._starts: dict[int, View] = {}
+        self._aspects: dict[int, float] = {}
+        self._late: set[int] = set()
+        self._lock = threading.Lock()
+        server.initial_camera.near, server.initial_camera.far = 0.01, 50.0
+        server.on_client_connect(self._arrived)
+        server.on_client_disconnect(self._left)
+
+    def go(self, view: Callable[[float], View], *, at_once: bool = False) -> None:
+        """Fly to `view(aspect)`."""
+        self._view = view
+        first, usual = self._server.initial_camera, view(_USUAL_ASPECT)
+        first.position, first.look_at, first.fov = usual.position, usual.look_at, usual.fov_rad
+        clients = self._server.get_clients()
+        self._starts = {number: _view_of(client) for number, client in clients.items()}
+        self._begun = time.monotonic() - (FLIGHT_SECONDS if at_once else 0.0)
+        with self._lock:
+            self._late = set(clients) if at_once else set()
+
+    def advance(self) -> bool:
+        """Move the cameras on; whether one still flies."""
+        view = self._view
+        if view is None:
+            return False
+        with self._lock:
+            late, self._late = self._late, set()
+        done = (time.monotonic() - self._begun) / FLIGHT_SECONDS
+        clients = self._server.get_clients()
+        for number, client in clients.items():
+            start = self._starts.get(number)
+            if number in late or (start is not None and done >= 1):
+                _set(client, view(client.camera.aspect))
+            elif start is not None:
+                _set(client, between(start, view(client.camera.aspect), max(0.0, done)))
+        if done >= 1:
+            self._starts = {}
+        return bool(self._starts)
+
+    @property
+    def is_due(self) -> bool:
+        """Whether `advance` has something to do."""
+        return bool(self._starts or self._late)
+
+    def _arrived(self, client: viser.ClientHandle) -> None:
+        def look(_: object) -> None:
+            aspect = client.camera.aspect
+            with self._lock:
+                if abs(aspect / self._aspects.get(client.client_id, 1e-9) - 1) > 0.01:
+                    self._aspects[client.client_id] = aspect
+                    self._late.add(client.client_id)
+
+        look(None)
+        client.camera.on_update(look)  # also told when the window changes its size
+
+    def _left(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            self._aspects.pop(client.client_id, None)
+            self._late.discard(client.client_id)
+
+
+def _view_of(client: viser.ClientHandle) -> View:
+    camera = client.camera
+    return View(camera.position.copy(), camera.look_at.copy(), camera.fov)
+
+
+def _set(client: viser.ClientHandle, view: View) -> None:
+    with client.atomic():
+        client.camera.position, client.camera.look_at = view.position, view.look_at
+        client.camera.fov = view.fov_rad
+
+
+def _axes(forward: Array) -> Array:
+    ahead = forward / np.linalg.norm(forward)
+    right = np.cross([0.0, 1.0, 0.0], ahead)  # down x forward
+    right = right / np.linalg.norm(right)
+    return np.stack([right, np.cross(ahead, right), ahead]).astype(np.float64)

@@ -1,0 +1,131 @@
+"""The small threads that draw a page: started together, ended together, and none takes more along.
+
+What they draw and what they wait for is the page's own.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from traceback import extract_tb
+
+import viser
+
+from venus3d.scene.web import texts
+
+_LOG = logging.getLogger(__name__)
+_LONGEST_WAIT_S = 30.0
+_FORGIVEN_S = 60.0
+"""So long after the last failure, the next one counts as the first."""
+_TOLD_S = 20.0
+"""So long tabs come back to a page that was drawn anew."""
+
+
+class Failures:
+    """What broke something that goes on all the same: told on the terminal, each once."""
+
+    def __init__(self) -> None:
+        self._told: set[tuple[object, ...]] = set()
+
+    def tell(self, error: Exception, what: str) -> None:
+        """Log what failed, one of the texts, and how, unless the same thing was logged before."""
+        place = extract_tb(error.__traceback__)[-1:]
+        key = (what, type(error), *((frame.filename, frame.lineno) for frame in place))
+        if key not in self._told:
+            self._told.add(key)
+            _LOG.error(texts.FAILED_ONCE, what, exc_info=error)
+
+
+class DrawingThreads:
+    """Loops that draw one page until `stop` is set.
+
+    What breaks one never reaches whoever feeds the page: it is logged, the page is drawn anew, and
+    the loops go on. If it breaks at once again, this is tried less and less often.
+    """
+
+    def __init__(self, draw_anew: Callable[[Exception], None], **loops: Callable[[], None]) -> None:
+        """One thread for each loop, by its name; `start` starts them.
+
+        Args:
+            draw_anew: puts a new page in the old one's place, after this error. Called by one
+                thread at a time, while the others may still draw on the old page.
+        """
+        self.stop = threading.Event()
+        """Set when the page is closed; a loop that has broken does not set it."""
+        self._draw_anew = draw_anew
+        self._failures = Failures()
+        self._mending = threading.Lock()
+        self._page = 0  # counts the pages
+        self._wait_s, self._failed_at = 0.0, -_FORGIVEN_S
+        self._threads = [
+            threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
+            for name, loop in loops.items()
+        ]
+
+    def start(self) -> None:
+        """Let them run."""
+        for thread in self._threads:
+            thread.start()
+
+    def end(self, wake: Callable[[], None]) -> bool:
+        """Stop them; `wake` rouses those that wait. False if it was done before."""
+        if self.stop.is_set():
+            return False
+        self.stop.set()
+        wake()
+        for thread in self._threads:
+            thread.join(timeout=5)
+        return True
+
+    def _guarded(self, loop: Callable[[], None]) -> None:
+        while not self.stop.is_set():
+            page = self._page
+            try:
+                loop()
+            except Exception as error:
+                if not self.stop.is_set():
+                    self._mend(error, page)
+
+    def _mend(self, error: Exception, page: int) -> None:
+        with self._mending:
+            if page != self._page:
+                return  # it broke on a page that another thread has replaced meanwhile
+            self._failures.tell(error, texts.DRAWING_FAILED)
+            if time.monotonic() - self._failed_at > _FORGIVEN_S:
+                self._wait_s = 0.0
+            while not self._is_drawn_anew(error):
+                pass
+            self._page += 1
+            self._failed_at = time.monotonic()
+
+    def _is_drawn_anew(self, error: Exception) -> bool:
+        """Try once, after a while; whether that is all there is to do."""
+        self.stop.wait(self._wait_s)
+        self._wait_s = min(_LONGEST_WAIT_S, max(1.0, 2 * self._wait_s))
+        if self.stop.is_set():
+            return True
+        try:
+            self._draw_anew(error)
+        except Exception as again:
+            self._failures.tell(again, texts.DRAWING_ANEW_FAILED)
+            return False
+        return True
+
+
+def tell_of_failure(server: viser.ViserServer, error: Exception) -> None:
+    """Say in every tab that comes to this new page why it is new."""
+    until = time.monotonic() + _TOLD_S
+
+    def came(tab: viser.ClientHandle) -> None:
+        if time.monotonic() < until:
+            tell_tab(tab, error)
+
+    server.on_client_connect(came)
+
+
+def tell_tab(tab: viser.ClientHandle, error: Exception) -> None:
+    """Say in this tab that its page was drawn anew, why, and that nothing is lost."""
+    text = texts.DRAWN_ANEW_WHY.format(cause=type(error).__name__)
+    tab.add_notification(texts.DRAWN_ANEW, text, color="yellow")

@@ -1,0 +1,66 @@
+"""What the panels of all pages have in common: style sheet, brightness, a width that suits.
+
+Where panels stand and what is in them is the pages' own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from venus3d.scene.web.theme import Theme
+
+
+class Dressing:
+    """The style sheet in each of a page's panels, and the brightness of viser's own things."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        """Nothing is dressed until `show`."""
+        self._gui = gui
+        self._sheets: list[Any] = []
+        self._theme: Theme | None = None
+
+    def add(self) -> None:
+        """Put the style sheet into the current panel: one that is folded takes its sheet along, so
+        each has its own."""
+        self._sheets.append(self._gui.add_html(""))
+
+    def show(self, theme: Theme) -> bool:
+        """Take these colours, in panels added since as well. Whether anything is another now."""
+        if theme == self._theme and all(sheet.content for sheet in self._sheets):
+            return False
+        self._theme = theme
+        self._gui.configure_theme(
+            dark_mode=theme.dark,
+            show_logo=False,
+            show_share_button=False,
+            brand_color=theme.brand,
+        )
+        for sheet in self._sheets:
+            sheet.content = theme.sheet
+        return True
+
+
+def fit_width(server: viser.ViserServer, panel: Any, width: Callable[[int], int]) -> None:
+    """Give a panel of this server, in each tab for itself, the width (pixels) that suits the height
+    of the tab's window: another one may be on a large screen."""
+
+    def connected(client: viser.ClientHandle) -> None:
+        # viser tells one tab alone of its main panel only; the handle takes any panel's name.
+        handle: Any = client.gui.main_panel
+        handle._placement_uuid = panel._placement_uuid
+        shown = 0
+
+        def fit(_: object = None) -> None:
+            nonlocal shown
+            wanted = width(client.camera.image_height)
+            if wanted != shown:
+                shown = wanted
+                handle.set_width(wanted)
+
+        fit()
+        client.camera.on_update(fit)  # also told when the window changes its size
+
+    server.on_client_connect(connected)

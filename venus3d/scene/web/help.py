@@ -1,0 +1,161 @@
+"""A page's commands: one list for hotkeys, the command palette, and the help that explains them.
+
+What a command does is the page's. The help opens in the tab that asked for it, and in no other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from html import escape
+from threading import Lock
+from typing import Any
+
+import viser
+
+from venus3d.scene.web.scene_view import Host
+from venus3d.scene.web.texts import (
+    BY_NAME,
+    ESCAPE_COMMAND,
+    ESCAPE_COMMAND_HINT,
+    HELP_CAMERA,
+    HELP_CLOSE,
+    HELP_CLOSE_HINT,
+    HELP_COMMAND,
+    HELP_COMMAND_HINT,
+    HELP_INTRO,
+    HELP_TITLE,
+    KEY_NAMES,
+    NO_KEY,
+    SHIFTED,
+)
+from venus3d.scene.web.theme import Theme
+
+
+@dataclass(frozen=True)
+class Command:
+    """One thing that a person can ask for by a key or by its name."""
+
+    label: str
+    hotkey: Any
+    """A key of viser's, such as "N" or "space"; None: by its name only. Not W A S D Q E nor the
+    arrows: they fly the browser's camera. Not H and escape: the help has them."""
+    description: str
+    """What it does, in one short sentence without a full stop."""
+    do: Callable[[], None]
+    """Called on viser's threads: it only queues, or changes a frozen state."""
+    shift: bool = False
+    """Whether the key goes with Shift."""
+
+
+def add_commands(host: Host, commands: Sequence[Command]) -> None:
+    """Put the commands into the palette of a server or a tab, with their hotkeys.
+
+    Raises `ValueError` if two of them have one key.
+    """
+    _check_keys(commands)
+    for command in commands:
+        handle = host.gui.add_command(
+            command.label,
+            description=command.description,
+            hotkey=command.hotkey,
+            modifier="shift" if command.shift else None,
+        )
+        handle.on_trigger(lambda _, do=command.do: do())
+
+
+def _check_keys(commands: Sequence[Command]) -> None:
+    keys = [key_name(c.hotkey, shift=c.shift) for c in commands if c.hotkey is not None]
+    twice = {key for key in keys if keys.count(key) > 1}
+    if twice:
+        raise ValueError(f"two commands for one key: {', '.join(sorted(twice))}")
+
+
+class HelpOverlay:
+    """The help of one page: H shows it and puts it away, Esc puts it away."""
+
+    def __init__(self, host: Host, commands: Sequence[Command], *, dark: bool = True) -> None:
+        """Add the two commands of the help itself; `commands` are explained, not added."""
+        self._commands = tuple(commands)
+        self._theme = Theme(dark)
+        self._lock = Lock()
+        self._open: dict[int, tuple[Any, Any]] = {}  # the modal and its style sheet
+        add = host.gui.add_command
+        toggle = add(HELP_COMMAND, description=HELP_COMMAND_HINT, hotkey="H")
+        toggle.on_trigger(lambda event: _in_tab(event.client, self.toggle))
+        close = add(ESCAPE_COMMAND, description=ESCAPE_COMMAND_HINT, hotkey="escape")
+        close.on_trigger(lambda event: _in_tab(event.client, self._close))
+
+    def explain(self, commands: Sequence[Command]) -> None:
+        """Explain these as well from now on: others have added them to the page.
+
+        Raises `ValueError` if two commands have one key.
+        """
+        _check_keys((*self._commands, *commands))
+        self._commands += tuple(commands)
+
+    def show(self, theme: Theme) -> None:
+        """Take these colours, at once where the help is open."""
+        with self._lock:
+            if theme == self._theme:
+                return
+            self._theme = theme
+            sheets = [sheet for _, sheet in self._open.values()]
+        for sheet in sheets:
+            sheet.content = theme.sheet
+
+    def toggle(self, client: viser.ClientHandle) -> None:
+        """Show it in this tab, or put it away."""
+        if client.client_id in self._open:
+            self._close(client)
+        else:
+            self._show_in(client)
+
+    def _show_in(self, client: viser.ClientHandle) -> None:
+        with self._lock, client.atomic():
+            modal = client.gui.add_modal(HELP_TITLE)
+            with modal:
+                sheet = client.gui.add_html(self._theme.sheet)
+                client.gui.add_html(keys_html(self._commands))
+                button = client.gui.add_button(HELP_CLOSE, hint=HELP_CLOSE_HINT)
+                button.on_click(lambda _: self._close(client))
+            self._open[client.client_id] = (modal, sheet)
+
+    def _close(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            modal, _ = self._open.pop(client.client_id, (None, None))
+        if modal is not None:
+            modal.close()
+
+
+def keys_html(commands: Sequence[Command]) -> str:
+    """The table of the help: key, name and description of each command; below it the names of those
+    that have no key."""
+    help_itself = Command(HELP_COMMAND, "H", HELP_COMMAND_HINT, lambda: None)
+    rows = "".join(
+        f"<tr><td><kbd class='v-key'>{escape(key_name(c.hotkey, shift=c.shift))}</kbd></td>"
+        f"<td><b>{escape(c.label)}</b></td><td>{escape(c.description)}</td></tr>"
+        for c in (help_itself, *commands)
+        if c.hotkey is not None
+    )
+    named = " · ".join(
+        f"<span title='{escape(c.description)}'>{escape(c.label)}</span>"
+        for c in commands
+        if c.hotkey is None
+    )
+    by_name = f"<p><b>{BY_NAME.format(key=NO_KEY)}</b> {named}</p>" if named else ""
+    return (
+        f"<div class='v-keys'><p>{escape(HELP_INTRO)}</p><table>{rows}</table>{by_name}"
+        f"<p>{escape(HELP_CAMERA)}</p></div>"
+    )
+
+
+def key_name(hotkey: Any, *, shift: bool = False) -> str:
+    """A key as a person finds it on the keyboard, with Shift or alone."""
+    name = NO_KEY if hotkey is None else KEY_NAMES.get(hotkey, str(hotkey))
+    return SHIFTED.format(key=name) if shift else name
+
+
+def _in_tab(client: viser.ClientHandle | None, do: Callable[[viser.ClientHandle], None]) -> None:
+    if client is not None:  # a key is always pressed in some tab
+        do(client)

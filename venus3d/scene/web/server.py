@@ -1,0 +1,303 @@
+"""The web servers of the pages: viser's, bound with care and never tunnelled to the outside.
+
+`LocalServer` is for those who act; `ReadOnlyServer` is for those who only look. Who may connect is
+`handshake`'s, what is heard of a browser `incoming`'s.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import socket
+import threading
+import time
+from collections.abc import Callable, Generator
+from typing import Any, TypeVar
+
+import rich
+import viser
+import websockets.asyncio.server as websockets_server
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
+
+from venus3d.engine.errors import VenusError
+from venus3d.scene.web.handshake import RefusedError, check
+from venus3d.scene.web.incoming import is_heard, is_point_of_view, widget_of
+from venus3d.scene.web.texts import PORT_TAKEN
+
+_PORTS_TRIED = 100
+_EVERYWHERE = ("0.0.0.0", "::", "")
+_ON_ITS_WAY_BYTES = 131072
+"""A browser behind a slow line skips pictures; megabytes on their way would come seconds late."""
+_FREE_AGAIN_S = 10.0
+_FAREWELL_S = 1.0
+"""So long a browser may take to close its connection when the server stops, seconds."""
+_LARGEST_MESSAGE_BYTES = 16384
+"""From a browser. viser takes 50 MB, for uploads and screenshots; of our pages none has any."""
+
+
+_Kind = TypeVar("_Kind", bound="LocalServer")
+
+
+class AddressError(VenusError):
+    """An address on which nothing can be served."""
+
+
+class LocalServer(viser.ViserServer):
+    """viser's server, without what would let others in or let a browser end the program.
+
+    - Nobody can ask for the public tunnel.
+    - Only our own page may connect (`handshake`), and of a browser only what a person could do on
+      the page is heard (`incoming`).
+    - Any thread may change what is shown while any number of browsers come and go.
+    """
+
+    def __init__(self, host: str, port: int, **options: Any) -> None:
+        """Serve on this address; `options` are viser's."""
+        self._complete = asyncio.Event()  # nobody is let in before
+        self._serves = False
+        with _serve_as(lambda *given, **more: self._serve(host, *given, **more)):
+            super().__init__(host, port, **options)
+        # Looked up here: should viser change one, no page is served rather than an open one.
+        if not self._serves:
+            super().stop()
+            raise RuntimeError("viser opens its websocket in another way; install viser 1.1")
+        widget_of(self.gui, "")
+        self._sockets: Any = vars(self)["_websock_server"]
+        self._sockets_thread = int(self._sockets._server_thread.ident)
+        self._make_safe(self._sockets.get_message_buffer())
+        self._sockets.on_client_connect(self._welcome)
+        self._sockets._background_event_loop.call_soon_threadsafe(self._complete.set)
+
+    @property
+    def url(self) -> str:
+        """The page's address on this machine."""
+        host = self.get_host()
+        return f"http://{'localhost' if host in _EVERYWHERE else host}:{self.get_port()}"
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """Refuse: a camera's picture stays on this machine."""
+        return None
+
+    def stop(self) -> None:
+        """Serve no longer."""
+        with _viser_is_quiet():
+            super().stop()
+
+    def _hears(self, raw: bytes, client_id: int) -> bool:
+        """Whether viser is to be told of this message."""
+        client = self.get_clients().get(client_id)
+
+        def find(uuid: str) -> Any:
+            shared = widget_of(self.gui, uuid)
+            return shared if shared or client is None else widget_of(client.gui, uuid)
+
+        return is_heard(raw, find)
+
+    def _welcome(self, client: Any) -> None:
+        self._make_safe(client.get_message_buffer())
+        self._sockets._live_connections[client.client_id].client_id = client.client_id
+
+    def _make_safe(self, buffer: Any) -> None:
+        """Let any thread push messages: viser's event may be set in its own thread only, and is
+        set in any; with many browsers that raises in the thread that draws."""
+        assert isinstance(buffer.message_event, asyncio.Event)
+        buffer.message_event = _LoopEvent(self._sockets_thread)
+        # Whoever draws for a tab that has just gone made no mistake; viser would warn of it.
+        buffer._sanctioned_dead_writes += 1
+
+    def _serve(self, host: str, handler: Any, *address: Any, **options: Any) -> Any:
+        self._serves = True
+        answer: Any = options.get("process_request")
+
+        async def let_in(connection: ServerConnection, request: Request) -> Response | None:
+            await self._complete.wait()
+            try:
+                check(request.headers, host)
+            except RefusedError as refused:
+                return connection.respond(403, f"{refused}\n")
+            return None if answer is None else answer(connection, request)
+
+        def connection(*given: Any, **more: Any) -> _Connection:
+            return _Connection(self._hears, *given, **more)
+
+        ours = {
+            "process_request": let_in,
+            "create_connection": connection,
+            "max_size": _LARGEST_MESSAGE_BYTES,
+            "close_timeout": _FAREWELL_S,
+        }
+        return _plain_serve(handler, *address, **{**options, **ours})
+
+
+class ReadOnlyServer(LocalServer):
+    """A server that shows and does not listen: nothing that a browser sends changes anything.
+
+    It hears where a browser looks from, which is that browser's own matter. So it does not matter
+    what is on the page: there is no way from a browser to a callback.
+    """
+
+    def _hears(self, raw: bytes, client_id: int) -> bool:
+        return is_point_of_view(raw)
+
+    def _welcome(self, client: Any) -> None:
+        super()._welcome(client)
+        line = self._sockets._live_connections[client.client_id].transport
+        line.get_extra_info("socket").setsockopt(
+            socket.SOL_SOCKET, socket.SO_SNDBUF, _ON_ITS_WAY_BYTES
+        )
+
+
+class _Connection(ServerConnection):
+    """A browser's connection; what is not heard of it is as if it had not been sent."""
+
+    client_id = -1
+    """viser's number of it."""
+
+    def __init__(self, hears: Callable[[bytes, int], bool], *given: Any, **more: Any) -> None:
+        super().__init__(*given, **more)
+        self._hears = hears
+
+    async def recv(self, decode: bool | None = None) -> Any:
+        while True:
+            raw = await super().recv(decode)
+            if isinstance(raw, bytes) and self._hears(raw, self.client_id):
+                return raw
+
+
+class _LoopEvent(asyncio.Event):
+    """An event that is set by the thread of its loop only.
+
+    viser sets it where a message is pushed, in any thread, and has its loop do the same right
+    after: the former is left out.
+    """
+
+    def __init__(self, thread: int) -> None:
+        super().__init__()
+        self._thread = thread
+
+    def set(self) -> None:
+        if threading.get_ident() == self._thread:
+            super().set()
+
+
+_plain_serve = websockets_server.serve
+_serving, _silencing = threading.Lock(), threading.RLock()
+
+
+@contextlib.contextmanager
+def _viser_is_quiet() -> Generator[None, None, None]:
+    """While this lasts, viser prints nothing: what is printed is the command line's."""
+    console = rich.get_console()
+    with _silencing:
+        before, console.quiet = console.quiet, True
+        try:
+            yield
+        finally:
+            console.quiet = before
+
+
+@contextlib.contextmanager
+def _serve_as(serve: Callable[..., Any]) -> Generator[None, None, None]:
+    """While this lasts, viser opens its websocket with `serve`; it has no option for that."""
+    with _serving:
+        websockets_server.serve = serve  # pyright: ignore[reportAttributeAccessIssue]
+        try:
+            yield
+        finally:
+            websockets_server.serve = _plain_serve
+
+
+def start_server(host: str, port: int) -> tuple[LocalServer, str]:
+    """A running server, and a note if another port than the one asked for had to be taken.
+
+    Raises `AddressError` if the address cannot be bound. It is tried first, because viser waits
+    for ever on one that cannot.
+    """
+    _check_port(port)
+    for candidate in range(port, min(port + _PORTS_TRIED, 65536)):
+        if _is_free(host, candidate):
+            break
+    else:
+        raise AddressError(f"No port from {port} on is free on {host}; choose another with --port.")
+    server = _quietly(LocalServer, host, candidate)
+    taken = server.get_port()
+    note = "" if taken == port else PORT_TAKEN.format(port=port, taken=taken)
+    return server, note
+
+
+def start_read_only_server(host: str, port: int) -> ReadOnlyServer:
+    """A running server for those who only look, on this very port.
+
+    Raises `AddressError` if the address cannot be bound or the port is taken: the second screen
+    was told the address beforehand.
+    """
+    _check_port(port)
+    taken = AddressError(f"Port {port} is taken on {host}; choose another with --audience.")
+    if not _is_free(host, port):
+        raise taken
+    server = _quietly(ReadOnlyServer, host, port)
+    if server.get_port() != port:  # somebody was quicker
+        server.stop()
+        raise taken
+    return server
+
+
+def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
+    """A new server in this one's place, which is stopped: same kind, same address, nothing on it.
+
+    Browsers that were connected come back by themselves. If `stop` is set meanwhile, nobody needs
+    the new one any more: it is stopped, too. Raises `AddressError` if the address is not free again
+    soon.
+    """
+    host, port = server.get_host(), server.get_port()
+    server.stop()
+    deadline = time.monotonic() + _FREE_AGAIN_S
+    while not _is_free(host, port):
+        if time.monotonic() > deadline:
+            raise AddressError(f"Port {port} on {host} is not free any more; start again.")
+        time.sleep(0.05)
+    anew = _quietly(type(server), host, port)
+    if stop.is_set() or anew.get_port() != port:  # somebody was quicker
+        anew.stop()
+    if anew.get_port() != port:
+        raise AddressError(f"Port {port} on {host} was taken meanwhile.")
+    return anew
+
+
+def _quietly(kind: type[_Kind], host: str, port: int) -> _Kind:
+    # viser prints a banner with the address; ours is printed by the command line.
+    with _viser_is_quiet():
+        return kind(host=host, port=port, label="venus3d", verbose=False)
+
+
+def _check_port(port: int) -> None:
+    if not 0 < port < 65536:
+        raise AddressError(f"There is no port {port}; use one from 1024 to 65535.")
+
+
+def _is_free(host: str, port: int) -> bool:
+    """Whether this port can be bound. Raises `AddressError` if none can on this address."""
+    try:
+        infos = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+    except (socket.gaierror, UnicodeError):
+        raise AddressError(
+            f"The address {host!r} is not known; use 127.0.0.1 for this machine only, "
+            "or 0.0.0.0 for the network."
+        ) from None
+    family, kind, protocol, _, address = infos[0]
+    with socket.socket(family, kind, protocol) as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            trial.bind(address)
+        except PermissionError:
+            raise AddressError(f"Port {port} needs special rights; use one above 1023.") from None
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                return False
+            raise AddressError(
+                f"The address {host} cannot be bound on this machine ({error.strerror}); "
+                "use 127.0.0.1 for this machine only, or 0.0.0.0 for the network."
+            ) from None
+    return True

@@ -1,0 +1,140 @@
+"""A short tour of a page: a few small steps over the page, each marking what it speaks of.
+
+It comes by itself the first time that a browser opens the page, and never again: the browser keeps
+in its local storage that it was there. It can be asked for again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from threading import Lock
+from typing import Any
+
+import viser
+
+from venus3d.scene.web import texts as say
+from venus3d.scene.web.help import Command
+from venus3d.scene.web.theme import Theme
+
+_PATIENCE_S = 20.0
+"""So long a browser may take to answer whether it has seen the tour, seconds."""
+
+
+@dataclass(frozen=True)
+class TourStep:
+    """One step of a tour."""
+
+    title: str
+    text: str
+    marks: str = ""
+    """CSS selector of what is framed meanwhile; empty: nothing."""
+
+
+@dataclass
+class _Open:
+    """The tour in one tab."""
+
+    modal: Any
+    content: Any
+    next: Any
+    number: int = 0
+
+
+class Tour:
+    """The tour of one server's page, in each tab by itself."""
+
+    def __init__(
+        self, server: viser.ViserServer, key: str, steps: Sequence[TourStep], *, at_first: bool
+    ) -> None:
+        """Offer the tour; with `at_first`, to each browser that has not kept `key` yet."""
+        self._key, self._steps = key, tuple(steps)
+        self._theme = Theme(True)
+        self._lock = Lock()
+        self._open: dict[int, _Open] = {}
+        again = server.gui.add_command(say.TOUR_COMMAND, description=say.TOUR_COMMAND_HINT)
+        again.on_trigger(lambda event: event.client and self.start(event.client))
+        skip = server.gui.add_command(
+            say.TOUR_SKIP, description=say.TOUR_ROW_HINT.rstrip("."), hotkey="escape"
+        )
+        skip.on_trigger(lambda event: event.client and self._end(event.client))
+        if at_first:
+            server.on_client_connect(self._start_at_first)
+
+    @property
+    def commands(self) -> tuple[Command, ...]:
+        """For the help to tell of; the tour has its commands already."""
+        return (Command(say.TOUR_COMMAND, None, say.TOUR_COMMAND_HINT, lambda: None),)
+
+    def show(self, theme: Theme) -> None:
+        """Take these colours from now on."""
+        if theme != self._theme:
+            self._theme = theme
+            with self._lock:
+                opened = list(self._open.values())
+            for one in opened:
+                one.content.content = self._html(one.number)
+
+    def start(self, client: viser.ClientHandle) -> None:
+        """Show the first step in this tab."""
+        with self._lock, client.atomic():
+            if client.client_id in self._open:
+                return
+            gui = client.gui
+            modal = gui.add_modal(say.TOUR_ROW)
+            with modal:
+                content = gui.add_html(self._html(0))
+                # The first button has the focus: Enter goes on.
+                forth = gui.add_button(say.TOUR_NEXT, hint=say.TOUR_NEXT_HINT)
+                others = gui.add_button_group(
+                    say.TOUR_ROW, (say.TOUR_BACK, say.TOUR_SKIP), hint=say.TOUR_ROW_HINT
+                )
+            self._open[client.client_id] = _Open(modal, content, forth)
+        forth.on_click(lambda _: self._turn(client, 1))
+
+        def clicked(event: Any) -> None:
+            if event.target.value == say.TOUR_BACK:
+                self._turn(client, -1)
+            else:
+                self._end(client)
+
+        others.on_click(clicked)
+
+    def _start_at_first(self, client: viser.ClientHandle) -> None:
+        try:
+            seen = client.local_storage.get_item(self._key, timeout=_PATIENCE_S)
+        except (RuntimeError, TimeoutError):
+            return  # it has gone, or keeps nothing: then the tour would come each time
+        if seen is None:
+            self.start(client)
+
+    def _turn(self, client: viser.ClientHandle, by: int) -> None:
+        opened = self._open.get(client.client_id)
+        if opened is None:
+            return
+        if opened.number + by >= len(self._steps):
+            self._end(client)
+            return
+        opened.number = max(0, opened.number + by)
+        last = opened.number == len(self._steps) - 1
+        with client.atomic():
+            opened.content.content = self._html(opened.number)
+            opened.next.label = say.TOUR_END if last else say.TOUR_NEXT
+
+    def _end(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            opened = self._open.pop(client.client_id, None)
+        if opened is not None:
+            opened.modal.close()
+            client.local_storage.set_item(self._key, "seen")
+
+    def _html(self, index: int) -> str:
+        step, count = self._steps[index], len(self._steps)
+        frame = f"outline:4px solid {self._theme.info};outline-offset:-4px;z-index:200"
+        mark = f"<style>{step.marks}{{{frame}}}</style>" if step.marks else ""
+        return (
+            f"{self._theme.sheet}{mark}<div class='v-tour' data-step='{index + 1}'>"
+            f"<small>{say.TOUR_COUNT.format(number=index + 1, count=count)}</small>"
+            f"<h2>{escape(step.title)}</h2><p>{escape(step.text)}</p></div>"
+        )

@@ -1,0 +1,48 @@
+"""From a frame to an observation: the detector, and where it looked last."""
+
+from __future__ import annotations
+
+from venus3d.engine.calibration.detection import QUICK_FROM_PX, Detector, Region, search_region
+from venus3d.engine.calibration.observation import Observation
+from venus3d.sources.frame import Frame
+
+# Fewer corners than this share of the last frame's: the board has left the region searched.
+_LOST = 0.9
+# A quick look that overlooked something was at squares that are too small for it in this light;
+# what was learnt so fades with every frame, since it may have been chance.
+_LEARNT, _FADING = 1.25, 0.99
+
+
+class Eyes:
+    """Frames to observations: the detector with its memory of where the board was."""
+
+    def __init__(self, detector: Detector) -> None:
+        self.detector = detector
+        self._last: Observation | None = None
+        self._quick_from_px = QUICK_FROM_PX
+
+    def look(self, frame: Frame) -> Observation:
+        """The board in this frame: quickly near its last place; fully if that sees less of it than
+        before; everywhere if it seems to have gone from there."""
+        region, before = None, 0
+        if self._last is not None and self.detector.settled:
+            region, before = search_region(self._last, frame.image_size), self._last.count
+        self._quick_from_px = max(QUICK_FROM_PX, _FADING * self._quick_from_px)
+        quick = before > 0 and self.detector.square_px >= self._quick_from_px
+        seen = self._detect(frame, region, quick)
+        if (quick or region is not None) and seen.count < _LOST * before:
+            full = self._detect(frame, None, False)
+        elif quick and seen.count < before:
+            full = self._detect(frame, region, False)
+        else:
+            full = seen
+        # A frame in which nobody finds as much, one with motion blur say, teaches nothing.
+        if quick and seen.count < before <= full.count:
+            self._quick_from_px = max(self._quick_from_px, _LEARNT * self.detector.square_px)
+        self._last = full if full.count else None
+        return full
+
+    def _detect(self, frame: Frame, region: Region | None, quick: bool) -> Observation:
+        return self.detector.detect(
+            frame.image, region=region, quick=quick, time_s=frame.time_s, name=frame.name
+        )
