@@ -12,7 +12,7 @@ from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import diagnose
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS
-from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.sources.opening import open_source
 
 
@@ -37,7 +37,7 @@ def main(folder: str, *board_arguments: str) -> None:
     for name, value, sigma in zip(PARAMETERS, result.camera.parameters, result.sigma, strict=True):
         print(f"{name} = {value:.5g} ± {sigma:.2g}")
     # The rms says how well the model fits these views; this says how well the camera is known.
-    error = projection_error_px(result.camera, result.covariance)
+    error = projection_uncertainty_px(result.camera, result.covariance)
     print(f"rms {result.rms_px:.3f} px; expected error of a projected point {error:.3f} px")
     for diagnosis in diagnose(detector.board, result):
         print(diagnosis)

@@ -6,6 +6,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.prompts import step_words
 
 
 def main() -> None:
@@ -15,13 +16,13 @@ def main() -> None:
 
     print("From the upright, frontal board (eq. 15 of the paper):")
     for step in decompose(target, camera, board):
-        print(f"  {step.number}. {step.words.camera}")
+        print(f"  {step.number}. {step_words(step).camera}")
 
     # A board that is held somehow: what is left of each degree of freedom?
     now = Pose.from_vector([20, -5, 15, 0.03, -0.02, 0.50])
     print("From where the board is now, in the words of the person who holds it:")
     for step in decompose(target, camera, board, start=now):
-        print(f"  {step.number}. {step.words.holder}")
+        print(f"  {step.number}. {step_words(step).holder}")
 
     # The turns are about the camera's axes; about the board's own axes it is another pose.
     other = Pose.from_vector(target.vector(), axes="own")

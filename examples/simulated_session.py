@@ -8,7 +8,7 @@ from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.work import Settings
-from venus3d.engine.planning.costs import mean_projection_error_px
+from venus3d.engine.planning.costs import projection_diff_px
 from venus3d.sources.sim import Simulation
 
 
@@ -34,7 +34,7 @@ def main(max_views: str = "4") -> None:
             print(f"{frame.time_s:5.1f} s  {headline}: {snapshot.instruction.camera}")
         source.follow(snapshot.target, snapshot.pose)
 
-    error = mean_projection_error_px(source.truth, snapshot.camera)
+    error = projection_diff_px(source.truth, snapshot.camera)
     print(f"{snapshot.phase} after {len(snapshot.views)} views, {error:.3f} px from the truth")
     source.close()
 

@@ -17,7 +17,7 @@ from venus3d.engine.guidance.prompts import step_words
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.controls import AudienceControls
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.sources.sim import Simulation
@@ -210,7 +210,7 @@ def test_the_operator_chooses_for_all_who_look(
             if audience.look.lens:
                 break
             acting.wait_for_timeout(50)
-        assert audience.look == Look(lens=True)
+        assert audience.look == AudienceChoices(lens=True)
 
         audience.choose(lambda look: replace(look, sound=True))
         looking.get_by_text(texts.SOUND_HINT).click()

@@ -169,7 +169,12 @@ def with_alternatives(snapshot: Snapshot, errors: tuple[float, ...]) -> Snapshot
     target = snapshot.target
     assert target is not None
     others = tuple(
-        replace(target, held=f"on the left, {i} cm away", error_px=0.6, predicted_error_px=error)
+        replace(
+            target,
+            held=f"on the left, {i} cm away",
+            uncertainty_px=0.6,
+            predicted_uncertainty_px=error,
+        )
         for i, error in enumerate(errors)
     )
     return replace(snapshot, target=replace(target, alternatives=others))
@@ -256,11 +261,11 @@ def test_promise_outcome_and_forecast_are_on_the_page(
 ) -> None:
     """What a view should bring, what the last one brought, how many more it takes."""
     assert guiding.target is not None
-    last = replace(guiding.history[-1], error_px=0.43, predicted_error_px=0.41)
+    last = replace(guiding.history[-1], uncertainty_px=0.43, predicted_uncertainty_px=0.41)
     shown = replace(
         guiding,
-        history=(replace(last, views=1, error_px=0.62), replace(last, views=2)),
-        target=replace(guiding.target, error_px=0.43, predicted_error_px=0.365),
+        history=(replace(last, views=1, uncertainty_px=0.62), replace(last, views=2)),
+        target=replace(guiding.target, uncertainty_px=0.43, predicted_uncertainty_px=0.365),
         forecast=Forecast(0.3, 3, 2, 4, 6),
     )
     viewer.show(shown)

@@ -146,7 +146,7 @@ def test_guide_headless(run: Run, tmp_path: Path) -> None:
     ran = run(*arguments, "--json", "--output", tmp_path)
     assert ran.code == 0, ran.err
     result = ran.json
-    assert set(result) == KEYS | {"converged", "forecast", "truth", "mean_projection_error_px"}
+    assert set(result) == KEYS | {"converged", "forecast", "truth", "projection_diff_px"}
     assert result["views"] <= 10
     for name in ("fx", "fy", "cx", "cy"):
         error = abs(result["intrinsics"][name] - result["truth"][name])

@@ -18,12 +18,12 @@ from venus3d.cli import main
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.work import Work
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.sim import Simulation
 
 _PLACES: dict[str, tuple[Any, str]] = {
     "source": (Simulation, "read"),
-    "detector": (Eyes, "look"),
+    "detector": (BoardTracker, "look"),
     "drawing": (Viewer, "show"),
     "search": (Work, "run"),
 }

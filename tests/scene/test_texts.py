@@ -1,6 +1,6 @@
-"""All that a page says stands in `venus3d/scene/texts`, so that it can be translated there.
+"""All that a page says stands in its module of texts, so that it can be translated there.
 
-The rule: outside that folder no string literal of `venus3d/scene` reads like a label or a sentence.
+The rule: elsewhere no string literal of `venus3d/scene` reads like a label or a sentence.
 A literal reads like one if, once HTML tags, entities and style sheets are taken out of it (an
 f-string counts as one literal with holes), two words of letters are left, or one with a capital
 letter; units are no words. Not meant are docstrings, the texts of exceptions, annotations, names of
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import ast
 import importlib
-import pkgutil
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,10 +19,10 @@ from string import Formatter
 import pytest
 
 import venus3d.scene
-import venus3d.scene.texts
 
 SCENE = Path(venus3d.scene.__file__).parent
-FILES = sorted(path for path in SCENE.rglob("*.py") if "texts" not in path.parts)
+TEXTS = sorted([*SCENE.rglob("texts.py"), *SCENE.rglob("*_texts.py")])
+FILES = sorted(set(SCENE.rglob("*.py")) - set(TEXTS))
 # Names of actions, whose buttons have texts of their own, and of a thread.
 NAMES = {"other order", "theme dark", "audience picture"}
 _CSS = re.compile(r"[{}]|--|[a-z-]+:\S|[a-z]-[a-z-]+\(")
@@ -101,7 +100,7 @@ def test_no_text_stands_outside_the_texts(path: Path) -> None:
         for line, text in literals(ast.parse(path.read_text(encoding="utf-8")))
         if is_text(text) and text not in NAMES
     ]
-    assert not found, f"texts of {path.name} belong into venus3d/scene/texts: {found}"
+    assert not found, f"texts of {path.name} belong into a module of texts: {found}"
 
 
 def _strings(value: object) -> Iterator[str]:
@@ -117,10 +116,10 @@ def _strings(value: object) -> Iterator[str]:
 
 def test_every_text_says_something_and_its_holes_have_names() -> None:
     """A translator sees what goes into a hole by its name: no "{}", no "{0}"."""
-    modules = [m.name for m in pkgutil.iter_modules(venus3d.scene.texts.__path__)]
-    assert {"common", "guide", "trial"} <= set(modules)
-    for name in modules:
-        module = importlib.import_module(f"venus3d.scene.texts.{name}")
+    assert len(TEXTS) > 5
+    for path in TEXTS:
+        name = ".".join(path.relative_to(SCENE).with_suffix("").parts)
+        module = importlib.import_module(f"venus3d.scene.{name}")
         for constant, value in vars(module).items():
             if not constant.isupper():
                 continue

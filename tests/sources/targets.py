@@ -36,7 +36,7 @@ def target_of(pose: Pose, camera: Camera, board: Board, number: int = 1) -> Targ
         serves=(),
         reason="",
         predicted_sigma=unknown,
-        predicted_error_px=float("nan"),
+        predicted_uncertainty_px=float("nan"),
         evaluated=1,
         search_s=0.0,
     )

@@ -81,11 +81,11 @@ def test_result_json(
     assert list(result["intrinsics"]) == list(result["std"]) == list(PARAMETERS)
     assert result["views"] == 4 and result["converged"] is True and result["warnings"] == ["w"]
     assert result["board"]["square_mm"] == 28 and result["board"]["legacy"] is False
-    assert result["history"][0]["projection_error_px"] is None
-    assert result["history"][0]["promised_projection_error_px"] is None
+    assert result["history"][0]["uncertainty_px"] is None
+    assert result["history"][0]["promised_uncertainty_px"] is None
     assert set(result["history"][0]["promised_std"].values()) == {None}
     assert "forecast" not in result
-    assert result["mean_projection_error_px"] > 0
+    assert result["projection_diff_px"] > 0
     # The file alone is enough to compute the errors anew, with OpenCV.
     camera = result["intrinsics"]
     K = np.array([[camera["fx"], 0, camera["cx"]], [0, camera["fy"], camera["cy"]], [0, 0, 1]])
@@ -170,5 +170,5 @@ def test_promises_and_forecast_in_the_result(
         "looked_ahead": 10,
     }
     before, last = result["history"]
-    assert before["projection_error_px"] == 0.62 and last["projection_error_px"] == 0.43
-    assert last["promised_projection_error_px"] == 0.41 and last["promised_std"]["fx"] == 0.5
+    assert before["uncertainty_px"] == 0.62 and last["uncertainty_px"] == 0.43
+    assert last["promised_uncertainty_px"] == 0.41 and last["promised_std"]["fx"] == 0.5

@@ -13,7 +13,7 @@ _LOST = 0.9
 _LEARNT, _FADING = 1.25, 0.99
 
 
-class Eyes:
+class BoardTracker:
     """Frames to observations: the detector with its memory of where the board was."""
 
     def __init__(self, detector: Detector) -> None:

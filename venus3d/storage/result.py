@@ -16,7 +16,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress
-from venus3d.engine.planning.costs import mean_projection_error_px
+from venus3d.engine.planning.costs import projection_diff_px
 from venus3d.engine.planning.forecast import Forecast
 
 
@@ -36,7 +36,7 @@ def summary_of(
         diagnoses: told both as sentences among the warnings and taken apart.
         converged: for a guided calibration; None leaves it out.
         forecast: views it takes until the wanted projection error; None leaves it out.
-        truth: the simulated camera; adds `truth` and `mean_projection_error_px`.
+        truth: the simulated camera; adds `truth` and `projection_diff_px`.
     """
     camera = calibration.camera
     summary: dict[str, Any] = {
@@ -55,7 +55,7 @@ def summary_of(
         summary["forecast"] = asdict(forecast)
     if truth is not None:
         summary["truth"] = _named(truth.parameters)
-        summary["mean_projection_error_px"] = mean_projection_error_px(truth, camera)
+        summary["projection_diff_px"] = projection_diff_px(truth, camera)
     return summary
 
 
@@ -89,10 +89,10 @@ def full_result(
                 "rms_px": progress.rms_px,
                 "intrinsics": _named(progress.parameters),
                 "std": _named(progress.sigma),
-                "projection_error_px": progress.error_px,
+                "uncertainty_px": progress.uncertainty_px,
                 # What the target had promised; null for a view that was not taken at one.
                 "promised_std": _named(progress.predicted_sigma),
-                "promised_projection_error_px": progress.predicted_error_px,
+                "promised_uncertainty_px": progress.predicted_uncertainty_px,
             }
             for progress in history
         ],

@@ -10,7 +10,7 @@ import numpy as np
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.work import Settings
-from venus3d.engine.planning.costs import index_of_dispersion, mean_projection_error_px
+from venus3d.engine.planning.costs import index_of_dispersion, projection_diff_px
 from venus3d.study.runner import Value
 from venus3d.study.simulated import points_before, true_error_px, walk
 
@@ -79,7 +79,7 @@ def indicators(calibration: Calibration, truth: Camera) -> dict[str, Value]:
         "model": "full" if full else "startup" if any(calibration.free) else "guessed",
         "sum_iod": float(iod.sum()) if full else float("nan"),
         "abs_rms_err_px": abs_rms_err_px(truth, calibration.camera),
-        "abs_rms_err_rotated_px": mean_projection_error_px(truth, calibration.camera),
+        "abs_rms_err_rotated_px": projection_diff_px(truth, calibration.camera),
         "rms_err_px": calibration.rms_px,
         "fx_error_px": abs(calibration.camera.fx - truth.fx),
     }
@@ -90,7 +90,7 @@ def abs_rms_err_px(truth: Camera, estimate: Camera) -> float:
 
     The paper does not say which points: here those that a grid of the true image sees. The same
     pose is used for both cameras, so that a principal point off by 3 px counts 3 px although a turn
-    of the camera by a tenth of a degree undoes it; `mean_projection_error_px` is without that.
+    of the camera by a tenth of a degree undoes it; `projection_diff_px` is without that.
     """
     points = points_before(truth)
     # Straight through the polynomial: beyond the radius where a bad estimate folds, too.

@@ -24,7 +24,7 @@ from venus3d.engine.planning.costs import make_cost
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search import search
 from venus3d.study.runner import Value, run_trials
 from venus3d.study.simulated import NOISE_PX, observed, true_error_px, true_information, walk
@@ -98,7 +98,7 @@ def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
     promised = before = float("nan")
     settings = Settings(method=cast(Method, trial.kind))
     for stage in walk(settings, VIEWS, seed=trial.seed, repeat=trial.repeat):
-        error = stage.outcome.history[-1].error_px
+        error = stage.outcome.history[-1].uncertainty_px
         rows.append(
             {
                 "kind": trial.kind,
@@ -111,7 +111,7 @@ def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
         )
         next_one = stage.outcome.suggestion
         before = error
-        promised = float("nan") if next_one is None else next_one.target.predicted_error_px
+        promised = float("nan") if next_one is None else next_one.target.predicted_uncertainty_px
     return rows
 
 
@@ -122,13 +122,13 @@ def state_row(trial: BenchTrial) -> dict[str, Value]:
     outcome = last.outcome
     board = outcome.work.board
     sigma = noise_of(outcome.calibration)
-    outlook = Outlook.of(board, outcome.calibration.camera, outcome.information, sigma)
-    space = Space(board, outlook.camera, Limits.for_board(board, outlook.camera))
+    posterior = Posterior.of(board, outcome.calibration.camera, outcome.information, sigma)
+    space = Space(board, posterior.camera, Limits.for_board(board, posterior.camera))
     cost = make_cost(
         "projection-variance",
         board=board,
-        camera=outlook.camera,
-        information=outlook.information,
+        camera=posterior.camera,
+        information=posterior.information,
         sigma_px=sigma,
     )
 

@@ -20,7 +20,7 @@ from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.geometry.visibility import sight_of
+from venus3d.engine.geometry.visibility import visibility_of
 from venus3d.sources.sim import Simulation
 
 TILTS_DEG = (0.0, 65.0)
@@ -115,6 +115,6 @@ def _any_pose(camera: Camera, board: Board, rng: np.random.Generator) -> Pose:
 
 
 def _all_visible(camera: Camera, board: Board, pose: Pose) -> bool:
-    sight = sight_of(camera, board, pose.vector()[None])
+    sight = visibility_of(camera, board, pose.vector()[None])
     inside = (sight.low[:, 0] >= 0) & (sight.high[:, 0] <= np.array(camera.image_size) - 1)
     return bool(sight.seen[0] and inside.all())

@@ -15,13 +15,13 @@ import numpy as np
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.information import covariance_of, view_information
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.projection_uncertainty import grid_pixels, projection_error_px
+from venus3d.engine.calibration.projection_uncertainty import grid_pixels, projection_uncertainty_px
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.work import Outcome, Settings, Work
-from venus3d.engine.planning.heuristic_poses import GenerationState
+from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
 
 NOISE_PX = float(np.sqrt(0.1))
@@ -65,7 +65,7 @@ def walk(
         max_views=views + 1,
         seed=_one_seed(seed, repeat),
         noise=None,
-        wanted_error_px=None,
+        wanted_uncertainty_px=None,
     )
     pose = first_pose(truth, held)
     work: Work | None = None
@@ -124,7 +124,7 @@ def _following(before: Work | None, settings: Settings, board: Board, seen: Obse
             observations=(seen,),
             numbers=(1,),
             history=(),
-            generation=GenerationState(),
+            generation=HeuristicState(),
             skipped=(),
             target_number=1,
             start=calibrate(board, [seen], model="startup").camera,
@@ -155,7 +155,7 @@ def true_error_px(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAM
         covariance = covariance_of(true_information(board, poses, truth), NOISE_PX)
     except np.linalg.LinAlgError:
         return float("inf")
-    error = projection_error_px(truth, covariance)
+    error = projection_uncertainty_px(truth, covariance)
     return error if (np.diag(covariance) > 0).all() else float("inf")
 
 

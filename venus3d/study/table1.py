@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from venus3d.engine.calibration.board_pose import locate
-from venus3d.engine.calibration.projection_uncertainty import mean_projection_error_px
+from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.camera import Camera
@@ -25,7 +25,7 @@ from venus3d.engine.guidance.startup import Startup
 from venus3d.engine.guidance.work import Settings, information_of, noise_of
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import Method
-from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.study.pool import Pool, nearest, split
 from venus3d.study.text import mean_sd, table
 
@@ -73,7 +73,7 @@ class Taken:
     off_deg: float
     """Turn between the pose asked for and the view's, degrees; NaN where none was asked for."""
     calibration: Calibration
-    error_px: float
+    uncertainty_px: float
     """Mean projection error over the image that the covariance expects, pixels; NaN while
     parameters are held fixed."""
 
@@ -92,7 +92,7 @@ def run_table1(trial: Table1Trial) -> list[Row]:
         measured = {
             "rms_train_px": step.calibration.rms_px,
             "rms_test_px": rms_of_views_px(camera, pool, held_out),
-            "expected_error_px": step.error_px,
+            "expected_uncertainty_px": step.uncertainty_px,
             "true_error_px": _true_error_px(pool, camera),
             "fx": camera.fx,
             "fy": camera.fy,
@@ -132,7 +132,7 @@ def guide_through(
         auto_capture=False,
         max_views=max_views,
         limits=pool.asking,
-        wanted_error_px=None,  # nobody asks how many views are left
+        wanted_uncertainty_px=None,  # nobody asks how many views are left
     )
     session = Session(pool.board, pool.image_size, settings)
     rng = np.random.default_rng([seed, 1])
@@ -151,8 +151,8 @@ def guide_through(
         snapshot = session.snapshot()
         wanted = None if snapshot.target is None else snapshot.target.pose
         if snapshot.calibration is not None:
-            error_px = snapshot.history[-1].error_px
-            taken.append(Taken(index, off_deg, snapshot.calibration, error_px))
+            uncertainty_px = snapshot.history[-1].uncertainty_px
+            taken.append(Taken(index, off_deg, snapshot.calibration, uncertainty_px))
     if not taken:
         raise CalibrationError(f"No view of {pool.name} can be calibrated from.")
     return taken, _ending(session, wanted, arm)
@@ -182,18 +182,18 @@ def _chosen(
 def _most_telling(pool: Pool, unused: Sequence[int], calibration: Calibration) -> int:
     """The view that would make the expected projection error smallest."""
     information = information_of(calibration, pool.board)
-    outlook = Outlook.of(pool.board, calibration.camera, information, noise_of(calibration))
+    posterior = Posterior.of(pool.board, calibration.camera, information, noise_of(calibration))
 
-    def error_px(index: int) -> float:
+    def uncertainty_px(index: int) -> float:
         view = pool.observations[index]
-        pose = locate(outlook.camera, pool.board, view)
-        return np.inf if pose is None else outlook.with_seen(view, pose).error_px
+        pose = locate(posterior.camera, pool.board, view)
+        return np.inf if pose is None else posterior.with_seen(view, pose).uncertainty_px
 
-    return min(unused, key=error_px)
+    return min(unused, key=uncertainty_px)
 
 
 def _true_error_px(pool: Pool, camera: Camera) -> float:
-    return float("nan") if pool.truth is None else mean_projection_error_px(pool.truth, camera)
+    return float("nan") if pool.truth is None else projection_diff_px(pool.truth, camera)
 
 
 def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
@@ -287,7 +287,7 @@ def _line(arm: Arm, rows: Sequence[Row]) -> tuple[str, ...]:
         mean_sd(_column(last, "rms_test_px"), 4),
         mean_sd(_column(last, "views"), 1),
         mean_sd(_column(last, "rms_train_px"), 4),
-        mean_sd(_column(last, "expected_error_px"), 2),
+        mean_sd(_column(last, "expected_uncertainty_px"), 2),
         mean_sd(_column(last, "true_error_px"), 2),
         mean_sd(_column(last, "fx"), 1),
         f"{converged} of {len(last)}",

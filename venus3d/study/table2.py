@@ -30,11 +30,11 @@ from venus3d.scene.render.projections import Projections
 from venus3d.study.clip import Clip, Image
 from venus3d.study.text import table
 
-Way = Literal["axes", "steps", "region"]
-WAYS: tuple[Way, ...] = ("axes", "steps", "region")
+SearchMethod = Literal["axes", "steps", "region"]
+WAYS: tuple[SearchMethod, ...] = ("axes", "steps", "region")
 FRAME_RATE = 25
 """Of the paper's camera, for the delay in a second of video."""
-PAPER_MS: dict[Way, float] = {"axes": 38.46, "steps": 25.24}
+PAPER_MS: dict[SearchMethod, float] = {"axes": 38.46, "steps": 25.24}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Costs:
     """Measured times, milliseconds for a frame."""
 
     clip: Clip
-    guiding_ms: dict[Way, Array]
+    guiding_ms: dict[SearchMethod, Array]
     """(frames, 2) each: by the clock, and of the processor, which other programs do not change."""
     showing_ms: Array
     """(frames, 2) to decode a frame and encode it for the screen: what every way needs besides."""
@@ -75,19 +75,19 @@ def prepare_steps(clip: Clip, offscreen: Offscreen, rng: np.random.Generator) ->
     return Prepared(pose, (one, two, three, four), outlines)
 
 
-def measure(clip: Clip, prepared: Prepared, frames: int) -> tuple[dict[Way, Array], Array]:
+def measure(clip: Clip, prepared: Prepared, frames: int) -> tuple[dict[SearchMethod, Array], Array]:
     """Guiding and showing times, ms: (frames, 2) for each way, and (frames, 2) for the showing.
 
     The ways take turns on the same frame, each first in a third of the frames, so that neither a
     warm cache nor a busy moment of the machine favours one of them.
     """
     detector = Detector(clip.board, find_layout=False)
-    guides: dict[Way, Callable[[Image, Region | None], object]] = {
+    guides: dict[SearchMethod, Callable[[Image, Region | None], object]] = {
         "axes": lambda image, _: draw_axes(image, detector, clip, prepared.target, None),
         "steps": lambda image, _: draw_steps(image, prepared, 0),
         "region": lambda image, region: draw_axes(image, detector, clip, prepared.target, region),
     }
-    times: dict[Way, list[tuple[float, float]]] = {way: [] for way in WAYS}
+    times: dict[SearchMethod, list[tuple[float, float]]] = {way: [] for way in WAYS}
     showing: list[tuple[float, float]] = []
     encoded = [cv2.imencode(".jpg", image)[1] for image in clip.images]
     for number in range(-3, frames):  # three to warm up
@@ -202,7 +202,7 @@ def table2_text(costs: Costs) -> str:
     return f"{head}\n\n{table(_HEADINGS, lines)}"
 
 
-_SAID: dict[Way, str] = {
+_SAID: dict[SearchMethod, str] = {
     "axes": "live detection and axes",
     "steps": "lazily shown steps",
     "region": "live detection in a region, axes",

@@ -51,17 +51,17 @@ def border_moves(camera: Camera) -> Array:
     return _moves(camera, pixels)[1]
 
 
-def projection_error_px(camera: Camera, covariance: ArrayLike) -> float:
+def projection_uncertainty_px(camera: Camera, covariance: ArrayLike) -> float:
     """Expected rms projection error over the image, pixels, of a covariance (9, 9)."""
     mean_variance = np.sum(projection_weight(camera) * np.asarray(covariance, dtype=np.float64))
     return float(np.sqrt(max(mean_variance, 0.0)))
 
 
-def error_map(camera: Camera, covariance: ArrayLike, grid: tuple[int, int] = GRID) -> Array:
+def uncertainty_map(camera: Camera, covariance: ArrayLike, grid: tuple[int, int] = GRID) -> Array:
     """(down, across) expected projection error, pixels, at the centres of a `grid` of equal cells.
 
     NaN where no ray reaches the pixel. The turn taken out is the one that best undoes the move at
-    the pixels of `GRID`: there the mean square of the map is that of `projection_error_px`.
+    the pixels of `GRID`: there the mean square of the map is that of `projection_uncertainty_px`.
     """
     at, moves = _map_moves(camera, grid)
     variance = np.einsum("nij,jk,nik->n", moves, np.asarray(covariance, np.float64), moves)
@@ -76,7 +76,7 @@ def _map_moves(camera: Camera, grid: tuple[int, int]) -> tuple[NDArray[np.intp],
     return _moves(camera, grid_pixels(size), grid_pixels(size, grid))
 
 
-def mean_projection_error_px(true: Camera, estimate: Camera, grid: tuple[int, int] = GRID) -> float:
+def projection_diff_px(true: Camera, estimate: Camera, grid: tuple[int, int] = GRID) -> float:
     """Rms distance, pixels, of two cameras' projections after the best common rotation.
 
     The rays are those of a `grid` (across, down) of the true camera's image.

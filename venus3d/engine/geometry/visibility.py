@@ -18,7 +18,7 @@ from venus3d.engine.geometry.pose import Array, rotations_of
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class Visibility:
     """A board under N poses, as a camera sees 16 points of it: its corners, mid-edges, squares."""
 
     R: Array
@@ -42,12 +42,12 @@ class Sight:
     seen: NDArray[np.bool_]
     """(N,) all of the board is in front of the lens and within the model's radius."""
 
-    def of(self, chosen: NDArray[np.intp]) -> Sight:
+    def of(self, chosen: NDArray[np.intp]) -> Visibility:
         """Of some of the poses, by their numbers (K,)."""
-        return Sight(*(getattr(self, field.name).take(chosen, -1) for field in fields(self)))
+        return Visibility(*(getattr(self, field.name).take(chosen, -1) for field in fields(self)))
 
 
-def sight_of(camera: Camera, board: Board, vectors: Array) -> Sight:
+def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
     """The board under pose vectors (N, 6)."""
     t = np.ascontiguousarray(vectors[:, 3:].T)
     R = np.ascontiguousarray(rotations_of(vectors).transpose(1, 2, 0))
@@ -66,7 +66,7 @@ def sight_of(camera: Camera, board: Board, vectors: Array) -> Sight:
         # A square's neighbour along x, and the one along y, of each of the four corners.
         sides = pixels[:, 4:12].reshape(2, 2, 4, -1) - pixels[:, None, :4]
         side = np.sqrt(np.min(np.sum(sides * sides, axis=0), axis=(0, 1)))
-    return Sight(
+    return Visibility(
         R=R,
         cosine=cosine,
         depth=points[2],

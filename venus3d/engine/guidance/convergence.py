@@ -46,12 +46,12 @@ class Progress:
     """(9,) values."""
     sigma: Array
     """(9,) standard deviations."""
-    error_px: float
+    uncertainty_px: float
     """Mean projection error over the image that the covariance predicts, pixels."""
     predicted_sigma: Array = field(default_factory=lambda: np.full(9, np.nan))
     """(9,) what the last view's target had promised; NaN if it was not taken at a target."""
-    predicted_error_px: float = float("nan")
-    """What the last view's target had promised for `error_px`; NaN likewise."""
+    predicted_uncertainty_px: float = float("nan")
+    """What the last view's target had promised for `uncertainty_px`; NaN likewise."""
 
 
 def judge(

@@ -27,11 +27,11 @@ from venus3d.engine.guidance.prompts import said, said_at_startup
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.startup import Startup
 from venus3d.engine.guidance.tracking import Tracker
-from venus3d.engine.guidance.views import Captured
+from venus3d.engine.guidance.views import CapturedViews
 from venus3d.engine.guidance.work import Outcome, Settings, Work, noise_of
-from venus3d.engine.planning.heuristic_poses import GenerationState
+from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.method import Cost, Method
-from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.target import Target
 
 
@@ -46,27 +46,27 @@ class Session:
         Raises `VenusError` for settings whose method, cost and search do not go together.
         """
         self.settings = settings or Settings()
-        self._way = self.settings.way
+        self._search_method = self.settings.way
         self._ending = False
         self._image_size = image_size
         self.board_diagnoses: tuple[Diagnosis, ...] = ()
         """What the detector says of the board it sees; set by whoever drives the session."""
         self._restart(board)
 
-    def _restart(self, board: Board, captured: Captured | None = None) -> None:
+    def _restart(self, board: Board, captured: CapturedViews | None = None) -> None:
         self.board = board
         self.pending: Work | None = None
         """The work that waits to be run; `apply` its outcome."""
         self._startup = Startup(board, self._image_size)
         self._phase: Phase = "finished" if self._ending else "startup"
-        self._captured = captured or Captured()
+        self._captured = captured or CapturedViews()
         self._next_target = 1
         self._target: Target | None = None
         self._calibration: Calibration | None = None
         self._information: Array = np.zeros((9, 9))
         self._convergence: Convergence | None = None
         self._history: tuple[Progress, ...] = ()
-        self._generation = GenerationState()
+        self._generation = HeuristicState()
         self._skipped: tuple[Pose, ...] = ()
         self._warnings: tuple[str, ...] = ()
         self._diagnoses: tuple[Diagnosis, ...] = ()
@@ -139,9 +139,9 @@ class Session:
         combination that makes no sense; the session is then as it was.
         """
         wanted = replace(self.settings, method=method, cost=cost, strategy=None)
-        if wanted.way == self._way:
+        if wanted.way == self._search_method:
             return
-        self.settings, self._way = wanted, wanted.way
+        self.settings, self._search_method = wanted, wanted.way
         if self._captured.views and self._phase in ("guiding", "captured") and not self._ending:
             self._recalibrate()
 
@@ -245,9 +245,9 @@ class Session:
             diagnoses=worst_first((*self.board_diagnoses, *self._diagnoses)),
             forecast=known and known.forecast,
             method=self.settings.method,
-            cost=self._way.cost,
-            knowledge=known and known.knowledge,
-            walk=known and known.walk,
+            cost=self._search_method.cost,
+            uncertainty=known and known.uncertainty,
+            search_trace=known and known.search_trace,
         )
 
     # -- how it goes on --------------------------------------------------------------------------
@@ -259,9 +259,9 @@ class Session:
             return False
         if self._calibration is None:
             return True  # the first view of a recording: there is nothing to compare it with
-        now = Outlook.of(self.board, self.camera, self._information, noise_of(self._calibration))
+        now = Posterior.of(self.board, self.camera, self._information, noise_of(self._calibration))
         told = now.with_seen(seen.observation, seen.pose)
-        return told.error_px <= (1 - drop) * now.error_px
+        return told.uncertainty_px <= (1 - drop) * now.uncertainty_px
 
     def _diagnose(self) -> None:
         if self._calibration is not None:

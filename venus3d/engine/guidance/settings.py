@@ -8,7 +8,14 @@ from dataclasses import dataclass, field
 from venus3d.engine.calibration.corner_noise import RENDERED, NoiseModel
 from venus3d.engine.guidance.convergence import Rule
 from venus3d.engine.guidance.matching import Tolerance
-from venus3d.engine.planning.method import Cost, Method, Start, Strategy, Way, way_of
+from venus3d.engine.planning.method import (
+    Cost,
+    Method,
+    SearchMethod,
+    Start,
+    Strategy,
+    search_method,
+)
 
 
 @dataclass(frozen=True)
@@ -24,7 +31,7 @@ class Settings:
     """Method venus: where its search begins, at the rule's pose or at a random one."""
     noise: NoiseModel | None = RENDERED
     """How noise and found corners depend on a pose, when planning; None: they do not."""
-    wanted_error_px: float | None = 0.3
+    wanted_uncertainty_px: float | None = 0.3
     """The forecast counts the views until the mean projection error is as small; None: none."""
     limits: Mapping[str, float] = field(default_factory=dict[str, float])
     """`Limits`' fields that are set by hand; the rest suit the board and the camera."""
@@ -46,8 +53,8 @@ class Settings:
     rule: Rule = "repaired"
 
     @property
-    def way(self) -> Way:
+    def way(self) -> SearchMethod:
         """How the next pose is found. Raises `VenusError` for what does not go together."""
-        return way_of(
+        return search_method(
             self.method, self.cost, self.strategy, start=self.start, keep_best=self.keep_best
         )

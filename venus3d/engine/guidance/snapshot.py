@@ -18,9 +18,9 @@ from venus3d.engine.guidance.phase import Phase
 from venus3d.engine.guidance.prompts import Words
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.engine.planning.method import Cost, Method
-from venus3d.engine.planning.search_trace import Walk
+from venus3d.engine.planning.search_trace import SearchTrace
 from venus3d.engine.planning.target import Target
-from venus3d.engine.planning.uncertainty import Knowledge
+from venus3d.engine.planning.uncertainty import ProjectionUncertainty
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +54,9 @@ class Snapshot:
     """How the next poses are found."""
     cost: Cost = "projection-variance"
     """What the search for them makes small."""
-    knowledge: Knowledge | None = None
+    uncertainty: ProjectionUncertainty | None = None
     """Of the present calibration; None while it does not estimate all nine parameters."""
-    walk: Walk | None = None
+    search_trace: SearchTrace | None = None
     """How the present target was searched; None if it was not."""
 
     @property

@@ -96,7 +96,7 @@ class Startup:
             serves=("fx", "fy"),
             reason=STARTUP_REASON,
             predicted_sigma=np.full(9, nothing),
-            predicted_error_px=nothing,
+            predicted_uncertainty_px=nothing,
             evaluated=0,
             search_s=0.0,
         )

@@ -9,7 +9,7 @@ from venus3d.engine.planning.target import Target
 
 
 @dataclass(frozen=True, eq=False)
-class Taken:
+class CapturedView:
     """One view that was taken."""
 
     number: int
@@ -18,16 +18,16 @@ class Taken:
     """Whose promise the view is to be compared with; None if it was not taken at a target."""
 
 
-class Captured:
+class CapturedViews:
     """All views of a session, in order. Used by one thread."""
 
     def __init__(self) -> None:
-        self.views: list[Taken] = []
+        self.views: list[CapturedView] = []
         self._next = 1
 
     def add(self, observation: Observation, target: Target | None) -> None:
         """One view more."""
-        self.views.append(Taken(self._next, observation, target))
+        self.views.append(CapturedView(self._next, observation, target))
         self._next += 1
 
     def drop(self, number: int) -> int | None:

@@ -22,17 +22,17 @@ from venus3d.engine.geometry.camera import PARAMETERS, Camera, planning_camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress, judge
 from venus3d.engine.guidance.settings import Settings
-from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.engine.planning.forecast import Forecast, forecast
-from venus3d.engine.planning.heuristic_poses import GenerationState
+from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space
-from venus3d.engine.planning.posterior import Outlook
-from venus3d.engine.planning.search_trace import Move, Recorder, Walk
+from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.planning.search_trace import SearchRecorder, SearchStep, SearchTrace
 from venus3d.engine.planning.suggest import Suggestion, suggest
 from venus3d.engine.planning.target import Target
-from venus3d.engine.planning.uncertainty import Knowledge
-from venus3d.engine.planning.uncertainty_map import knowledge_of
+from venus3d.engine.planning.uncertainty import ProjectionUncertainty
+from venus3d.engine.planning.uncertainty_map import projection_uncertainty
 
 # Corners are never known better than this; keeps predictions finite where residuals vanish.
 LEAST_NOISE_PX = 0.01
@@ -55,9 +55,9 @@ class Outcome:
     warnings: tuple[str, ...]
     forecast: Forecast | None = None
     """None while nothing can be said, or when there was no time for it."""
-    knowledge: Knowledge | None = None
+    uncertainty: ProjectionUncertainty | None = None
     """None while not all nine parameters are estimated."""
-    walk: Walk | None = None
+    search_trace: SearchTrace | None = None
     """How the suggestion was searched; None if it was not searched."""
 
 
@@ -71,7 +71,7 @@ class Work:
     numbers: tuple[int, ...]
     history: tuple[Progress, ...]
     """Of the earlier calibrations with fewer views."""
-    generation: GenerationState
+    generation: HeuristicState
     skipped: tuple[Pose, ...]
     target_number: int
     start: Camera
@@ -84,9 +84,9 @@ class Work:
     def run(
         self,
         stop: Callable[[], bool] | None = None,
-        on_move: Callable[[Move], None] | None = None,
+        on_step: Callable[[SearchStep], None] | None = None,
     ) -> Outcome:
-        """Do it. `stop` ends the search early with the best pose so far; `on_move` watches it.
+        """Do it. `stop` ends the search early with the best pose so far; `on_step` watches it.
 
         Raises `CalibrationError` if the views determine no camera at all.
         """
@@ -96,7 +96,7 @@ class Work:
         convergence = judge(history, epsilon=self.settings.epsilon, rule=self.settings.rule)
         enough = len(self.observations) >= self.settings.max_views
         is_over = enough or (convergence.converged and not self.keep_going)
-        suggestion, moves = None, Recorder(on_move)
+        suggestion, moves = None, SearchRecorder(on_step)
         if not is_over:
             try:
                 suggestion = self._suggested(calibration, information, stop, moves)
@@ -115,12 +115,14 @@ class Work:
             is_over,
             warnings,
             self._forecast(calibration, information, suggestion, stop),
-            knowledge_of(self.board, calibration, self._outlook(calibration, information), target),
-            None if target is None else moves.walk(target.pose.vector()),
+            projection_uncertainty(
+                self.board, calibration, self._outlook(calibration, information), target
+            ),
+            None if target is None else moves.trace(target.pose.vector()),
         )
 
     def _progress(self, calibration: Calibration) -> Progress:
-        error = projection_error_px(calibration.camera, calibration.covariance)
+        error = projection_uncertainty_px(calibration.camera, calibration.covariance)
         aim = self.last_target
         return Progress(
             len(self.observations),
@@ -129,7 +131,7 @@ class Work:
             calibration.sigma,
             error if all(calibration.free) else float("nan"),
             np.full(9, np.nan) if aim is None else aim.predicted_sigma,
-            float("nan") if aim is None else aim.predicted_error_px,
+            float("nan") if aim is None else aim.predicted_uncertainty_px,
         )
 
     def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
@@ -155,7 +157,7 @@ class Work:
         calibration: Calibration,
         information: Array,
         stop: Callable[[], bool] | None,
-        on_move: Callable[[Move], None] | None,
+        on_step: Callable[[SearchStep], None] | None,
     ) -> Suggestion:
         settings = self.settings
         # Seeded by the target's number, so that a replayed session asks for the same poses.
@@ -177,7 +179,7 @@ class Work:
             skipped=self.skipped,
             keep_best=settings.keep_best,
             stop=stop,
-            on_move=on_move,
+            on_step=on_step,
         )
 
     def _noise(self, calibration: Calibration) -> NoiseModel | None:
@@ -189,8 +191,8 @@ class Work:
     def _limits(self, camera: Camera) -> Limits:
         return replace(Limits.for_board(self.board, camera), **self.settings.limits)
 
-    def _outlook(self, calibration: Calibration, information: Array) -> Outlook:
-        return Outlook.of(
+    def _outlook(self, calibration: Calibration, information: Array) -> Posterior:
+        return Posterior.of(
             self.board,
             calibration.camera,
             information,
@@ -208,19 +210,19 @@ class Work:
         """None before the first full calibration, when stopped, and for the cost "rms", which is
         too slow to plan with."""
         settings = self.settings
-        if settings.wanted_error_px is None or settings.cost == "rms":
+        if settings.wanted_uncertainty_px is None or settings.cost == "rms":
             return None
-        outlook = self._outlook(calibration, information)
-        if not all(calibration.free) or not outlook.settled:
+        posterior = self._outlook(calibration, information)
+        if not all(calibration.free) or not posterior.settled:
             return None
         residuals = 2 * sum(view.observation.count for view in calibration.views)
         try:
             return forecast(
-                outlook,
+                posterior,
                 settings.way,
-                Space(self.board, outlook.camera, self._limits(outlook.camera), self.skipped),
+                Space(self.board, posterior.camera, self._limits(posterior.camera), self.skipped),
                 np.random.default_rng([settings.seed, self.target_number, 1]),
-                wanted_px=settings.wanted_error_px,
+                wanted_px=settings.wanted_uncertainty_px,
                 degrees=residuals - len(PARAMETERS) - 6 * len(calibration.views),
                 state=self.generation if suggestion is None else suggestion.state,
                 first=None if suggestion is None else suggestion.target.pose.vector(),

@@ -1,15 +1,15 @@
 """Poses that are nearly as good as the best one and clearly different from it.
 
-One of them may suit the person's wrists, or the room. Which poses a search met is `pool`'s.
+One of them may suit the person's wrists, or the room. Which poses a search met is `elites`'s.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.calibration.projection_uncertainty import projection_error_px
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.posterior import Posterior
 
 AT_MOST = 3
 """So many are offered besides the best."""
@@ -32,23 +32,25 @@ def clearly_different(one: Pose, other: Pose) -> bool:
     return apart or one.angle_to_deg(other) >= DIFFERENT_DEG
 
 
-def nearly_equal(outlook: Outlook, best: Array, pool: Array) -> list[Array]:
-    """The pose vectors (6,) of a pool (K, 6) to offer besides `best` (6,), best first; up to three.
+def nearly_equal(posterior: Posterior, best: Array, elites: Array) -> list[Array]:
+    """The pose vectors (6,) of elites (K, 6) to offer besides `best` (6,), best first (at most 3).
 
     Compared by the mean projection error they leave, whatever the search was for: it is what the
     person is told. All are clearly different from `best` and from each other.
     """
-    if not len(pool):
+    if not len(elites):
         return []
-    errors = np.array([projection_error_px(outlook.camera, C) for C in outlook.after(pool)])
-    least = projection_error_px(outlook.camera, outlook.after(best)[0])
-    allowed = least + NEARLY * min(max(outlook.error_px - least, 0.0), least)
+    errors = np.array(
+        [projection_uncertainty_px(posterior.camera, C) for C in posterior.after(elites)]
+    )
+    least = projection_uncertainty_px(posterior.camera, posterior.after(best)[0])
+    allowed = least + NEARLY * min(max(posterior.uncertainty_px - least, 0.0), least)
     chosen, poses = list[Array](), [Pose.from_vector(best)]
     for i in np.argsort(errors, kind="stable"):
         if errors[i] > allowed or len(chosen) == AT_MOST:
             break
-        pose = Pose.from_vector(pool[i])
+        pose = Pose.from_vector(elites[i])
         if all(clearly_different(pose, other) for other in poses):
-            chosen.append(pool[i])
+            chosen.append(elites[i])
             poses.append(pose)
     return chosen

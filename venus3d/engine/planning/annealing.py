@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.costs import CostFunction
-from venus3d.engine.planning.elites import Pool
+from venus3d.engine.planning.elites import Elites
 from venus3d.engine.planning.pose_space import Space
-from venus3d.engine.planning.search_trace import Found, Move, Stop, Watch
+from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchStep, Stop
 
 ROUNDS = 7
 """Temperatures from 1 down to 0.1 when each is 0.7 of the one before."""
@@ -41,8 +41,8 @@ def anneal(
     sigma: ArrayLike | None = None,
     keep_best: bool = False,
     stop: Stop | None = None,
-    on_move: Watch | None = None,
-) -> Found:
+    on_step: OnSearchStep | None = None,
+) -> SearchResult:
     """Algorithm 1: simulated annealing from `start` (6,), a pose of the space.
 
     A neighbour changes one element, drawn at random, by a Gaussian around its present value
@@ -55,8 +55,8 @@ def anneal(
     spread = neighbour_sigma(space.board) if sigma is None else np.asarray(sigma, np.float64)
     now = np.asarray(start, dtype=np.float64).copy()
     now_cost = float(cost(now[None])[0])
-    pool = Pool(space)
-    pool.add(now[None], np.array([now_cost]))
+    elites = Elites(space)
+    elites.add(now[None], np.array([now_cost]))
     stopped = False
     while temperature > end_temperature and not stopped:
         for _ in range(tries):
@@ -67,18 +67,22 @@ def anneal(
             if candidate is None:
                 continue
             value = float(cost(candidate[None])[0])
-            pool.add(candidate[None], np.array([value]))
+            elites.add(candidate[None], np.array([value]))
             rise = value - now_cost
             accepted = rise < 0 or bool(rng.random() < np.exp(-rise / temperature))
             if accepted:
                 now, now_cost = candidate, value
-            if on_move is not None:
-                on_move(Move(candidate, value, accepted, pool.best, pool.best_cost, pool.evaluated))
+            if on_step is not None:
+                on_step(
+                    SearchStep(
+                        candidate, value, accepted, elites.best, elites.best_cost, elites.evaluated
+                    )
+                )
         temperature *= cooling
-    found = pool.found(stopped)
+    found = elites.found(stopped)
     if keep_best or stopped:
         return found
-    return Found(now, now_cost, found.evaluated, stopped, found.pool, found.pool_costs)
+    return SearchResult(now, now_cost, found.evaluated, stopped, found.elites, found.elite_costs)
 
 
 def _neighbour(space: Space, vector: Array, sigma: Array, rng: np.random.Generator) -> Array | None:

@@ -25,8 +25,8 @@ from venus3d.engine.calibration.projection_uncertainty import (
     GRID,
     border_moves,
     grid_pixels,
-    mean_projection_error_px,
-    projection_error_px,
+    projection_diff_px,
+    projection_uncertainty_px,
     projection_weight,
 )
 from venus3d.engine.errors import CalibrationError, VenusError
@@ -46,9 +46,9 @@ __all__ = [
     "grid_pixels",
     "index_of_dispersion",
     "make_cost",
-    "mean_projection_error_px",
     "predicted_covariance",
-    "projection_error_px",
+    "projection_diff_px",
+    "projection_uncertainty_px",
     "projection_weight",
     "rough_of",
     "with_surcharge",

@@ -9,7 +9,7 @@ import numpy as np
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.pose_space import Space
-from venus3d.engine.planning.search_trace import Found
+from venus3d.engine.planning.search_trace import SearchResult
 
 KEPT = 48
 """How many neighbourhoods' best poses are returned."""
@@ -20,7 +20,7 @@ _BASE = 1000  # cells along an axis, more than there are
 _LOOKED_AT = 8 * KEPT
 
 
-class Pool:
+class Elites:
     """Collects the poses whose costs were computed. Used within one search."""
 
     def __init__(self, space: Space) -> None:
@@ -46,7 +46,7 @@ class Pool:
         if costs[cheapest] < self.best_cost:
             self.best, self.best_cost = vectors[cheapest], float(costs[cheapest])
 
-    def found(self, stopped: bool) -> Found:
+    def found(self, stopped: bool) -> SearchResult:
         """The end of the search: its best pose, and the best of each neighbourhood."""
         vectors, costs = np.concatenate(self._vectors), np.concatenate(self._costs)
         order = np.argsort(costs, kind="stable")
@@ -55,7 +55,7 @@ class Pool:
         cells = np.floor(unit / NEAR).astype(np.int64) @ _BASE ** np.arange(6)
         best = np.sort(np.unique(cells, return_index=True)[1])[:_LOOKED_AT]
         chosen = order[best[_apart(unit[best])]]
-        return Found(
+        return SearchResult(
             self.best, self.best_cost, self.evaluated, stopped, vectors[chosen], costs[chosen]
         )
 

@@ -16,10 +16,10 @@ from scipy.stats import chi2
 from venus3d.engine.calibration.information import view_information
 from venus3d.engine.calibration.projection_uncertainty import projection_weight
 from venus3d.engine.geometry.pose import Array, rotations_of
-from venus3d.engine.planning.heuristic_poses import GenerationState
-from venus3d.engine.planning.method import Way
+from venus3d.engine.planning.heuristic_poses import HeuristicState
+from venus3d.engine.planning.method import SearchMethod
 from venus3d.engine.planning.pose_space import Space, nothing_fits
-from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search_trace import Stop
 from venus3d.engine.planning.suggest import find
 
@@ -55,14 +55,14 @@ class Forecast:
 
 
 def forecast(
-    outlook: Outlook,
-    way: Way,
+    posterior: Posterior,
+    way: SearchMethod,
     space: Space,
     rng: np.random.Generator,
     *,
     wanted_px: float,
     degrees: int,
-    state: GenerationState | None = None,
+    state: HeuristicState | None = None,
     first: Array | None = None,
     ahead: int = AHEAD,
     stop: Stop | None = None,
@@ -70,7 +70,7 @@ def forecast(
     """Views needed until the mean projection error over the image is `wanted_px` or less.
 
     Args:
-        degrees: degrees of freedom of the residuals that `outlook.sigma_px` was estimated from.
+        degrees: degrees of freedom of the residuals that `posterior.sigma_px` was estimated from.
         state: of the rule of the methods that have one.
         first: (6,) the target already found; the plan begins with it.
         stop: asked before each view.
@@ -78,10 +78,10 @@ def forecast(
     Returns None when stopped. Raises `VenusError` if no pose fits the limits.
     """
     best, worst = spread_of(degrees)
-    errors = [outlook.error_px]
+    errors = [posterior.uncertainty_px]
     if errors[0] <= wanted_px:
         return Forecast(wanted_px, 0, 0, 0, 0)
-    plan = _plan(outlook, way, space, rng, state, first)
+    plan = _plan(posterior, way, space, rng, state, first)
     while len(errors) <= ahead and errors[-1] * worst > wanted_px:
         if stop is not None and stop():
             return None
@@ -108,46 +108,46 @@ def _reached(errors: list[float], factor: float, wanted_px: float) -> int | None
 
 
 def _plan(
-    outlook: Outlook,
-    way: Way,
+    posterior: Posterior,
+    way: SearchMethod,
     space: Space,
     rng: np.random.Generator,
-    state: GenerationState | None,
+    state: HeuristicState | None,
     first: Array | None,
 ) -> Iterator[float]:
     """The expected error after one view more, after two, and so on."""
     # The quick search makes the projection variance small; another cost asks for other poses.
     quick = way.method == "global" and way.cost == "projection-variance"
-    poses = _Poses(outlook, space, rng) if quick else None
+    poses = _Poses(posterior, space, rng) if quick else None
     behind, budget = 1.0, None if way.strategy in (None, "annealing") else _BUDGET
     while True:
         if first is not None:
             vector, first = first, None
         elif poses is not None:
-            vector, behind = poses.best(outlook), _BEHIND
+            vector, behind = poses.best(posterior), _BEHIND
         else:
-            found, _, state = find(way, outlook, space, rng, state=state, budget=budget)
+            found, _, state = find(way, posterior, space, rng, state=state, budget=budget)
             vector = found.vector
-        outlook = outlook.with_view(vector)
-        yield outlook.error_px / behind
+        posterior = posterior.with_view(vector)
+        yield posterior.uncertainty_px / behind
 
 
 class _Poses:
     """Poses of the space with what a view under each says: computed once, used for every view."""
 
-    def __init__(self, outlook: Outlook, space: Space, rng: np.random.Generator) -> None:
-        self._outlook, self._space, self._rng = outlook, space, rng
+    def __init__(self, posterior: Posterior, space: Space, rng: np.random.Generator) -> None:
+        self._outlook, self._space, self._rng = posterior, space, rng
         self._vectors, self._information = np.empty((0, 6)), np.empty((0, 9, 9))
         self._add(rng.random((_SPREAD, 6)))
 
-    def best(self, outlook: Outlook) -> Array:
+    def best(self, posterior: Posterior) -> Array:
         """(6,) the pose that leaves the least projection error after its view."""
-        variances = _variances(outlook, self._information)
+        variances = _variances(posterior, self._information)
         for stride in _STRIDES:
             parents = self._vectors[np.argsort(variances, kind="stable")[:_PARENTS]]
             around = np.repeat(self._space.to_unit(parents), _NEIGHBOURS // _PARENTS, axis=0)
             told = self._add(around + stride * self._rng.standard_normal(around.shape))
-            variances = np.concatenate([variances, _variances(outlook, told)])
+            variances = np.concatenate([variances, _variances(posterior, told)])
         # The next view chooses among the best ones, so that it takes no longer than this one.
         kept = np.argsort(variances, kind="stable")[:_SPREAD]
         self._vectors, self._information = self._vectors[kept], self._information[kept]
@@ -169,8 +169,8 @@ class _Poses:
         return told
 
 
-def _variances(outlook: Outlook, information: Array) -> Array:
+def _variances(posterior: Posterior, information: Array) -> Array:
     """(N,) mean variance of a projected pixel, over that of a corner, after a view of each of the
     informations (N, 9, 9)."""
-    after = np.linalg.inv(outlook.information + information)
-    return after.reshape(-1, 81) @ projection_weight(outlook.camera).ravel()
+    after = np.linalg.inv(posterior.information + information)
+    return after.reshape(-1, 81) @ projection_weight(posterior.camera).ravel()

@@ -16,9 +16,9 @@ from scipy.stats import qmc
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.costs import CostFunction, rough_of
-from venus3d.engine.planning.elites import Pool
+from venus3d.engine.planning.elites import Elites
 from venus3d.engine.planning.pose_space import Space, nothing_fits
-from venus3d.engine.planning.search_trace import Found, Move, Stop, Watch
+from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchStep, Stop
 
 Numbers = NDArray[np.intp]
 _SAMPLES = 0.15  # share of the budget that goes into the first look at the whole space
@@ -39,8 +39,8 @@ def search_globally(
     *,
     budget: int = 3050,
     stop: Stop | None = None,
-    on_move: Watch | None = None,
-) -> Found:
+    on_step: OnSearchStep | None = None,
+) -> SearchResult:
     """The cheapest pose of the space; all randomness is `rng`'s.
 
     A seventh of the budget goes into a Sobol sequence over the unit cube of `Space`, shifted at
@@ -53,21 +53,21 @@ def search_globally(
         cost: of pose vectors (N, 6). If it has a rough one beside it (`rough_of`), that ranks, and
             only the poses returned are given their exact cost.
         budget: costs to compute, about.
-        stop, on_move: see `search`.
+        stop, on_step: see `search`.
 
     Raises `VenusError` if no pose fits the limits.
     """
-    run = _Run(space, cost, stop, on_move)
+    run = _Run(space, cost, stop, on_step)
     parents, costs = run.samples(budget, rng)
     # In a space of few poses most children are lost: there is an end even then.
     for _ in range(10 + 4 * budget // _PART):
-        if run.pool.evaluated >= budget or run.stopped():
+        if run.elites.evaluated >= budget or run.stopped():
             break
-        spent = run.pool.evaluated / budget
+        spent = run.elites.evaluated / budget
         count = round(_PARENTS[0] + (_PARENTS[1] - _PARENTS[0]) * spent)
         order = np.argsort(costs, kind="stable")[:count]
         parents, costs = parents[order], costs[order]
-        children, of = _children(parents, min(_PART, budget - run.pool.evaluated), rng)
+        children, of = _children(parents, min(_PART, budget - run.elites.evaluated), rng)
         found, values, kept = run.look_at(children)
         _replace(parents, costs, found, values, of[kept])
     return run.found()
@@ -81,11 +81,11 @@ class _Run:
         space: Space,
         cost: CostFunction,
         stop: Stop | None,
-        on_move: Watch | None,
+        on_step: OnSearchStep | None,
     ) -> None:
-        self.pool = Pool(space)
+        self.elites = Elites(space)
         self._space, self._cost, self._rough = space, cost, rough_of(cost)
-        self._stop, self._on_move, self._stopped = stop, on_move, False
+        self._stop, self._on_step, self._stopped = stop, on_step, False
 
     def stopped(self) -> bool:
         self._stopped = self._stopped or (self._stop is not None and self._stop())
@@ -102,9 +102,9 @@ class _Run:
             unit, values, _ = self.look_at((np.asarray(sequence.random(size)) + shift) % 1.0)
             points.append(unit)
             costs.append(values)
-            if self.pool.evaluated >= wanted or (self.pool.evaluated and self.stopped()):
+            if self.elites.evaluated >= wanted or (self.elites.evaluated and self.stopped()):
                 break
-        if not self.pool.evaluated:
+        if not self.elites.evaluated:
             raise nothing_fits(self._space)
         return np.concatenate(points), np.concatenate(costs)
 
@@ -117,37 +117,39 @@ class _Run:
             return unit[:0], np.zeros(0), kept
         vectors = vectors[kept]
         costs = self._rough(vectors)
-        self.pool.add(vectors, costs)
+        self.elites.add(vectors, costs)
         self._tell(vectors, costs)
         return self._space.to_unit(vectors), costs, kept
 
     def _tell(self, vectors: Array, costs: Array) -> None:
         """Tell of a batch's best pose; it counts as accepted if it is the best of all."""
-        if self._on_move is None:
+        if self._on_step is None:
             return
-        i, pool = int(np.argmin(costs)), self.pool
+        i, elites = int(np.argmin(costs)), self.elites
         cost = float(costs[i])
-        self._on_move(
-            Move(
+        self._on_step(
+            SearchStep(
                 vectors[i],
                 cost,
-                cost <= pool.best_cost,
-                pool.best,
-                pool.best_cost,
-                pool.evaluated,
+                cost <= elites.best_cost,
+                elites.best,
+                elites.best_cost,
+                elites.evaluated,
                 vectors,
                 costs,
             )
         )
 
-    def found(self) -> Found:
-        found = self.pool.found(self._stopped)
+    def found(self) -> SearchResult:
+        found = self.elites.found(self._stopped)
         if self._rough is self._cost:
             return found
-        costs = self._cost(found.pool)
+        costs = self._cost(found.elites)
         order = np.argsort(costs, kind="stable")
-        pool, costs = found.pool[order], costs[order]
-        return Found(pool[0], float(costs[0]), found.evaluated, self._stopped, pool, costs)
+        elites, costs = found.elites[order], costs[order]
+        return SearchResult(
+            elites[0], float(costs[0]), found.evaluated, self._stopped, elites, costs
+        )
 
 
 def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Array, Numbers]:

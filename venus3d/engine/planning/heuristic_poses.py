@@ -4,7 +4,7 @@ Both aim at one parameter: for a focal length or the principal point the board i
 distortion coefficient it covers the most distorted part of the image. They differ in the angles:
 eq. (11) averages the last two, Rojtberg et al. 2018 bisect the range breadth first.
 
-What has been used is an explicit frozen `GenerationState`; nothing is searched here.
+What has been used is an explicit frozen `HeuristicState`; nothing is searched here.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class GenerationState:
+class HeuristicState:
     """What the generators have used so far."""
 
     counts: tuple[int, ...] = (0,) * 9
@@ -58,7 +58,7 @@ class GenerationState:
     settled: tuple[str, ...] = ()
     """Parameters passed over because the view made for them changed them little."""
 
-    def observed(self, sigma: ArrayLike, epsilon: float = 0.1) -> GenerationState:
+    def observed(self, sigma: ArrayLike, epsilon: float = 0.1) -> HeuristicState:
         """The state after the views so far gave standard deviations `sigma` (9,).
 
         A parameter whose sigma fell by less than `epsilon` through the view made for it is
@@ -80,7 +80,7 @@ class GenerationState:
         """How many poses were made for these parameters together."""
         return sum(self.counts[PARAMETERS.index(name)] for name in names)
 
-    def after(self, name: str, window: Window | None = None) -> GenerationState:
+    def after(self, name: str, window: Window | None = None) -> HeuristicState:
         """The state after one more pose for the parameter `name`."""
         counts = list(self.counts)
         counts[PARAMETERS.index(name)] += 1
@@ -89,14 +89,14 @@ class GenerationState:
 
 
 @dataclass(frozen=True, eq=False)
-class Generated:
+class HeuristicPose:
     """A pose made by rule."""
 
     vector: Array
     """(6,) pose vector, within the limits."""
     parameter: str
     """What it was made for."""
-    state: GenerationState
+    state: HeuristicState
     """The state to go on with."""
     note: str = ""
     """How the rule's own pose had to be changed to stay within the limits; empty if it was not."""
@@ -130,9 +130,9 @@ def bisection_angle_deg(i: int, half_range_deg: float = 70.0) -> float:
     return -half_range_deg + 2 * half_range_deg * (i - first + 0.5) / level
 
 
-def generate_paper(
-    board: Board, camera: Camera, limits: Limits, parameter: str, state: GenerationState
-) -> Generated:
+def paper_pose(
+    board: Board, camera: Camera, limits: Limits, parameter: str, state: HeuristicState
+) -> HeuristicPose:
     """The paper's pose for `parameter`: eqs (10), (11), or the distortion window."""
     if parameter not in _ABOUT_X + _ABOUT_Y:
         return _distortion_pose(board, camera, limits, parameter, state)
@@ -144,9 +144,9 @@ def generate_paper(
     return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
 
 
-def generate_rojtberg(
-    board: Board, camera: Camera, limits: Limits, parameter: str, state: GenerationState
-) -> Generated:
+def rojtberg_pose(
+    board: Board, camera: Camera, limits: Limits, parameter: str, state: HeuristicState
+) -> HeuristicPose:
     """Rojtberg's pose for `parameter`; his very first one is frontal and fills the image."""
     if not any(state.counts):
         wanted = _nearest_visible(board, camera, limits, np.array([0.0, 0, 0, 0, 0, 1]))
@@ -223,15 +223,15 @@ def _finished(
     limits: Limits,
     wanted: Array,
     parameter: str,
-    state: GenerationState,
-) -> Generated:
+    state: HeuristicState,
+) -> HeuristicPose:
     vector, note = brought_within(board, camera, limits, wanted)
-    return Generated(vector, parameter, state, note)
+    return HeuristicPose(vector, parameter, state, note)
 
 
 def _distortion_pose(
-    board: Board, camera: Camera, limits: Limits, parameter: str, state: GenerationState
-) -> Generated:
+    board: Board, camera: Camera, limits: Limits, parameter: str, state: HeuristicState
+) -> HeuristicPose:
     window, again = distortion_window(board, camera, state.windows)
     begun = replace(state, windows=()) if again else state
     wanted = window_pose(board, camera, window).vector()

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.geometry.visibility import Sight, sight_of
+from venus3d.engine.geometry.visibility import Visibility, visibility_of
 
 Mask = NDArray[np.bool_]
 # A pose put exactly on a limit must not be lost to rounding.
@@ -82,10 +82,10 @@ class Limits:
         good = cosine >= np.cos(np.radians(self.max_tilt_deg)) - _SLACK
         good &= (p[:, 5] > 0) & (p[:, 5] <= self.farthest)
         left = np.flatnonzero(good)
-        good[left] = self.within(camera, p[left], sight_of(camera, board, p[left]))
+        good[left] = self.within(camera, p[left], visibility_of(camera, board, p[left]))
         return good
 
-    def within(self, camera: Camera, vectors: Array, sight: Sight) -> Mask:
+    def within(self, camera: Camera, vectors: Array, sight: Visibility) -> Mask:
         """The same of pose vectors (N, 6) whose sight is known."""
         low, high = self.frame(camera)
         near, far = sight.near, sight.far
@@ -142,7 +142,7 @@ class Limits:
         Returns two (N, 8): positive or NaN means broken.
         """
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
-        sight = sight_of(camera, board, p)
+        sight = visibility_of(camera, board, p)
         tilt = np.degrees(np.arccos(np.clip(sight.cosine, -1.0, 1.0)))
         low, high = self.frame(camera)
         behind = np.where(sight.seen, -1.0, 1.0)

@@ -29,8 +29,8 @@ DEFAULT_STRATEGY: dict[Method, Strategy] = {"venus": "annealing", "global": "glo
 
 
 @dataclass(frozen=True)
-class Way:
-    """How the next pose is found: a method with all that belongs to it. Made by `way_of`."""
+class SearchMethod:
+    """How the next pose is found: a method with all that belongs to it. Made by `search_method`."""
 
     method: Method
     cost: Cost
@@ -40,14 +40,14 @@ class Way:
     keep_best: bool = False
 
 
-def way_of(
+def search_method(
     method: Method,
     cost: Cost | None = None,
     strategy: Strategy | None = None,
     *,
     start: Start = "generated",
     keep_best: bool = False,
-) -> Way:
+) -> SearchMethod:
     """The method with its own cost and search where none are named.
 
     Raises `VenusError` for names that do not exist and for combinations that make no sense.
@@ -67,7 +67,7 @@ def way_of(
                 f"The method {method} does not search, so the {'search' if strategy else 'cost'} "
                 f"{unused} has no use there; leave it out or use the method venus or global."
             )
-        return Way(method, DEFAULT_COST[method], None)
+        return SearchMethod(method, DEFAULT_COST[method], None)
     how = strategy or DEFAULT_STRATEGY[method]
     if cost == "rms" and how != "annealing":
         raise VenusError(
@@ -75,4 +75,4 @@ def way_of(
             f"{'method global' if method == 'global' else f'search {how}'}; use it with the "
             "method venus and its own search, or use projection-variance."
         )
-    return Way(method, cost or DEFAULT_COST[method], how, start, keep_best)
+    return SearchMethod(method, cost or DEFAULT_COST[method], how, start, keep_best)

@@ -11,7 +11,7 @@ import numpy as np
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, angles_of
-from venus3d.engine.geometry.visibility import Sight, sight_of
+from venus3d.engine.geometry.visibility import Visibility, visibility_of
 from venus3d.engine.planning.limits import Limits, Mask
 
 # Each correction is a Newton step. It aims a little inside, or the next one never gets through.
@@ -36,7 +36,7 @@ def onto_limits(
     left = np.arange(len(moved))
     for step in range(steps + 1):
         p = moved[left]
-        sight = sight_of(camera, board, p)
+        sight = visibility_of(camera, board, p)
         good = limits.within(camera, p, sight)
         accepted[left[good]] = True
         bad = np.flatnonzero(~good)
@@ -47,7 +47,7 @@ def onto_limits(
     return moved, accepted
 
 
-def _step(limits: Limits, camera: Camera, p: Array, sight: Sight) -> Array:
+def _step(limits: Limits, camera: Camera, p: Array, sight: Visibility) -> Array:
     """One correction of vectors (N, 6)."""
     with np.errstate(all="ignore"):
         factor = _distance_factor(limits, camera, sight)
@@ -59,7 +59,7 @@ def _step(limits: Limits, camera: Camera, p: Array, sight: Sight) -> Array:
     return p
 
 
-def _distance_factor(limits: Limits, camera: Camera, sight: Sight) -> Array:
+def _distance_factor(limits: Limits, camera: Camera, sight: Visibility) -> Array:
     """(N,) by which the distance must change: nearer limits come before farther ones."""
     low, high = limits.frame(camera)
     extent = (sight.high - sight.low) / (high - low)[:, None]
@@ -73,7 +73,7 @@ def _distance_factor(limits: Limits, camera: Camera, sight: Sight) -> Array:
     return np.where(sight.seen, np.clip(factor, 0.5, 2.0), 1.3)
 
 
-def _sideways(limits: Limits, camera: Camera, sight: Sight, t: Array, factor: Array) -> Array:
+def _sideways(limits: Limits, camera: Camera, sight: Visibility, t: Array, factor: Array) -> Array:
     """(2, N) metres that bring the points outside the frame back into it, at the new distance.
 
     A pixel of a point at depth Z is Z / f metres; a factor on the distance draws the pixels

@@ -22,11 +22,11 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.costs import predicted_covariance, projection_error_px
+from venus3d.engine.planning.costs import predicted_covariance, projection_uncertainty_px
 
 
 @dataclass(frozen=True, eq=False)
-class Outlook:
+class Posterior:
     """The information gathered so far, with the camera to plan with."""
 
     board: Board
@@ -48,8 +48,8 @@ class Outlook:
         information: ArrayLike,
         sigma_px: float,
         noise: NoiseModel | None = None,
-    ) -> Outlook:
-        """The outlook after views of this `information`, (9, 9).
+    ) -> Posterior:
+        """The posterior after views of this `information`, (9, 9).
 
         The wide prior of `prior_information` is added while the views alone say less than it does.
         """
@@ -66,9 +66,9 @@ class Outlook:
         return covariance_of(self.information, self.sigma_px)
 
     @cached_property
-    def error_px(self) -> float:
+    def uncertainty_px(self) -> float:
         """Mean projection error over the image to expect now, pixels, the prior included."""
-        return projection_error_px(self.camera, self.covariance)
+        return projection_uncertainty_px(self.camera, self.covariance)
 
     def after(self, vectors: ArrayLike) -> Array:
         """(N, 9, 9) covariances after one more view under each pose vector (N, 6)."""
@@ -76,14 +76,14 @@ class Outlook:
             self.board, self.camera, self.information, vectors, noise=self.noise
         )
 
-    def with_view(self, vector: ArrayLike) -> Outlook:
-        """The outlook once a view under the pose vector (6,) is taken."""
+    def with_view(self, vector: ArrayLike) -> Posterior:
+        """The posterior once a view under the pose vector (6,) is taken."""
         # The inverse of a covariance is its information.
         after = covariance_of(self.after(vector)[0] / self.sigma_px**2)
         return replace(self, information=after)
 
-    def with_seen(self, observation: Observation, pose: Pose) -> Outlook:
-        """The outlook with a view as it is seen: those corners, under that pose."""
+    def with_seen(self, observation: Observation, pose: Pose) -> Posterior:
+        """The posterior with a view as it is seen: those corners, under that pose."""
         points = self.board.points_of(observation.ids)
         told = view_information(self.camera, points, pose.R[None], pose.t[None])[0]
         return replace(self, information=self.information + told)

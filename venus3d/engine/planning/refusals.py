@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import AXES, Array, rotations_of
-from venus3d.engine.geometry.visibility import Sight, sight_of
+from venus3d.engine.geometry.visibility import Visibility, visibility_of
 from venus3d.engine.planning.limits import Limits
 
 Kind = Literal["behind", "outside", "tilt", "angle", "near", "far", "depth", "small"]
-# The first four and the last four of the points that `sight_of` looks at.
+# The first four and the last four of the points that `visibility_of` looks at.
 _CORNERS = ("top left", "top right", "bottom right", "bottom left")
 _EDGES = ("top", "right", "bottom", "left")
 _SIDES = (("left", "right"), ("top", "bottom"))
@@ -44,7 +44,7 @@ def refusals(
 ) -> tuple[Refusal, ...]:
     """Why a pose vector (6,), degrees and metres, is not asked of a person; empty if it may be."""
     p = np.asarray(vector, dtype=np.float64)
-    sight = sight_of(camera, board, p[None])
+    sight = visibility_of(camera, board, p[None])
     found = [*_turned_too_far(limits, p), *_tilted(limits, sight)]
     if not sight.seen[0]:
         text = "Part of the board is beside or behind the lens, where it cannot be seen."
@@ -69,7 +69,7 @@ def _turned_too_far(limits: Limits, p: Array) -> list[Refusal]:
     ]
 
 
-def _tilted(limits: Limits, sight: Sight) -> list[Refusal]:
+def _tilted(limits: Limits, sight: Visibility) -> list[Refusal]:
     if sight.cosine[0] >= np.cos(np.radians(limits.max_tilt_deg)) - _SLACK:
         return []
     tilt = float(np.degrees(np.arccos(np.clip(sight.cosine[0], -1, 1))))
@@ -82,7 +82,7 @@ def _tilted(limits: Limits, sight: Sight) -> list[Refusal]:
     return [Refusal("tilt", text, tilt / limits.max_tilt_deg - 1)]
 
 
-def _outside(limits: Limits, camera: Camera, sight: Sight) -> list[Refusal]:
+def _outside(limits: Limits, camera: Camera, sight: Visibility) -> list[Refusal]:
     low, high = limits.frame(camera)
     pixels = sight.pixels[:, [0, 1, 2, 3, 12, 13, 14, 15], 0]
     border = limits.margin * camera.width
@@ -115,7 +115,7 @@ def _where(side: str) -> str:
     return f"on the {side}" if side in ("left", "right") else f"at the {side}"
 
 
-def _small(limits: Limits, sight: Sight) -> list[Refusal]:
+def _small(limits: Limits, sight: Visibility) -> list[Refusal]:
     side, needed = float(sight.side[0]), limits.min_square_px
     if side >= needed - _SLACK:
         return []
@@ -126,7 +126,7 @@ def _small(limits: Limits, sight: Sight) -> list[Refusal]:
     return [Refusal("small", text, 1 - side / needed)]
 
 
-def _distances(limits: Limits, board: Board, p: Array, sight: Sight) -> list[Refusal]:
+def _distances(limits: Limits, board: Board, p: Array, sight: Visibility) -> list[Refusal]:
     corners = board.outline @ rotations_of(p)[0].T + p[3:]
     distances = np.linalg.norm(corners, axis=1)
     near, far = float(sight.near[0]), float(sight.far[0])

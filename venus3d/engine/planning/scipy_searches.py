@@ -15,9 +15,9 @@ from scipy.optimize import differential_evolution, dual_annealing
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.costs import CostFunction
-from venus3d.engine.planning.elites import Pool
+from venus3d.engine.planning.elites import Elites
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.engine.planning.search_trace import Found, Move, Stop, Watch
+from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchStep, Stop
 
 # scipy renames `seed` to `rng`; the old name is understood by all versions, not by all stubs.
 _dual_annealing: Any = dual_annealing
@@ -37,10 +37,10 @@ def dual_annealing_search(
     *,
     budget: int = 5000,
     stop: Stop | None = None,
-    on_move: Watch | None = None,
-) -> Found:
+    on_step: OnSearchStep | None = None,
+) -> SearchResult:
     """`scipy.optimize.dual_annealing` with its defaults, until `budget` points were looked at."""
-    objective = _Objective(space, cost, rng, budget, stop, on_move)
+    objective = _Objective(space, cost, rng, budget, stop, on_step)
     with suppress(_Ended):
         _dual_annealing(objective.of_one, _BOUNDS, maxiter=10**9, seed=rng)
     return objective.found()
@@ -53,13 +53,13 @@ def differential_evolution_search(
     *,
     budget: int = 5000,
     stop: Stop | None = None,
-    on_move: Watch | None = None,
-) -> Found:
+    on_step: OnSearchStep | None = None,
+) -> SearchResult:
     """`scipy.optimize.differential_evolution`, 60 at a time, until `budget` points were looked at.
 
     From a Sobol sequence and without a polish at the end, otherwise with its defaults.
     """
-    objective = _Objective(space, cost, rng, budget, stop, on_move)
+    objective = _Objective(space, cost, rng, budget, stop, on_step)
     with suppress(_Ended):
         _differential_evolution(
             objective.of_columns,
@@ -86,14 +86,14 @@ class _Objective:
         rng: np.random.Generator,
         budget: int,
         stop: Stop | None,
-        on_move: Watch | None,
+        on_step: OnSearchStep | None,
     ) -> None:
         self._space, self._cost, self._left = space, cost, budget
-        self._stop, self._on_move, self._stopped = stop, on_move, False
-        self._pool = Pool(space)
+        self._stop, self._on_step, self._stopped = stop, on_step, False
+        self._elites = Elites(space)
         # A valid pose to begin with: the search may be stopped before it finds one.
         first = random_pose(space, rng)[None]
-        self._pool.add(first, cost(first))
+        self._elites.add(first, cost(first))
 
     def __call__(self, unit: Array) -> Array:
         """(N,) for points (N, 6). Ends the search by `_Ended` when it is time."""
@@ -107,18 +107,22 @@ class _Objective:
         inside = np.flatnonzero(excess == 0)
         if len(inside):
             costs = self._cost(vectors[inside])
-            values[inside] = np.log(costs / self._pool.first_cost)
+            values[inside] = np.log(costs / self._elites.first_cost)
             self._tell(vectors[inside], costs)
         return values
 
     def _tell(self, vectors: Array, costs: Array) -> None:
-        before = self._pool.best_cost
-        self._pool.add(vectors, costs)
-        if self._on_move is not None:
-            i, pool = int(np.argmin(costs)), self._pool
+        before = self._elites.best_cost
+        self._elites.add(vectors, costs)
+        if self._on_step is not None:
+            i, elites = int(np.argmin(costs)), self._elites
             better = bool(costs[i] < before)
             cost = float(costs[i])
-            self._on_move(Move(vectors[i], cost, better, pool.best, pool.best_cost, pool.evaluated))
+            self._on_step(
+                SearchStep(
+                    vectors[i], cost, better, elites.best, elites.best_cost, elites.evaluated
+                )
+            )
 
     def of_one(self, unit: Array) -> float:
         """For one point (6,)."""
@@ -128,5 +132,5 @@ class _Objective:
         """For points (6, N)."""
         return self(unit.T)
 
-    def found(self) -> Found:
-        return self._pool.found(self._stopped)
+    def found(self) -> SearchResult:
+        return self._elites.found(self._stopped)

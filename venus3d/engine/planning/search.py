@@ -3,7 +3,7 @@
 annealing                Algorithm 1 of the paper, from a given pose
 global                   ours: the whole pose space within the limits
 dual-annealing           scipy's, a yardstick
-differential-evolution   scipy's, a yardstick (the paper's outlook names evolutionary search)
+differential-evolution   scipy's, a yardstick (the paper's posterior names evolutionary search)
 
 All take a random generator, end when asked to with the best pose so far, and report their moves so
 that they can be watched. What a pose costs is `costs`' business, which poses are allowed `space`'s.
@@ -24,14 +24,14 @@ from venus3d.engine.planning.scipy_searches import (
     differential_evolution_search,
     dual_annealing_search,
 )
-from venus3d.engine.planning.search_trace import Found, Move, Stop, Watch
+from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchStep, Stop
 
 __all__ = [
     "BUDGET",
-    "Found",
-    "Move",
+    "OnSearchStep",
+    "SearchResult",
+    "SearchStep",
     "Stop",
-    "Watch",
     "anneal",
     "neighbour_sigma",
     "search",
@@ -56,9 +56,9 @@ def search(
     start: ArrayLike | None = None,
     budget: int | None = None,
     stop: Stop | None = None,
-    on_move: Watch | None = None,
+    on_step: OnSearchStep | None = None,
     keep_best: bool = False,
-) -> Found:
+) -> SearchResult:
     """The cheapest pose of the space that the strategy finds.
 
     Args:
@@ -66,7 +66,7 @@ def search(
         start: (6,) where the annealing begins, a pose of the space; the others need none.
         budget: about how many poses to look at; None for the strategy's own (`BUDGET`).
         stop: asked again and again; once it says True the best pose so far is returned.
-        on_move: told of every pose looked at, or of the best of every batch.
+        on_step: told of every pose looked at, or of the best of every batch.
         keep_best: let the annealing return the best pose it met, not the one it ends on as printed.
 
     Raises `VenusError` for a strategy that does not exist, an annealing without a start, a budget
@@ -88,12 +88,12 @@ def search(
             tries=-(-count // ROUNDS),
             keep_best=keep_best,
             stop=stop,
-            on_move=on_move,
+            on_step=on_step,
         )
     if strategy == "global":
-        return search_globally(space, cost, rng, budget=count, stop=stop, on_move=on_move)
+        return search_globally(space, cost, rng, budget=count, stop=stop, on_step=on_step)
     run = {
         "dual-annealing": dual_annealing_search,
         "differential-evolution": differential_evolution_search,
     }[strategy]
-    return run(space, cost, rng, budget=count, stop=stop, on_move=on_move)
+    return run(space, cost, rng, budget=count, stop=stop, on_step=on_step)

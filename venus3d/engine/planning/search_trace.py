@@ -13,7 +13,7 @@ Stop = Callable[[], bool]
 
 
 @dataclass(frozen=True, eq=False)
-class Move:
+class SearchStep:
     """One step of a search, for somebody who watches."""
 
     vector: Array
@@ -33,10 +33,10 @@ class Move:
 
 
 @dataclass(frozen=True, eq=False)
-class Walk:
+class SearchTrace:
     """A whole search as it went, to be watched afterwards."""
 
-    moves: tuple[Move, ...]
+    moves: tuple[SearchStep, ...]
     """In order; the first ones only, if there were very many."""
     end: Array
     """(6,) the pose that the search ended with."""
@@ -48,7 +48,7 @@ class Walk:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SearchResult:
     """What a search ended with."""
 
     vector: Array
@@ -58,26 +58,26 @@ class Found:
     """Costs computed."""
     stopped: bool
     """Whether it was stopped before its end."""
-    pool: Array = field(default_factory=lambda: np.empty((0, 6)))
+    elites: Array = field(default_factory=lambda: np.empty((0, 6)))
     """(K, 6) the good poses met, cheapest first, the best included; empty if none were kept."""
-    pool_costs: Array = field(default_factory=lambda: np.empty(0))
+    elite_costs: Array = field(default_factory=lambda: np.empty(0))
     """(K,) their costs."""
 
 
-Watch = Callable[[Move], None]
+OnSearchStep = Callable[[SearchStep], None]
 
 
-class Recorder:
+class SearchRecorder:
     """Keeps the moves of a search. Used within one search; a move is kept as it is, not copied."""
 
     AT_MOST = 6000
     """Poses kept, so that no search fills the memory: a third of a megabyte."""
 
-    def __init__(self, watch: Watch | None = None) -> None:
+    def __init__(self, watch: OnSearchStep | None = None) -> None:
         """`watch` is told of every move as well."""
-        self._watch, self._moves, self._poses = watch, list[Move](), 0
+        self._watch, self._moves, self._poses = watch, list[SearchStep](), 0
 
-    def __call__(self, move: Move) -> None:
+    def __call__(self, move: SearchStep) -> None:
         """Take in one move."""
         poses = max(1, len(move.candidates))
         if self._poses + poses <= self.AT_MOST:
@@ -86,6 +86,6 @@ class Recorder:
         if self._watch is not None:
             self._watch(move)
 
-    def walk(self, end: Array) -> Walk | None:
+    def trace(self, end: Array) -> SearchTrace | None:
         """The search that ended with the pose vector `end` (6,); None if there was no move."""
-        return Walk(tuple(self._moves), end) if self._moves else None
+        return SearchTrace(tuple(self._moves), end) if self._moves else None

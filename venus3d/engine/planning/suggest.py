@@ -25,22 +25,29 @@ from venus3d.engine.planning.alternatives import nearly_equal
 from venus3d.engine.planning.costs import (
     CostFunction,
     make_cost,
-    projection_error_px,
+    projection_uncertainty_px,
     with_surcharge,
 )
 from venus3d.engine.planning.heuristic_poses import (
-    Generated,
-    GenerationState,
-    generate_paper,
-    generate_rojtberg,
+    HeuristicPose,
+    HeuristicState,
+    paper_pose,
+    rojtberg_pose,
     weakest_parameter,
 )
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import Cost, Method, Start, Strategy, Way, way_of
+from venus3d.engine.planning.method import (
+    Cost,
+    Method,
+    SearchMethod,
+    Start,
+    Strategy,
+    search_method,
+)
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.reasons import held_in_words, reason_for, served
-from venus3d.engine.planning.search import Found, Stop, Watch, search
+from venus3d.engine.planning.search import OnSearchStep, SearchResult, Stop, search
 from venus3d.engine.planning.target import Target
 
 EFFORT = 0.02
@@ -55,7 +62,7 @@ class Suggestion:
     """The next target and the generators' state after it."""
 
     target: Target
-    state: GenerationState
+    state: HeuristicState
     note: str = ""
     """How a generated pose had to be changed to stay within the limits; empty if it was not."""
 
@@ -74,12 +81,12 @@ def suggest(
     limits: Limits | None = None,
     rng: np.random.Generator,
     number: int,
-    state: GenerationState | None = None,
+    state: HeuristicState | None = None,
     views: Sequence[View] = (),
     skipped: Sequence[Pose] = (),
     keep_best: bool = False,
     stop: Stop | None = None,
-    on_move: Watch | None = None,
+    on_step: OnSearchStep | None = None,
 ) -> Suggestion:
     """The next pose to hold the board in.
 
@@ -94,25 +101,25 @@ def suggest(
         views: captured so far; only the cost "rms" needs their observations.
         skipped: poses not to be offered again within 15 degrees and a tenth of the distance.
         keep_best: let the annealing return the best pose it met, not the one it ends on.
-        stop, on_move: see `search`.
+        stop, on_step: see `search`.
 
-    Raises `VenusError` for what `way_of` refuses, and for limits that leave no pose.
+    Raises `VenusError` for what `search_method` refuses, and for limits that leave no pose.
     """
-    way = way_of(method, cost, strategy, start=start, keep_best=keep_best)
+    way = search_method(method, cost, strategy, start=start, keep_best=keep_best)
     began = time.perf_counter()
-    outlook = Outlook.of(board, camera, information, sigma_px, noise)
-    bounds = Limits.for_board(board, outlook.camera) if limits is None else limits
-    space = Space(board, outlook.camera, bounds, tuple(skipped))
+    posterior = Posterior.of(board, camera, information, sigma_px, noise)
+    bounds = Limits.for_board(board, posterior.camera) if limits is None else limits
+    space = Space(board, posterior.camera, bounds, tuple(skipped))
     found, generated, ended = find(
-        way, outlook, space, rng, state=state, views=views, stop=stop, on_move=on_move
+        way, posterior, space, rng, state=state, views=views, stop=stop, on_step=on_step
     )
     aimed_at = generated.parameter if method == "pose-selection" and generated else None
     others = tuple(
-        target_at(outlook, way, vector, number, evaluated=found.evaluated)
-        for vector in nearly_equal(outlook, found.vector, found.pool)
+        target_at(posterior, way, vector, number, evaluated=found.evaluated)
+        for vector in nearly_equal(posterior, found.vector, found.elites)
     )
     target = target_at(
-        outlook,
+        posterior,
         way,
         found.vector,
         number,
@@ -125,29 +132,29 @@ def suggest(
 
 
 def find(
-    way: Way,
-    outlook: Outlook,
+    way: SearchMethod,
+    posterior: Posterior,
     space: Space,
     rng: np.random.Generator,
     *,
-    state: GenerationState | None = None,
+    state: HeuristicState | None = None,
     views: Sequence[View] = (),
     budget: int | None = None,
     stop: Stop | None = None,
-    on_move: Watch | None = None,
-) -> tuple[Found, Generated | None, GenerationState]:
+    on_step: OnSearchStep | None = None,
+) -> tuple[SearchResult, HeuristicPose | None, HeuristicState]:
     """The pose itself; what the method's rule made, if that was used; the rule's state after it.
 
     `budget` is about how many poses to look at, None for the search's own. Others as `suggest`.
     """
-    begun = (state or GenerationState()).observed(np.sqrt(np.diag(outlook.covariance)))
+    begun = (state or HeuristicState()).observed(np.sqrt(np.diag(posterior.covariance)))
     # Other searches than the annealing do not start anywhere: no rule is asked.
     ruled = way.strategy is None or (way.strategy == "annealing" and way.start == "generated")
-    made = _generated(way.method, space, outlook.covariance, begun) if ruled else None
+    made = _generated(way.method, space, posterior.covariance, begun) if ruled else None
     ended = begun if made is None else made.state
     if way.strategy is None:
         vector = random_pose(space, rng) if made is None else made.vector
-        return Found(vector, float("nan"), 0, False), made, ended
+        return SearchResult(vector, float("nan"), 0, False), made, ended
     begin = None
     if way.strategy == "annealing":
         if made is not None and not space.accepts(made.vector)[0]:
@@ -156,20 +163,20 @@ def find(
     found = search(
         way.strategy,
         space,
-        _price(way, outlook, space, views, rng),
+        _price(way, posterior, space, views, rng),
         rng,
         start=begin,
         budget=budget,
         stop=stop,
-        on_move=on_move,
+        on_step=on_step,
         keep_best=way.keep_best,
     )
     return found, made, ended
 
 
 def target_at(
-    outlook: Outlook,
-    way: Way,
+    posterior: Posterior,
+    way: SearchMethod,
     vector: Array,
     number: int,
     *,
@@ -185,9 +192,9 @@ def target_at(
         evaluated: poses looked at.
         began: `time.perf_counter` when the search began.
     """
-    camera, board = outlook.camera, outlook.board
-    after = outlook.after(vector)[0]
-    pose, serves = Pose.from_vector(vector), served(outlook.covariance, after, aimed_at)
+    camera, board = posterior.camera, posterior.board
+    after = posterior.after(vector)[0]
+    pose, serves = Pose.from_vector(vector), served(posterior.covariance, after, aimed_at)
     return Target(
         number=number,
         pose=pose,
@@ -197,29 +204,33 @@ def target_at(
         serves=serves,
         reason=reason_for(serves, pose, camera, board),
         predicted_sigma=np.sqrt(np.diag(after)),
-        predicted_error_px=projection_error_px(camera, after),
+        predicted_uncertainty_px=projection_uncertainty_px(camera, after),
         evaluated=evaluated,
         search_s=0.0 if began is None else time.perf_counter() - began,
-        error_px=outlook.error_px if outlook.settled else float("nan"),
+        uncertainty_px=posterior.uncertainty_px if posterior.settled else float("nan"),
         alternatives=alternatives,
         held=held_in_words(pose, camera),
     )
 
 
 def _price(
-    way: Way, outlook: Outlook, space: Space, views: Sequence[View], rng: np.random.Generator
+    way: SearchMethod,
+    posterior: Posterior,
+    space: Space,
+    views: Sequence[View],
+    rng: np.random.Generator,
 ) -> CostFunction:
     """The cost; for the method global with a tiny surcharge for the turns that a person has to
     make (see `EFFORT`)."""
     price = make_cost(
         way.cost,
-        board=outlook.board,
-        camera=outlook.camera,
-        information=outlook.information,
-        sigma_px=outlook.sigma_px,
+        board=posterior.board,
+        camera=posterior.camera,
+        information=posterior.information,
+        sigma_px=posterior.sigma_px,
         observations=[view.observation for view in views],
         rng=rng,
-        noise=outlook.noise,
+        noise=posterior.noise,
     )
     if way.method != "global":
         return price
@@ -231,17 +242,17 @@ def _price(
 
 
 def _generated(
-    method: Method, space: Space, covariance: Array, state: GenerationState
-) -> Generated | None:
+    method: Method, space: Space, covariance: Array, state: HeuristicState
+) -> HeuristicPose | None:
     """The rule's next pose that was not skipped; it gives up after eight and takes the last.
 
     None for methods without a rule.
     """
     if method not in ("venus", "pose-selection"):
         return None
-    generate = generate_paper if method == "venus" else generate_rojtberg
+    generate = paper_pose if method == "venus" else rojtberg_pose
     worst = weakest_parameter(space.camera, covariance, state.settled)
-    made: Generated | None = None
+    made: HeuristicPose | None = None
     for _ in range(8):
         made = generate(space.board, space.camera, space.limits, worst, state)
         if space.accepts(made.vector)[0]:

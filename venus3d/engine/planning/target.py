@@ -26,13 +26,13 @@ class Target:
     """One sentence: what this pose is for."""
     predicted_sigma: Array
     """(9,) expected standard deviations after this view; NaN where not known."""
-    predicted_error_px: float
+    predicted_uncertainty_px: float
     """Expected mean projection error over the image after this view; NaN where not known."""
     evaluated: int
     """How many candidate poses were looked at."""
     search_s: float
     """How long the search took."""
-    error_px: float = float("nan")
+    uncertainty_px: float = float("nan")
     """Expected mean projection error over the image before this view; NaN where not known."""
     alternatives: tuple[Target, ...] = ()
     """Clearly different poses that are nearly as good, best first; one may suit the wrists."""
@@ -42,4 +42,4 @@ class Target:
     @property
     def gain_px(self) -> float:
         """By how much this view is expected to lower the mean projection error; NaN if unknown."""
-        return self.error_px - self.predicted_error_px
+        return self.uncertainty_px - self.predicted_uncertainty_px

@@ -1,6 +1,6 @@
 """What the captured views tell about the camera, as frozen values that anyone may draw.
 
-Nothing in here computes: `knowledge` fills it.
+Nothing in here computes: `uncertainty` fills it.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from venus3d.engine.geometry.pose import Array, Pose
 
 
 @dataclass(frozen=True, eq=False)
-class LeftOut:
+class Influence:
     """What would be known without one of the views, to first order."""
 
     number: int
     """The view's number."""
-    error_px: float
+    uncertainty_px: float
     """Expected mean projection error over the image; NaN if the others determine no camera."""
     rms_px: float
     """Root mean square reprojection distance of the others; NaN likewise."""
@@ -27,22 +27,22 @@ class LeftOut:
 
 
 @dataclass(frozen=True, eq=False)
-class Knowledge:
+class ProjectionUncertainty:
     """How well a calibration knows the camera over its image, and what each view has part in."""
 
-    error_px: float
+    uncertainty_px: float
     """Expected mean projection error over the image, pixels: the root mean square of the map."""
-    error_map: Array
+    uncertainty_map: Array
     """(rows, columns) expected projection error at equal cells' centres; NaN where no ray is."""
     predicted: tuple[tuple[Pose, Array], ...]
     """The target's pose and its alternatives', each with the map to expect after a view there."""
-    left_out: tuple[LeftOut, ...]
+    influences: tuple[Influence, ...]
     """For each view, in their order, what would be known without it."""
 
     def predicted_at(self, pose: Pose) -> Array | None:
         """The map to expect after a view at this very target's pose; None if it is none of them."""
         return next((errors for known, errors in self.predicted if known is pose), None)
 
-    def without(self, number: int) -> LeftOut | None:
+    def without(self, number: int) -> Influence | None:
         """What would be known without the view of this number; None if there is none."""
-        return next((left for left in self.left_out if left.number == number), None)
+        return next((left for left in self.influences if left.number == number), None)

@@ -20,14 +20,17 @@ import numpy as np
 
 from venus3d.engine.calibration.information import covariance_of, view_information
 from venus3d.engine.calibration.observation import View
-from venus3d.engine.calibration.projection_uncertainty import error_map, projection_error_px
+from venus3d.engine.calibration.projection_uncertainty import (
+    projection_uncertainty_px,
+    uncertainty_map,
+)
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.target import Target
-from venus3d.engine.planning.uncertainty import Knowledge, LeftOut
+from venus3d.engine.planning.uncertainty import Influence, ProjectionUncertainty
 
 MAP = (36, 24)
 """Cells of the maps across and down: three in each direction for one ray of the mean error, which
@@ -36,35 +39,35 @@ is the middle one."""
 _TIED = 1e-13
 
 
-def knowledge_of(
-    board: Board, calibration: Calibration, outlook: Outlook, target: Target | None
-) -> Knowledge | None:
+def projection_uncertainty(
+    board: Board, calibration: Calibration, posterior: Posterior, target: Target | None
+) -> ProjectionUncertainty | None:
     """What this calibration knows; None while it does not estimate all nine parameters.
 
     Args:
-        outlook: of the same views; the maps to expect after a view are its.
+        posterior: of the same views; the maps to expect after a view are its.
         target: the next target, with its alternatives; None if there is none.
     """
     if not all(calibration.free):
         return None
     targets = () if target is None else (target, *target.alternatives)
     predicted: list[tuple[Pose, Array]] = []
-    if targets and outlook.settled:
-        after = outlook.after(np.array([aim.pose.vector() for aim in targets]))
+    if targets and posterior.settled:
+        after = posterior.after(np.array([aim.pose.vector() for aim in targets]))
         predicted = [
-            (aim.pose, error_map(outlook.camera, covariance, MAP))
+            (aim.pose, uncertainty_map(posterior.camera, covariance, MAP))
             for aim, covariance in zip(targets, after, strict=True)
         ]
     camera, covariance = calibration.camera, calibration.covariance
-    return Knowledge(
-        projection_error_px(camera, covariance),
-        error_map(camera, covariance, MAP),
+    return ProjectionUncertainty(
+        projection_uncertainty_px(camera, covariance),
+        uncertainty_map(camera, covariance, MAP),
         tuple(predicted),
-        left_out(board, calibration),
+        influences(board, calibration),
     )
 
 
-def left_out(board: Board, calibration: Calibration) -> tuple[LeftOut, ...]:
+def influences(board: Board, calibration: Calibration) -> tuple[Influence, ...]:
     """What would be known without each of the views of a full calibration, in their order."""
     camera, views = calibration.camera, calibration.views
     told = [_told(board, camera, view) for view in views]
@@ -86,19 +89,19 @@ def _told(board: Board, camera: Camera, view: View) -> tuple[Array, Array]:
 
 def _without(
     camera: Camera, views: Sequence[View], view: View, others: Array, gradient: Array
-) -> LeftOut:
+) -> Influence:
     corners = sum(v.observation.count for v in views) - view.observation.count
     freedom = 2 * corners - len(PARAMETERS) - 6 * (len(views) - 1)
     unit = _covariance(others) if freedom > 0 else None
     if unit is None:
         nothing = np.full(len(PARAMETERS), np.nan)
-        return LeftOut(view.number, float("nan"), float("nan"), nothing, nothing)
+        return Influence(view.number, float("nan"), float("nan"), nothing, nothing)
     squares = sum(float(np.sum(v.errors**2)) for v in views if v is not view)
     squares = max(squares - float(gradient @ unit @ gradient), 0.0)
     covariance = squares / freedom * unit
-    return LeftOut(
+    return Influence(
         view.number,
-        projection_error_px(camera, covariance),
+        projection_uncertainty_px(camera, covariance),
         float(np.sqrt(squares / corners)),
         camera.parameters - unit @ gradient,
         np.sqrt(np.diag(covariance)),

@@ -34,7 +34,7 @@ from venus3d.scene.render.palette import ground, mixed, step_colour
 from venus3d.scene.render.shapes import LabelShape, Shape
 from venus3d.scene.render.step_shapes import instruction_shapes, swept
 from venus3d.scene.render.strip import strip_shapes
-from venus3d.scene.web.texts import IN_ALL, TARGET_LABEL
+from venus3d.scene.render.texts import IN_ALL, TARGET_LABEL
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from venus3d.scene.render.lens import lens_of
 from venus3d.scene.render.painter import Painter
 from venus3d.scene.render.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
 from venus3d.scene.render.text import paint_labels
-from venus3d.scene.web.texts import NO_OPENGL, OPENGL_FAILED
+from venus3d.scene.render.texts import NO_OPENGL, OPENGL_FAILED
 
 Image = NDArray[np.uint8]
 Backend = Literal["gl", "painter"]

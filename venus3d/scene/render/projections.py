@@ -25,7 +25,7 @@ from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.palette import ground, mixed, step_style, text_on
 from venus3d.scene.render.shapes import Colour
 from venus3d.scene.render.text import fitting_font, font, wrapped
-from venus3d.scene.web.texts import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
+from venus3d.scene.render.texts import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
 
 Picture = NDArray[np.uint8]
 Pictures = tuple[Future[Picture], Future[Picture], Future[Picture], Future[Picture]]

@@ -53,7 +53,7 @@ _ABREAST: dict[Viewpoint, tuple[float, float, float]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class SceneCamera:
     """A place to look from. Camera frame, metres; -y is up."""
 
     position: Array
@@ -69,7 +69,9 @@ class View:
         return _axes(self.look_at - self.position)
 
 
-def view_from(viewpoint: Viewpoint, camera: Camera, points: ArrayLike, aspect: float) -> View:
+def view_from(
+    viewpoint: Viewpoint, camera: Camera, points: ArrayLike, aspect: float
+) -> SceneCamera:
     """The view from `viewpoint` in which all of the points (N, 3), metres, are just seen.
 
     Through the camera they are not asked: the view holds the camera's picture.
@@ -81,11 +83,11 @@ def view_from(viewpoint: Viewpoint, camera: Camera, points: ArrayLike, aspect: f
     if viewpoint == "camera":
         half = max(camera.height / camera.fy, camera.width / camera.fx / aspect) / 2
         ahead = np.array([0.0, 0.0, max(0.2, float(np.median(seen[:, 2])))])
-        return View(np.zeros(3), ahead, float(2 * np.arctan(_BESIDE_THE_PICTURE * half)))
+        return SceneCamera(np.zeros(3), ahead, float(2 * np.arctan(_BESIDE_THE_PICTURE * half)))
     return view_along(-np.array(_DIRECTIONS[viewpoint]), seen, aspect)
 
 
-def view_abreast(viewpoint: Viewpoint, points: Array, aspect: float) -> View:
+def view_abreast(viewpoint: Viewpoint, points: Array, aspect: float) -> SceneCamera:
     """The view of things in a row along x: like `view_from`, but level and through a long lens."""
     fov_rad = _LONG_LENS_RAD / max(1.0, aspect)  # a wide window is no reason to be nearer
     return view_along(-np.array(_ABREAST[viewpoint]), points, aspect, fov_rad=fov_rad)
@@ -93,7 +95,7 @@ def view_abreast(viewpoint: Viewpoint, points: Array, aspect: float) -> View:
 
 def view_along(
     forward: ArrayLike, points: Array, aspect: float, *, fov_rad: float = FOV_RAD
-) -> View:
+) -> SceneCamera:
     """The nearest view in this direction (3,) in which all of the points (N, 3) are seen.
 
     With the eye at e and the window's slope t, a point p is seen if |p_x - e_x| <= t (p_z - e_z).
@@ -111,10 +113,10 @@ def view_along(
     depth = float(((high - low) / (ahead + back)).min())
     eye = np.append((low + high + (ahead - back) * depth) / 2, depth)
     middle = np.append(eye[:2], max(depth + 0.05, float(local[:, 2].mean())))
-    return View(eye @ axes, middle @ axes, fov_rad)
+    return SceneCamera(eye @ axes, middle @ axes, fov_rad)
 
 
-def between(start: View, end: View, fraction: float) -> View:
+def between(start: SceneCamera, end: SceneCamera, fraction: float) -> SceneCamera:
     """The view a `fraction` (0 ... 1) of the way: the eye goes round what is looked at."""
     share = float(fraction * fraction * (3 - 2 * fraction))  # starts and ends gently
     look_at = start.look_at + share * (end.look_at - start.look_at)
@@ -129,7 +131,7 @@ def between(start: View, end: View, fraction: float) -> View:
         direction = direction / max(float(np.linalg.norm(direction)), 1e-9)
     length = lengths[0] ** (1 - share) * lengths[1] ** share
     fov = start.fov_rad + share * (end.fov_rad - start.fov_rad)
-    return View(look_at + length * direction, look_at, fov)
+    return SceneCamera(look_at + length * direction, look_at, fov)
 
 
 class Flight:
@@ -142,9 +144,9 @@ class Flight:
     def __init__(self, server: viser.ViserServer) -> None:
         """Nothing moves until `go`."""
         self._server = server
-        self._view: Callable[[float], View] | None = None
+        self._view: Callable[[float], SceneCamera] | None = None
         self._begun = -FLIGHT_SECONDS
-        self._starts: dict[int, View] = {}
+        self._starts: dict[int, SceneCamera] = {}
         self._aspects: dict[int, float] = {}
         self._late: set[int] = set()
         self._lock = threading.Lock()
@@ -152,7 +154,7 @@ class Flight:
         server.on_client_connect(self._arrived)
         server.on_client_disconnect(self._left)
 
-    def go(self, view: Callable[[float], View], *, at_once: bool = False) -> None:
+    def go(self, view: Callable[[float], SceneCamera], *, at_once: bool = False) -> None:
         """Fly to `view(aspect)`."""
         self._view = view
         first, usual = self._server.initial_camera, view(_USUAL_ASPECT)
@@ -204,12 +206,12 @@ class Flight:
             self._late.discard(client.client_id)
 
 
-def _view_of(client: viser.ClientHandle) -> View:
+def _view_of(client: viser.ClientHandle) -> SceneCamera:
     camera = client.camera
-    return View(camera.position.copy(), camera.look_at.copy(), camera.fov)
+    return SceneCamera(camera.position.copy(), camera.look_at.copy(), camera.fov)
 
 
-def _set(client: viser.ClientHandle, view: View) -> None:
+def _set(client: viser.ClientHandle, view: SceneCamera) -> None:
     with client.atomic():
         client.camera.position, client.camera.look_at = view.position, view.look_at
         client.camera.fov = view.fov_rad

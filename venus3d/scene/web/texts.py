@@ -37,16 +37,6 @@ TOUR_COUNT = "{number} of {count}"
 TOUR_COMMAND = "Show the tour"
 TOUR_COMMAND_HINT = "What stands where on this page, in a few steps"
 PORT_TAKEN = "Port {port} is taken; using {taken}."
-STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
-TARGET_LABEL = "Target"
-IN_ALL = "{length} in all"
-ONE_CORNER_OUTSIDE = "1 corner leaves the image in this step"
-CORNERS_OUTSIDE = "{count} corners leave the image in this step"
-NO_OPENGL = (
-    "OpenGL cannot be used here, so OpenCV paints the pictures; install libegl1, libgl1 and "
-    "libgl1-mesa-dri ({cause})."
-)
-OPENGL_FAILED = "OpenGL failed while it drew, so OpenCV paints the pictures from now on ({cause})."
 DRAWN_ANEW = "The page was drawn anew"
 DRAWN_ANEW_WHY = (
     "Drawing it failed ({cause}). Nothing is lost, and it goes on where it was. The terminal tells "
@@ -56,3 +46,12 @@ FAILED_ONCE = "venus3d: %s; if it happens again, this is not repeated."
 DRAWING_FAILED = "drawing a page failed, so it is drawn anew"
 DRAWING_ANEW_FAILED = "a page could not be drawn anew; it is tried again"
 STEPS_FAILED = "the pictures of the four steps could not be drawn"
+TILES_TITLE = "The four steps, as the camera will see them"
+TILES_HINT = (
+    "Each picture shows the board after its step; all four in a row bring an upright board that "
+    "faces the camera to the target. The marked one is the step you are on."
+)
+TILES_EMPTY = "The four steps of the next target appear here."
+TILE_ALT = "Step {number} as the camera sees it"
+TILE_WAITING = "Step {number}"
+TILE_FAILED = "This picture could not be drawn; the terminal tells why."

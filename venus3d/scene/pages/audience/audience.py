@@ -15,7 +15,7 @@ from collections.abc import Callable
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.lens import plain_plane, undistortion
 from venus3d.scene.pages.audience.lens_overlay import LensOverlay
 from venus3d.scene.pages.audience.view import AudiencePage
@@ -38,7 +38,7 @@ _SHOWN_S: dict[Cue, float] = {"reached": 0.9, "captured": 1.8}
 class Audience:
     """One read-only page, for any number of browsers."""
 
-    def __init__(self, host: str, port: int, look: Look | None = None) -> None:
+    def __init__(self, host: str, port: int, look: AudienceChoices | None = None) -> None:
         """Serve the page, on this very port.
 
         Raises `AddressError` if the address cannot be bound or the port is taken.
@@ -47,7 +47,7 @@ class Audience:
         self.host, self.port = host, port
         self.on_failure: Callable[[str], None] = lambda text: None
         """Called on a drawing thread with a sentence for the operator."""
-        self._look = look or Look()
+        self._look = look or AudienceChoices()
         self._snapshot: Snapshot | None = None
         self._achieved: tuple[Cue, Moment] | None = None
         self._picture: tuple[LivePicture, Observation | None] | None = None
@@ -66,11 +66,11 @@ class Audience:
         return self.server.url
 
     @property
-    def look(self) -> Look:
+    def look(self) -> AudienceChoices:
         """How it is shown now."""
         return self._look
 
-    def choose(self, change: Callable[[Look], Look]) -> None:
+    def choose(self, change: Callable[[AudienceChoices], AudienceChoices]) -> None:
         """Change how it is shown; from any thread."""
         with self._wake:
             self._look = change(self._look)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Look:
+class AudienceChoices:
     """How the second monitor shows what it shows. Frozen, so that threads may share it."""
 
     mirror: bool = False

@@ -14,7 +14,7 @@ import numpy as np
 
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.dial import dial_html, right_colour, tick_html
 from venus3d.scene.pages.audience.view_model import Moment
 from venus3d.scene.render.palette import ground, hex_of, mixed, step_colour
@@ -58,7 +58,7 @@ def picture_share(aspect: float) -> tuple[float, float]:
     return _HALF / tall, tall
 
 
-def sheet(look: Look, aspect: float = _SCREEN) -> str:
+def sheet(look: AudienceChoices, aspect: float = _SCREEN) -> str:
     """The style sheet for this choice and pictures of this width / height: colours, layout,
     mirror."""
     dark = not look.light

@@ -6,7 +6,7 @@ import socket
 
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.web.address import audience_address
 
@@ -21,7 +21,7 @@ def open_audience(options: GuideOptions) -> Audience | None:
     """
     if options.audience is None:
         return None
-    look = Look(
+    look = AudienceChoices(
         mirror=options.audience_mirror,
         lens=options.audience_view == "lens",
         light=options.audience_light,

@@ -19,7 +19,7 @@ Job = Callable[[], None]
 """Draws one picture and hands it over."""
 
 
-class Turns:
+class PictureQueue:
     """The pictures that are still to be drawn. May be used from any thread."""
 
     def __init__(self) -> None:

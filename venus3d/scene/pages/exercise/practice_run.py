@@ -29,7 +29,7 @@ import viser
 
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.camera import PAPER_CAMERA
-from venus3d.scene.pages.exercise.pictures import Picture, Turns, fitting
+from venus3d.scene.pages.exercise.pictures import Picture, PictureQueue, fitting
 from venus3d.scene.pages.exercise.practice_options import PracticeOptions
 from venus3d.scene.pages.exercise.shapes import (
     picture_background,
@@ -106,7 +106,7 @@ class Hall:
         self._wake = threading.Event()
         self._stop = threading.Event()
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="rows")
-        self._turns = Turns()
+        self._turns = PictureQueue()
         self._failures = Failures()
         camera = server.initial_camera
         camera.near, camera.far = 0.01, 50.0

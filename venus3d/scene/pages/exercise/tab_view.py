@@ -10,7 +10,7 @@ import viser
 from venus3d.engine.geometry.pose import Array
 from venus3d.scene.pages.exercise.view_model import PracticeMoment
 from venus3d.scene.render.frustum import AXIS_LENGTH
-from venus3d.scene.render.viewpoints import FLIGHT_SECONDS, View, between, view_from
+from venus3d.scene.render.viewpoints import FLIGHT_SECONDS, SceneCamera, between, view_from
 
 _TIPS = 1.3 * AXIS_LENGTH * np.eye(4, 3)  # the last row is the lens
 
@@ -21,11 +21,11 @@ class TabView:
     def __init__(self, client: viser.ClientHandle) -> None:
         """Nothing moves until `go`."""
         self._client = client
-        self._start: View | None = None
+        self._start: SceneCamera | None = None
         self._moment: PracticeMoment | None = None
         self._begun = 0.0
         self._aspect = 0.0
-        self._goal: View | None = None
+        self._goal: SceneCamera | None = None
         self._arrived, self._astray = False, False
         client.camera.on_update(self._told)
 
@@ -33,7 +33,7 @@ class TabView:
         """Fly to where camera, board and target are seen, or into the camera."""
         camera = self._client.camera
         self._moment, self._begun = moment, time.monotonic()
-        self._start = View(camera.position.copy(), camera.look_at.copy(), camera.fov)
+        self._start = SceneCamera(camera.position.copy(), camera.look_at.copy(), camera.fov)
         if at_once:
             self._begun -= FLIGHT_SECONDS
 

@@ -21,7 +21,7 @@ from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.watching import Watching
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
-from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 from venus3d.storage.camera_yaml import read_camera_yaml
@@ -49,7 +49,7 @@ class TrialGuide(Watching):
     """One trial with its viewer. `run` returns when `stop` was called or the source broke."""
 
     def __init__(
-        self, session: TrialSession, source: Source, eyes: Eyes, viewer: TrialViewer
+        self, session: TrialSession, source: Source, eyes: BoardTracker, viewer: TrialViewer
     ) -> None:
         """`source` is closed by `run`."""
         super().__init__(source, eyes, viewer, lambda: source)
@@ -133,7 +133,7 @@ def run_trial(
         session = TrialSession(
             board, camera, plan, targets, record, settings=settings, written=str(file.path)
         )
-        eyes = Eyes(Detector(board, find_layout=not isinstance(source, Simulation)))
+        eyes = BoardTracker(Detector(board, find_layout=not isinstance(source, Simulation)))
         if options.headless:
             _run_headless(session, source, eyes)
         else:
@@ -142,7 +142,11 @@ def run_trial(
 
 
 def _run_on_a_page(
-    session: TrialSession, source: Source, eyes: Eyes, options: GuideOptions, rooms: ExitStack
+    session: TrialSession,
+    source: Source,
+    eyes: BoardTracker,
+    options: GuideOptions,
+    rooms: ExitStack,
 ) -> None:
     offscreen = rooms.enter_context(closing(Offscreen()))
     viewer = TrialViewer(
@@ -162,7 +166,7 @@ def _run_on_a_page(
     TrialGuide(session, source, eyes, viewer).run()
 
 
-def _run_headless(session: TrialSession, source: Source, eyes: Eyes) -> None:
+def _run_headless(session: TrialSession, source: Source, eyes: BoardTracker) -> None:
     """The simulated hand does everything, in simulated time: a rehearsal."""
     assert isinstance(source, Simulation)
     since, done = 0.0, 0

@@ -235,7 +235,7 @@ class TrialSession:
                 serves=(),
                 reason="",
                 predicted_sigma=np.full(9, np.nan),
-                predicted_error_px=np.nan,
+                predicted_uncertainty_px=np.nan,
                 evaluated=0,
                 search_s=0.0,
             )

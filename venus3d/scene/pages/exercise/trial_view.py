@@ -125,7 +125,7 @@ class TrialPage(Page):
 
     def look_from_behind(self) -> None:
         """Every tab looks over the camera's shoulder at the board."""
-        self.outlook.look(_BEHIND, _BEHIND_AT, fill=_NARROW)
+        self.tab_camera.look(_BEHIND, _BEHIND_AT, fill=_NARROW)
 
     def _show_result(self, moment: TrialMoment, theme: Theme) -> None:
         self._result.content = result_html(moment, theme)

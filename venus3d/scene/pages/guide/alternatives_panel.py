@@ -70,11 +70,11 @@ def alternative_text(other: Target) -> str:
     """How the board is held there, and what comes of it."""
     if not np.isfinite(other.gain_px):
         return other.held
-    return say.OTHER_TEXT.format(held=other.held, error=px_text(other.predicted_error_px))
+    return say.OTHER_TEXT.format(held=other.held, error=px_text(other.predicted_uncertainty_px))
 
 
 def _title(target: Target) -> str:
     instead = ""
     if np.isfinite(target.gain_px):
-        instead = say.OTHERS_INSTEAD.format(error=px_text(target.predicted_error_px))
+        instead = say.OTHERS_INSTEAD.format(error=px_text(target.predicted_uncertainty_px))
     return f"<div class='v-progress'><h3>{say.OTHERS_TITLE.format(instead=instead)}</h3></div>"

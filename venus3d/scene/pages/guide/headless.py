@@ -7,7 +7,7 @@ from collections.abc import Callable
 from venus3d.engine.errors import CalibrationError, SourceError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 
@@ -16,7 +16,7 @@ _PATIENCE_FRAMES = 400
 
 
 def run_headless(
-    session: Session, source: Source, eyes: Eyes, keep: Callable[[Snapshot], None]
+    session: Session, source: Source, eyes: BoardTracker, keep: Callable[[Snapshot], None]
 ) -> str:
     """Guide without a screen until convergence, enough views, or the recording's end.
 

@@ -25,7 +25,7 @@ from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.headless import work_out
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.guide.watching import Watching
-from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.sim import Simulation
 
@@ -37,7 +37,7 @@ class LiveGuide(Watching):
         self,
         session: Session,
         source: Source,
-        eyes: Eyes,
+        eyes: BoardTracker,
         viewer: Viewer,
         keep: Callable[[Snapshot], None],
         again: Callable[[], Source],

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, arg
 
 from venus3d.engine.errors import VenusError
-from venus3d.engine.planning.method import Cost, Method, Strategy, way_of
+from venus3d.engine.planning.method import Cost, Method, Strategy, search_method
 from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
 from venus3d.scene.web.address import audience_address
 
@@ -104,7 +104,7 @@ class GuideOptions:
         self.board.board()
         self._check_trial()
         self._check_audience()
-        way_of(self.method, self.cost, self.search)
+        search_method(self.method, self.cost, self.search)
         self.limits.check()
         check_range("--wanted-error", self.wanted_error, 0.001, 100)
         check_range("--overlap", self.overlap, 0.1, 0.99)

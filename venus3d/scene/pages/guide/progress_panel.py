@@ -30,7 +30,7 @@ def _summary(snapshot: Snapshot) -> str:
     boxes = [(str(len(snapshot.views)), say.VIEWS_CAPTURED, "")]
     if last is not None:
         boxes.append((_short(last.rms_px), say.RMS, say.RMS_HINT))
-        boxes.append((_short(last.error_px), say.ERROR, say.ERROR_HINT))
+        boxes.append((_short(last.uncertainty_px), say.ERROR, say.ERROR_HINT))
     cells = "".join(
         f"<div title='{escape(hint)}'><b>{value}</b><span>{words}</span></div>"
         for value, words, hint in boxes
@@ -52,21 +52,21 @@ def brought_text(history: Sequence[Progress]) -> str:
 
     Unknown it is, too, once an earlier view was dropped: nobody calibrated without just this one.
     """
-    if not history or not np.isfinite(history[-1].error_px):
+    if not history or not np.isfinite(history[-1].uncertainty_px):
         return ""
     if history[-1].views != (history[-2].views if len(history) > 1 else 0) + 1:
         return ""
-    before = history[-2].error_px if len(history) > 1 else np.nan
-    now, promised = px_text(history[-1].error_px), history[-1].predicted_error_px
+    before = history[-2].uncertainty_px if len(history) > 1 else np.nan
+    now, promised = px_text(history[-1].uncertainty_px), history[-1].predicted_uncertainty_px
     if not np.isfinite(before):
         return say.LAST_VIEW_ALONE.format(now=now)
     extra = say.PROMISED.format(error=px_text(promised)) if np.isfinite(promised) else ""
     return say.LAST_VIEW.format(before=px_text(before), now=now, promised=extra)
 
 
-def px_text(error_px: float) -> str:
+def px_text(uncertainty_px: float) -> str:
     """An error with the figures it is worth."""
-    return f"{error_px:.2f}" if error_px >= 0.1 else f"{error_px:.3f}"
+    return f"{uncertainty_px:.2f}" if uncertainty_px >= 0.1 else f"{uncertainty_px:.3f}"
 
 
 def forecast_text(forecast: Forecast, *, goes_on: bool = False) -> str:
@@ -92,7 +92,7 @@ def _promise(snapshot: Snapshot) -> str:
     # After a single view the noise is hardly known, so neither is what the next one brings.
     if target is None or not np.isfinite(target.gain_px):
         return ""
-    now, then = px_text(target.error_px), px_text(target.predicted_error_px)
+    now, then = px_text(target.uncertainty_px), px_text(target.predicted_uncertainty_px)
     return say.PROMISE.format(now=now, then=then)
 
 

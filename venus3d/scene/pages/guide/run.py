@@ -26,7 +26,7 @@ from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
-from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
 from venus3d.sources.opening import open_source
@@ -65,7 +65,7 @@ def run_guide(
     with ExitStack() as rooms:
         source = rooms.enter_context(closing(_opened(options, board)))
         truth = source.truth if isinstance(source, Simulation) else None
-        eyes = Eyes(Detector(board, find_layout=truth is None))
+        eyes = BoardTracker(Detector(board, find_layout=truth is None))
         session = Session(board, source.image_size, _settings(options, source))
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
@@ -168,7 +168,7 @@ def _settings(options: GuideOptions, source: Source) -> Settings:
         method=options.method,
         cost=options.cost,
         strategy=options.search,
-        wanted_error_px=options.wanted_error,
+        wanted_uncertainty_px=options.wanted_error,
         limits=options.limits.chosen(),
         keep_best=options.keep_best,
         seed=options.seed,

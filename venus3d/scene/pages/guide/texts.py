@@ -34,15 +34,6 @@ PICTURE_LEGEND = (
     ("dashes", "the target"),
     ("dots", "corners"),
 )
-TILES_TITLE = "The four steps, as the camera will see them"
-TILES_HINT = (
-    "Each picture shows the board after its step; all four in a row bring an upright board that "
-    "faces the camera to the target. The marked one is the step you are on."
-)
-TILES_EMPTY = "The four steps of the next target appear here."
-TILE_ALT = "Step {number} as the camera sees it"
-TILE_WAITING = "Step {number}"
-TILE_FAILED = "This picture could not be drawn; the terminal tells why."
 
 # -- controls --------------------------------------------------------------------------------------
 

@@ -28,7 +28,7 @@ from venus3d.scene.pages.guide.progress_panel import progress_html
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.panel import KnowledgePanel
 from venus3d.scene.pages.guide.uncertainty.texts import TAB as KNOWN_TAB
-from venus3d.scene.pages.guide.viewpoint import Outlook
+from venus3d.scene.pages.guide.viewpoint import TabCamera
 from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.web.dressing import Dressing, fit_width
 from venus3d.scene.web.help import HelpOverlay, add_commands
@@ -58,7 +58,7 @@ TOUR_KEY = "tour-guide"
 class Page:
     """All panels of one server. `act` and `ask` are called on viser's threads."""
 
-    knowledge: KnowledgePanel | None = None
+    uncertainty: KnowledgePanel | None = None
     """What is known, in a tab and in the scene; None where nobody asks."""
 
     def __init__(
@@ -75,7 +75,7 @@ class Page:
         self._server, self._gui = server, server.gui
         self._dressing = Dressing(server.gui)
         self._act, self._ask, self._simulated = act, ask, simulated
-        self.outlook = Outlook(server)
+        self.tab_camera = TabCamera(server)
         theme = Theme(dark)
         self._make_guidance()
         self._make_left(theme)
@@ -142,7 +142,7 @@ class Page:
             self.parameters = ParametersPanel(gui, theme)
         with panel.add_tab(KNOWN_TAB, viser.Icon.MAP_2):
             self._dressing.add()
-            self.knowledge = KnowledgePanel(gui, self._ask)
+            self.uncertainty = KnowledgePanel(gui, self._ask)
         panel.dock_below(self.guidance_panel)
 
     def _make_right(self) -> None:
@@ -161,7 +161,7 @@ class Page:
         self.method = MethodPanel(gui, self._ask)
 
     def _make_commands(self, tour: bool) -> None:
-        panels = (self.controls, self.alternatives, self.knowledge, self.method)
+        panels = (self.controls, self.alternatives, self.uncertainty, self.method)
         commands = tuple(command for panel in panels if panel for command in panel.commands)
         add_commands(self._server, commands)
         steps = [TourStep(*texts, marks) for texts, marks in zip(say.TOUR, _MARKS, strict=True)]

@@ -127,8 +127,8 @@ class Viewer:
 
     def keep_view(self, number: int, image: LivePicture) -> None:
         """Keep the picture (BGR or grey) of the captured view of this number, to be looked at."""
-        if self.page.knowledge is not None:
-            self.page.knowledge.keep(number, image)
+        if self.page.uncertainty is not None:
+            self.page.uncertainty.keep(number, image)
 
     def say(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
         """Show a sentence for some seconds."""
@@ -223,10 +223,10 @@ class Viewer:
         self._scene = SceneView(server)
         self._looking_at: object = (False, 1.0)
         page = self._make_page(dark=self._state.dark, simulated=self._draggable, tour=self._tour)
-        if page.knowledge is not None:
-            page.knowledge.on_change = self._touch
+        if page.uncertainty is not None:
+            page.uncertainty.on_change = self._touch
             if known is not None:
-                page.knowledge.go_on_from(known)
+                page.uncertainty.go_on_from(known)
         self.page = page
         self._gizmo = BoardGizmo(server, self._dragged) if self._draggable else None
         for addition in self._additions:
@@ -234,7 +234,7 @@ class Viewer:
 
     def _draw_anew(self, error: Exception) -> None:
         """A new server in the old one's place: whatever broke, nothing of it is left."""
-        self._lay_out(serve_anew(self.server, self._threads.stop), self.page.knowledge)
+        self._lay_out(serve_anew(self.server, self._threads.stop), self.page.uncertainty)
         tell_of_failure(self.server, error)
         self._pictures.again()
         self._touch()
@@ -269,13 +269,13 @@ class Viewer:
 
     @property
     def _is_moving(self) -> bool:
-        known = self.page.knowledge
+        known = self.page.uncertainty
         return self._state.playing or bool(known and known.is_moving)
 
     def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is None or snapshot.target is None:
             self._tiles.forget()
-        tiles, known = self._tiles.shown(), self.page.knowledge
+        tiles, known = self._tiles.shown(), self.page.uncertainty
         drawn_by = "" if self._projections is None else self._projections.note
         with self.server.atomic():
             if snapshot is not None:
@@ -300,7 +300,7 @@ class Viewer:
             sweep=state.sweep,
             show_live=not state.playing,
         )
-        shapes, known = describe(snapshot, options), self.page.knowledge
+        shapes, known = describe(snapshot, options), self.page.uncertainty
         with_known = shapes if known is None else known.put(snapshot, shapes, Theme(state.dark))
         self._scene.draw(with_known, dark=state.dark)
         self._look(shapes, state)
@@ -309,16 +309,16 @@ class Viewer:
 
     def _standing_note(self, snapshot: Snapshot) -> str:
         """What is said while nothing new is."""
-        if self.page.knowledge is not None and self.page.knowledge.caption:
-            return self.page.knowledge.caption
+        if self.page.uncertainty is not None and self.page.uncertainty.caption:
+            return self.page.uncertainty.caption
         if self._saved and snapshot.phase in ("converged", "finished"):
             return self._saved
         return snapshot.warnings[-1] if snapshot.warnings else ""
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         """Turn the tabs' cameras where it is needed."""
-        outlook = self.page.outlook
-        self._looking_at = outlook.follow(shapes, state.target, self._looking_at)
+        tab_camera = self.page.tab_camera
+        self._looking_at = tab_camera.follow(shapes, state.target, self._looking_at)
 
     def _order_steps(self, snapshot: Snapshot | None, state: ViewState) -> None:
         """Have the target's four steps drawn as the camera sees them, if they are not yet."""

@@ -29,7 +29,7 @@ _PHONE_RAISED = 0.6
 """What is looked at stands so high above the middle there, in halves of the height."""
 
 
-class Outlook:
+class TabCamera:
     """The browsers' cameras of one server."""
 
     def __init__(self, server: viser.ViserServer) -> None:

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from venus3d.engine.calibration.observation import Observation
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.video import Video
@@ -34,7 +34,7 @@ class Watching(ABC):
     def __init__(
         self,
         source: Source,
-        eyes: Eyes,
+        eyes: BoardTracker,
         viewer: Viewer,
         again: Callable[[], Source],
         audience: Audience | None = None,

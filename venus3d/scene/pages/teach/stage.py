@@ -27,7 +27,7 @@ from venus3d.scene.render.palette import ground
 from venus3d.scene.render.shapes import LabelShape, LineShape, Shape
 from venus3d.scene.render.step_shapes import instruction_shapes, swept
 from venus3d.scene.render.strip import bounds_of, strip_shapes
-from venus3d.scene.render.viewpoints import View, view_abreast, view_from
+from venus3d.scene.render.viewpoints import SceneCamera, view_abreast, view_from
 
 
 def board_now(moment: TeachMoment, state: TeachState) -> Pose:
@@ -175,7 +175,7 @@ def moment_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
 
 def stage_view(
     moment: TeachMoment, state: TeachState, shapes: tuple[Shape, ...], aspect: float
-) -> View:
+) -> SceneCamera:
     """Where the scene with these shapes is looked at from in a window of this shape."""
     points = _points_of_interest(moment, state.arrangement, shapes)
     if state.arrangement != "place":

@@ -9,8 +9,8 @@ in batches shows batch after batch; the annealing walks move by move, a line alo
     /search/best, sheet, best_label           the best board so far
     /search/best_angles                       and its dot in the box
     /search/live                              the board as it is now
-    /search/now                               the pose looked at (walk)
-    /search/walk, /search/walk_angles         the line of the poses taken (walk)
+    /search/now                               the pose looked at (search_trace)
+    /search/search_trace, /search/walk_angles         the line of the poses taken (search_trace)
     /search/box, /search/axis_1 ... axis_3    the box, the names of its axes; with _line the axes
     /search/title                             what the box is
 """
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.search_trace import Walk
+from venus3d.engine.planning.search_trace import SearchTrace
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.topics import figure
 from venus3d.scene.pages.guide.viewpoint import steps_back
@@ -46,35 +46,37 @@ _FURTHEST_M = 1.2
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class SearchFrame:
     """One moment of the replay: all that has been looked at so far."""
 
-    walk: Walk
+    search_trace: SearchTrace
     shown: int
     """Moves shown, 1 ... all."""
 
     @property
     def is_last(self) -> bool:
         """Whether all has been shown."""
-        return self.shown == len(self.walk.moves)
+        return self.shown == len(self.search_trace.moves)
 
     @property
     def back(self) -> float:
         """So many times farther away than usual is looked from: the box is as much larger."""
-        return steps_back(float(np.linalg.norm(self.walk.end[3:])))
+        return steps_back(float(np.linalg.norm(self.search_trace.end[3:])))
 
 
-def shown_after(walk: Walk, seconds: float) -> int:
+def shown_after(search_trace: SearchTrace, seconds: float) -> int:
     """How many moves are shown so long after the start; at least 1."""
-    count = len(walk.moves)
+    count = len(search_trace.moves)
     return min(count, 1 + int(count * max(seconds, 0.0) / SECONDS))
 
 
 @lru_cache(maxsize=4)
-def search_shapes(walk: Walk, shown: int, board: Board, dark: bool) -> tuple[Shape, ...]:
+def search_shapes(
+    search_trace: SearchTrace, shown: int, board: Board, dark: bool
+) -> tuple[Shape, ...]:
     """The search after `shown` moves."""
-    stage, colours = Stage(walk, shown), ground(dark)
-    moves, back = walk.moves[:shown], stage.back
+    stage, colours = SearchFrame(search_trace, shown), ground(dark)
+    moves, back = search_trace.moves[:shown], stage.back
     poses, colour, fresh = _dots(stage, dark)
     shapes: list[Shape] = [
         PointShape("/search/places", poses[:, 3:], colour, back * _DOT),
@@ -82,9 +84,9 @@ def search_shapes(walk: Walk, shown: int, board: Board, dark: bool) -> tuple[Sha
         LineShape("/search/faint", _outlines(board, fresh), Pose.identity(), colours.ghost, 1.0),
         *_box_shapes(dark, back),
     ]
-    if not walk.is_batched:
+    if not search_trace.is_batched:
         shapes += _walk_shapes(stage, board, dark)
-    best = walk.end if stage.is_last else moves[-1].best_vector
+    best = search_trace.end if stage.is_last else moves[-1].best_vector
     word = texts.SEARCH_CHOSEN if stage.is_last else texts.SEARCH_BEST
     pose, marked = Pose.from_vector(best), np.array([colours.warning], dtype=np.uint8)
     return (
@@ -101,22 +103,24 @@ def search_shapes(walk: Walk, shown: int, board: Board, dark: bool) -> tuple[Sha
     )
 
 
-def caption(walk: Walk, shown: int, number: int, *, in_px: bool) -> str:
+def caption(search_trace: SearchTrace, shown: int, number: int, *, in_px: bool) -> str:
     """What is to be seen, in one line; `in_px` if the cost is a mean variance in square pixels."""
-    last, title = walk.moves[shown - 1], texts.SEARCH_TITLE.format(number=number)
-    best, is_last = _cost_text(last.best_cost, in_px), shown == len(walk.moves)
-    if walk.is_batched:
+    last, title = search_trace.moves[shown - 1], texts.SEARCH_TITLE.format(number=number)
+    best, is_last = _cost_text(last.best_cost, in_px), shown == len(search_trace.moves)
+    if search_trace.is_batched:
         text = texts.SEARCH_DONE if is_last else texts.SEARCH_BATCH
         return f"{title}: {text.format(looked=last.evaluated, best=best)}"
-    taken = [move for move in walk.moves[:shown] if move.accepted]
+    taken = [move for move in search_trace.moves[:shown] if move.accepted]
     if is_last:
-        at_end = [move.cost for move in taken if np.allclose(move.vector, walk.end, atol=1e-6)]
+        at_end = [
+            move.cost for move in taken if np.allclose(move.vector, search_trace.end, atol=1e-6)
+        ]
         end = _cost_text(at_end[-1] if at_end else last.best_cost, in_px)
         done = texts.SEARCH_DONE_WALK.format(looked=last.evaluated, end=end, best=best)
         return f"{title}: {done}"
     told = texts.SEARCH_MOVE.format(
         move=shown,
-        moves=len(walk.moves),
+        moves=len(search_trace.moves),
         verdict=texts.SEARCH_TAKEN if last.accepted else texts.SEARCH_REFUSED,
         accepted=len(taken),
         best=best,
@@ -129,13 +133,13 @@ def _cost_text(cost: float, in_px: bool) -> str:
     return (texts.SEARCH_PX if in_px else texts.SEARCH_COST).format(value=figure(value))
 
 
-def _dots(stage: Stage, dark: bool) -> tuple[Array, NDArray[np.uint8], Array]:
+def _dots(stage: SearchFrame, dark: bool) -> tuple[Array, NDArray[np.uint8], Array]:
     """All poses so far (N, 6), their colours (N, 3), and a few of the newest (K, 6)."""
     batches = [
         (move.candidates, move.candidate_costs)
         if len(move.candidates)
         else (move.vector[None], np.array([move.cost]))
-        for move in stage.walk.moves
+        for move in stage.search_trace.moves
     ]
     every = np.log(np.concatenate([costs for _, costs in batches]))
     low, high = np.percentile(every, [1, 90])
@@ -146,7 +150,7 @@ def _dots(stage: Stage, dark: bool) -> tuple[Array, NDArray[np.uint8], Array]:
     # Small costs stand out against the ground: bright on dark, dark on light.
     ends = (-costs, -high, -low) if dark else (costs, low, high)
     colour = colours_of(*ends).astype(np.float64)
-    if stage.walk.is_batched and not stage.is_last:
+    if stage.search_trace.is_batched and not stage.is_last:
         older = slice(0, len(costs) - len(worth))
         colour[older] += _AGED * (np.array(ground(dark).background) - colour[older])
     colour = np.rint(colour).astype(np.uint8)
@@ -172,10 +176,10 @@ def _in_box(poses: Array, back: float) -> Array:
     return back * (_BOX + _SIDE * np.clip(share, 0.0, 1.0))
 
 
-def _walk_shapes(stage: Stage, board: Board, dark: bool) -> list[Shape]:
+def _walk_shapes(stage: SearchFrame, board: Board, dark: bool) -> list[Shape]:
     """The line of the poses taken so far, and the pose that is looked at now."""
     colours = ground(dark)
-    moves = stage.walk.moves[: stage.shown]
+    moves = stage.search_trace.moves[: stage.shown]
     taken = [move.vector for move in moves if move.accepted]
     last = moves[-1]
     colour = step_colour(1, dark) if last.accepted else colours.ghost

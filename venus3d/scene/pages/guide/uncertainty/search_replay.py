@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.planning.search_trace import Walk
+from venus3d.engine.planning.search_trace import SearchTrace
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.replay import (
     REST_SECONDS,
@@ -32,7 +32,7 @@ class SearchReplay:
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         """`clock` tells seconds."""
         self._clock = clock
-        self._walk: Walk | None = None
+        self._search_trace: SearchTrace | None = None
         self._began = 0.0
         self.caption = ""
         """What the scene shows of a search, in one line; empty if nothing."""
@@ -40,7 +40,7 @@ class SearchReplay:
     @property
     def is_moving(self) -> bool:
         """Whether a search is being shown."""
-        return self._walk is not None and self._clock() - self._began < _WHOLE
+        return self._search_trace is not None and self._clock() - self._began < _WHOLE
 
     def of(
         self, snapshot: Snapshot, shapes: tuple[Shape, ...], *, on: bool, dark: bool
@@ -50,20 +50,20 @@ class SearchReplay:
         A search that was not shown yet begins; switched off and on again, it begins anew.
         """
         self.caption = ""
-        target, walk = snapshot.target, snapshot.walk
-        if not on or target is None or walk is None:
-            self._walk = None
+        target, search_trace = snapshot.target, snapshot.search_trace
+        if not on or target is None or search_trace is None:
+            self._search_trace = None
             if on and target is not None:
                 self.caption = texts.SEARCH_NOTHING
             return shapes
-        if walk is not self._walk:
-            self._walk, self._began = walk, self._clock()
+        if search_trace is not self._search_trace:
+            self._search_trace, self._began = search_trace, self._clock()
         if not self.is_moving:
             return shapes
-        shown = shown_after(walk, self._clock() - self._began)
+        shown = shown_after(search_trace, self._clock() - self._began)
         in_px = target.cost == "projection-variance"
-        self.caption = caption(walk, shown, target.number, in_px=in_px)
-        search = search_shapes(walk, shown, snapshot.board, dark)
+        self.caption = caption(search_trace, shown, target.number, in_px=in_px)
+        search = search_shapes(search_trace, shown, snapshot.board, dark)
         calm = tuple(shape for shape in shapes if shape.name.startswith(_KEPT))
         if snapshot.pose is None:
             return (*calm, *search)

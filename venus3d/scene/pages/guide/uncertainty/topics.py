@@ -13,7 +13,7 @@ import numpy as np
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.planning.uncertainty import Knowledge
+from venus3d.engine.planning.uncertainty import ProjectionUncertainty
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.render.colour_scale import gradient_css, round_down, round_up
 from venus3d.scene.render.maps import (
@@ -60,17 +60,17 @@ def map_of(snapshot: Snapshot, topic: Topic, *, dark: bool, chosen: int | None =
         return _lens(snapshot, size, dark)
     if topic == "misfit":
         return _misfit(snapshot, size, dark, chosen)
-    if snapshot.knowledge is None:
+    if snapshot.uncertainty is None:
         return Map(texts.ERROR_TITLE, texts.NOTHING_YET)
     if topic == "after":
-        return _after(snapshot, snapshot.knowledge, size, dark)
-    known, ticks = snapshot.knowledge, error_ticks(snapshot)
+        return _after(snapshot, snapshot.uncertainty, size, dark)
+    known, ticks = snapshot.uncertainty, error_ticks(snapshot)
     return Map(
         texts.ERROR_TITLE,
-        texts.ERROR_TEXT.format(error=figure(known.error_px)),
-        error_picture(known.error_map, (ticks[0], ticks[-1]), size, dark=dark),
+        texts.ERROR_TEXT.format(error=figure(known.uncertainty_px)),
+        error_picture(known.uncertainty_map, (ticks[0], ticks[-1]), size, dark=dark),
         ticks,
-        figures=known.error_map,
+        figures=known.uncertainty_map,
     )
 
 
@@ -120,16 +120,18 @@ def figure(value: float) -> str:
 
 def error_ticks(snapshot: Snapshot) -> tuple[float, ...]:
     """Figures of the scale that the maps “now” and “next” share, in equal ratios, pixels."""
-    known, target = snapshot.knowledge, snapshot.target
+    known, target = snapshot.uncertainty, snapshot.target
     if known is None:
         return ()
     after = None if target is None else known.predicted_at(target.pose)
-    every = known.error_map if after is None else np.stack([known.error_map, after])
+    every = known.uncertainty_map if after is None else np.stack([known.uncertainty_map, after])
     low, high = round_down(float(np.nanmin(every))), round_up(float(np.nanmax(every)))
     return (low, float(np.sqrt(low * high)), high)
 
 
-def _after(snapshot: Snapshot, known: Knowledge, size: tuple[int, int], dark: bool) -> Map:
+def _after(
+    snapshot: Snapshot, known: ProjectionUncertainty, size: tuple[int, int], dark: bool
+) -> Map:
     target = snapshot.target
     if target is None:
         return Map(texts.AFTER_TITLE.format(number="–"), texts.AFTER_NONE)
@@ -139,8 +141,8 @@ def _after(snapshot: Snapshot, known: Knowledge, size: tuple[int, int], dark: bo
         return Map(title, texts.AFTER_UNKNOWN)
     sentence = texts.AFTER_TEXT.format(
         number=target.number,
-        before=figure(known.error_px),
-        after=figure(target.predicted_error_px),
+        before=figure(known.uncertainty_px),
+        after=figure(target.predicted_uncertainty_px),
     )
     ticks = error_ticks(snapshot)
     picture = error_picture(errors, (ticks[0], ticks[-1]), size, dark=dark)

@@ -14,7 +14,7 @@ from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.reasons import held_in_words
-from venus3d.engine.planning.uncertainty import LeftOut
+from venus3d.engine.planning.uncertainty import Influence
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.topics import figure
 from venus3d.scene.render.amounts import signed
@@ -34,7 +34,7 @@ def view_html(snapshot: Snapshot, number: int, picture: str = "") -> str:
     view = next((view for view in snapshot.views if view.number == number), None)
     if calibration is None or view is None:
         return ""
-    left = None if snapshot.knowledge is None else snapshot.knowledge.without(number)
+    left = None if snapshot.uncertainty is None else snapshot.uncertainty.without(number)
     alt = escape(texts.VIEW_ALT.format(number=number))
     image = f"<img alt='{alt}' src='{picture}'>" if picture else ""
     lines = [*_pose_lines(snapshot, view), _error_line(view, calibration)]
@@ -84,35 +84,35 @@ def _error_line(view: View, calibration: Calibration) -> str:
     )
 
 
-def _gave_lines(snapshot: Snapshot, calibration: Calibration, left: LeftOut) -> list[str]:
+def _gave_lines(snapshot: Snapshot, calibration: Calibration, left: Influence) -> list[str]:
     """What this view gave: against what all the others would know without it."""
-    known = snapshot.knowledge
-    if known is None or not np.isfinite(left.error_px):
+    known = snapshot.uncertainty
+    if known is None or not np.isfinite(left.uncertainty_px):
         return []
-    if left.error_px < known.error_px:
+    if left.uncertainty_px < known.uncertainty_px:
         return [texts.VIEW_HARMED]
     ratios = left.sigma / calibration.sigma
     most = int(np.argmax(ratios))
     return [
         texts.VIEW_GAVE.format(
-            without=figure(left.error_px),
-            now=figure(known.error_px),
+            without=figure(left.uncertainty_px),
+            now=figure(known.uncertainty_px),
             most=PARAMETERS[most],
             ratio=figure(float(ratios[most])),
         )
     ]
 
 
-def _what_if(snapshot: Snapshot, calibration: Calibration, left: LeftOut | None) -> str:
+def _what_if(snapshot: Snapshot, calibration: Calibration, left: Influence | None) -> str:
     title = f"<h3>{escape(texts.WITHOUT_TITLE)}</h3>"
-    known = snapshot.knowledge
-    if left is None or known is None or not np.isfinite(left.error_px):
+    known = snapshot.uncertainty
+    if left is None or known is None or not np.isfinite(left.uncertainty_px):
         if len(snapshot.views) < 2:
             return ""
         return f"{title}<div class='v-line'>{escape(texts.WITHOUT_UNKNOWN)}</div>"
     sigma = calibration.sigma
     pairs = (
-        (known.error_px, left.error_px),
+        (known.uncertainty_px, left.uncertainty_px),
         (sigma[_FX], left.sigma[_FX]),
         (sigma[_FY], left.sigma[_FY]),
         (calibration.rms_px, left.rms_px),
@@ -123,5 +123,5 @@ def _what_if(snapshot: Snapshot, calibration: Calibration, left: LeftOut | None)
         for name, (now, then) in zip(texts.WITHOUT_ROWS, pairs, strict=True)
     )
     head = f"<tr><th></th><th>{texts.WITHOUT_NOW}</th><th>{texts.WITHOUT_THEN}</th></tr>"
-    said = escape(verdict(known.error_px, left.error_px))
+    said = escape(verdict(known.uncertainty_px, left.uncertainty_px))
     return f"{title}<table class='v-what'>{head}{rows}</table><div class='v-verdict'>{said}</div>"

@@ -28,7 +28,7 @@ from venus3d.scene.render.projections import Picture, headed
 from venus3d.scene.render.shapes import Colour, LabelShape, Shape
 from venus3d.scene.render.strip import moved
 from venus3d.scene.render.text import font
-from venus3d.scene.render.viewpoints import FOV_RAD, View
+from venus3d.scene.render.viewpoints import FOV_RAD, SceneCamera
 
 _DIRECTION = (0.3, 0.42, 1.0)
 """Into the picture, from the camera's side, from above and from the left: all axes are seen."""
@@ -99,7 +99,7 @@ def _eye(board: Board, side: Side, size: tuple[int, int]) -> tuple[Camera, Pose]
     eye = Camera(*size, f, f, (size[0] - 1) / 2, (size[1] - 1) / 2)
     centre, ahead = centre_of(board, side), np.array(_DIRECTION)
     distance = 2 * f * _REACH * board.width / min(size)
-    view = View(centre - distance * ahead / np.linalg.norm(ahead), centre, FOV_RAD)
+    view = SceneCamera(centre - distance * ahead / np.linalg.norm(ahead), centre, FOV_RAD)
     return eye, Pose(view.axes, -view.axes @ view.position)
 
 

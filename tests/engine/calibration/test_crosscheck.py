@@ -16,7 +16,7 @@ import pytest
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.stats import chi2, norm
 
-from tests.engine.test_calibration import NOISE_PX, observe, tilted
+from tests.engine.calibration.test_adjustment import NOISE_PX, observe, tilted
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation

@@ -13,9 +13,9 @@ from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import (
     GRID,
-    error_map,
     grid_pixels,
-    projection_error_px,
+    projection_uncertainty_px,
+    uncertainty_map,
 )
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
@@ -25,10 +25,10 @@ from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Work, information_of, noise_of
-from venus3d.engine.planning.posterior import Outlook
-from venus3d.engine.planning.search_trace import Move, Recorder
-from venus3d.engine.planning.uncertainty import Knowledge
-from venus3d.engine.planning.uncertainty_map import MAP, knowledge_of, left_out
+from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.planning.search_trace import SearchRecorder, SearchStep
+from venus3d.engine.planning.uncertainty import ProjectionUncertainty
+from venus3d.engine.planning.uncertainty_map import MAP, influences, projection_uncertainty
 
 POSES = (
     [30, 5, 0, 0, 0, 0.45],
@@ -68,11 +68,11 @@ def known(default_board: Board, observations: list[Observation]) -> Calibration:
 
 def test_map_is_the_expected_error_spread_over_the_image(known: Calibration) -> None:
     """On the rays that the one figure is made of, its root mean square is that figure."""
-    figure = projection_error_px(known.camera, known.covariance)
-    coarse = error_map(known.camera, known.covariance, GRID)
+    figure = projection_uncertainty_px(known.camera, known.covariance)
+    coarse = uncertainty_map(known.camera, known.covariance, GRID)
     assert coarse.shape == (8, 12)
     assert np.sqrt(np.mean(coarse**2)) == pytest.approx(figure, rel=1e-12)
-    fine = error_map(known.camera, known.covariance, MAP)
+    fine = uncertainty_map(known.camera, known.covariance, MAP)
     assert fine.shape == (24, 36)
     # Three cells of the map in each direction for one ray of the figure's: the middle one is it.
     assert np.sqrt(np.mean(fine[1::3, 1::3] ** 2)) == pytest.approx(figure, rel=1e-12)
@@ -99,7 +99,7 @@ def test_map_is_what_cameras_drawn_from_the_covariance_do(
     moves = np.stack([opencv(x + d, still) for d in drawn], axis=1) - opencv(x, still)[:, None]
     moves -= turns @ np.linalg.lstsq(turns, moves, rcond=None)[0]
     seen = 100 * np.sqrt((moves.reshape(-1, 2, 3000) ** 2).sum(axis=1).mean(axis=1))
-    told = error_map(camera, known.covariance, GRID).reshape(-1)
+    told = uncertainty_map(camera, known.covariance, GRID).reshape(-1)
     np.testing.assert_allclose(told, seen, rtol=0.08)
 
 
@@ -107,7 +107,7 @@ def test_pixels_that_no_ray_reaches_are_gaps_in_the_map() -> None:
     """This lens folds back before the image's corners."""
     camera = Camera(1280, 720, 640, 640, 639.5, 359.5, k1=-0.4)
     assert camera.radius_limit < np.hypot(1, 0.56)
-    errors = error_map(camera, np.diag([1.0, 1, 1, 1, 0, 0, 0, 0, 0]), MAP)
+    errors = uncertainty_map(camera, np.diag([1.0, 1, 1, 1, 0, 0, 0, 0, 0]), MAP)
     assert np.isnan(errors[0, 0]) and np.isfinite(errors[12, 18])
 
 
@@ -116,11 +116,11 @@ def test_without_a_view_is_what_a_calibration_without_it_says(
     known: Calibration, default_board: Board, observations: list[Observation], dropped: int
 ) -> None:
     """Told beforehand to first order; when OpenCV does it, it is the same but for two percent."""
-    told = left_out(default_board, known)[dropped]
+    told = influences(default_board, known)[dropped]
     assert told.number == dropped + 1
     done = calibrate(default_board, [o for i, o in enumerate(observations) if i != dropped])
-    error = projection_error_px(done.camera, done.covariance)
-    assert told.error_px == pytest.approx(error, rel=0.02)
+    error = projection_uncertainty_px(done.camera, done.covariance)
+    assert told.uncertainty_px == pytest.approx(error, rel=0.02)
     assert told.rms_px == pytest.approx(done.rms_px, rel=1e-3)
     np.testing.assert_allclose(told.sigma[:4], done.sigma[:4], rtol=0.02)
     # The estimate moves as foretold: by far less than it is uncertain, and in that direction.
@@ -136,15 +136,15 @@ def test_leaving_out_a_bad_view_is_foretold_to_help(
     good = [observe(paper_camera, default_board, vector, rng) for vector in POSES]
     shaken = replace(good[2], corners=good[2].corners + rng.normal(0, 3, good[2].corners.shape))
     spoilt = calibrate(default_board, [*good[:2], shaken, *good[3:]])
-    told = left_out(default_board, spoilt)
+    told = influences(default_board, spoilt)
     done = calibrate(default_board, [*good[:2], *good[3:]])
-    now = projection_error_px(spoilt.camera, spoilt.covariance)
-    assert told[2].error_px < 0.6 * now
-    assert told[2].error_px == pytest.approx(
-        projection_error_px(done.camera, done.covariance), rel=0.05
+    now = projection_uncertainty_px(spoilt.camera, spoilt.covariance)
+    assert told[2].uncertainty_px < 0.6 * now
+    assert told[2].uncertainty_px == pytest.approx(
+        projection_uncertainty_px(done.camera, done.covariance), rel=0.05
     )
     assert told[2].rms_px == pytest.approx(done.rms_px, rel=0.01)
-    assert all(left.error_px > 0.9 * now for left in told if left.number != 3)
+    assert all(left.uncertainty_px > 0.9 * now for left in told if left.number != 3)
 
 
 def test_without_one_of_two_views_nothing_is_promised(
@@ -152,10 +152,10 @@ def test_without_one_of_two_views_nothing_is_promised(
 ) -> None:
     """A single view does not determine nine parameters."""
     two = calibrate(default_board, observations[:2])
-    for left in left_out(default_board, two):
-        assert np.isnan(left.error_px) or left.error_px > 10 * projection_error_px(
-            two.camera, two.covariance
-        )
+    for left in influences(default_board, two):
+        assert np.isnan(
+            left.uncertainty_px
+        ) or left.uncertainty_px > 10 * projection_uncertainty_px(two.camera, two.covariance)
 
 
 def session_after(
@@ -175,17 +175,17 @@ def test_snapshot_knows_before_and_after_for_target_and_alternatives(
 ) -> None:
     snapshot = session_after(paper_camera, default_board, observations[:4], Settings())
     known, target = snapshot.knowledge, snapshot.target
-    assert isinstance(known, Knowledge) and target is not None
-    assert known.error_px == pytest.approx(snapshot.history[-1].error_px)
+    assert isinstance(known, ProjectionUncertainty) and target is not None
+    assert known.uncertainty_px == pytest.approx(snapshot.history[-1].uncertainty_px)
     for aim in (target, *target.alternatives):
         after = known.predicted_at(aim.pose)
         assert after is not None
         # One map for each, made of the very covariance that the figure shown is made of.
         middles = after[1::3, 1::3]
-        assert np.sqrt(np.mean(middles**2)) == pytest.approx(aim.predicted_error_px, rel=1e-9)
-        assert np.mean(after) < np.mean(known.error_map)
+        assert np.sqrt(np.mean(middles**2)) == pytest.approx(aim.predicted_uncertainty_px, rel=1e-9)
+        assert np.mean(after) < np.mean(known.uncertainty_map)
     assert known.predicted_at(Pose.identity()) is None
-    assert [left.number for left in known.left_out] == [1, 2, 3, 4]
+    assert [left.number for left in known.influences] == [1, 2, 3, 4]
     assert known.without(9) is None
     first = session_after(paper_camera, default_board, observations[:1], Settings())
     assert first.knowledge is None, "one view does not show nine parameters"
@@ -227,12 +227,12 @@ def test_annealing_is_recorded_move_by_move(
 
 
 def test_a_long_search_does_not_fill_the_memory() -> None:
-    recorder = Recorder()
-    move = Move(np.zeros(6), 1.0, True, np.zeros(6), 1.0, 1)
-    for _ in range(3 * Recorder.AT_MOST):
+    recorder = SearchRecorder()
+    move = SearchStep(np.zeros(6), 1.0, True, np.zeros(6), 1.0, 1)
+    for _ in range(3 * SearchRecorder.AT_MOST):
         recorder(move)
-    walk = recorder.walk(np.zeros(6))
-    assert walk is not None and len(walk.moves) == Recorder.AT_MOST
+    walk = recorder.trace(np.zeros(6))
+    assert walk is not None and len(walk.moves) == SearchRecorder.AT_MOST
 
 
 def test_watching_changes_no_target(
@@ -245,8 +245,8 @@ def test_watching_changes_no_target(
         session.capture()
         work = session.pending
         assert isinstance(work, Work)
-        told: list[Move] = []
-        watched, alone = work.run(on_move=told.append), work.run()
+        told: list[SearchStep] = []
+        watched, alone = work.run(on_step=told.append), work.run()
         assert watched.suggestion is not None and alone.suggestion is not None
         # OpenCV's threads add up in no fixed order: the calibrations agree to rounding.
         np.testing.assert_allclose(
@@ -260,7 +260,7 @@ def test_no_maps_are_promised_while_the_views_alone_do_not_say_enough(
     known: Calibration, default_board: Board
 ) -> None:
     information = information_of(known, default_board)
-    outlook = Outlook.of(default_board, known.camera, 1e-9 * information, noise_of(known))
-    assert not outlook.settled
-    knows = knowledge_of(default_board, known, outlook, None)
+    posterior = Posterior.of(default_board, known.camera, 1e-9 * information, noise_of(known))
+    assert not posterior.settled
+    knows = projection_uncertainty(default_board, known, posterior, None)
     assert knows is not None and knows.predicted == ()

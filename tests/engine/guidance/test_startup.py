@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.engine.test_calibration import observe
+from tests.engine.calibration.test_adjustment import observe
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera

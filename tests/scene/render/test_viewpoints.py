@@ -9,10 +9,10 @@ import pytest
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import VIEWPOINTS, Viewpoint
-from venus3d.scene.render.viewpoints import View, between, view_abreast, view_from
+from venus3d.scene.render.viewpoints import SceneCamera, between, view_abreast, view_from
 
 
-def in_window(view: View, points: Array, aspect: float) -> Array:
+def in_window(view: SceneCamera, points: Array, aspect: float) -> Array:
     """(N, 2) places in the window, -1 ... 1 to the right and down; OpenCV's projection."""
     f = 1 / np.tan(view.fov_rad / 2)
     K = np.array([[f / aspect, 0, 0], [0, f, 0], [0, 0, 1.0]])

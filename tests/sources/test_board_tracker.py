@@ -14,7 +14,7 @@ from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame
 
 
@@ -38,9 +38,9 @@ class Watched(Detector):
 
 
 @pytest.fixture
-def eyes(default_board: Board) -> tuple[Eyes, Watched]:
+def eyes(default_board: Board) -> tuple[BoardTracker, Watched]:
     detector = Watched(default_board)
-    return Eyes(detector), detector
+    return BoardTracker(detector), detector
 
 
 def frame(board: Board, camera: Camera, *vector: float) -> Frame:
@@ -48,7 +48,7 @@ def frame(board: Board, camera: Camera, *vector: float) -> Frame:
 
 
 def test_a_tracked_board_gets_one_quick_look_near_its_last_place(
-    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+    eyes: tuple[BoardTracker, Watched], default_board: Board, paper_camera: Camera
 ) -> None:
     look, detector = eyes[0].look, eyes[1]
     for step in range(4):
@@ -58,7 +58,7 @@ def test_a_tracked_board_gets_one_quick_look_near_its_last_place(
 
 
 def test_what_a_quick_look_overlooks_a_full_one_finds(
-    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+    eyes: tuple[BoardTracker, Watched], default_board: Board, paper_camera: Camera
 ) -> None:
     """The board jumps back until its squares are too small, then comes near again."""
     look, detector = eyes[0].look, eyes[1]
@@ -76,7 +76,7 @@ def test_what_a_quick_look_overlooks_a_full_one_finds(
 
 
 def test_a_blurred_frame_is_looked_at_fully_and_forgotten(
-    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+    eyes: tuple[BoardTracker, Watched], default_board: Board, paper_camera: Camera
 ) -> None:
     """Motion blur hides most of the board from a quick look, and it passes."""
     look, detector = eyes[0].look, eyes[1]
@@ -93,7 +93,7 @@ def test_a_blurred_frame_is_looked_at_fully_and_forgotten(
 
 
 def test_what_was_overlooked_in_a_good_frame_is_a_lesson_for_a_second(
-    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+    eyes: tuple[BoardTracker, Watched], default_board: Board, paper_camera: Camera
 ) -> None:
     look, detector = eyes[0].look, eyes[1]
     picture = frame(default_board, paper_camera, 0, 0, 0, 0, 0, 0.4)
@@ -109,7 +109,7 @@ def test_what_was_overlooked_in_a_good_frame_is_a_lesson_for_a_second(
 
 
 def test_a_board_that_leaves_its_region_is_found_again(
-    eyes: tuple[Eyes, Watched], default_board: Board, paper_camera: Camera
+    eyes: tuple[BoardTracker, Watched], default_board: Board, paper_camera: Camera
 ) -> None:
     look, detector = eyes[0].look, eyes[1]
     look(frame(default_board, paper_camera, 0, 0, 0, -0.25, -0.1, 0.8))

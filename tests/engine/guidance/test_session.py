@@ -21,7 +21,7 @@ from venus3d.engine.guidance.prompts import ENOUGH, FINISHED
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Settings
-from venus3d.engine.planning.costs import mean_projection_error_px
+from venus3d.engine.planning.costs import projection_diff_px
 
 NOISE_PX = float(np.sqrt(0.1))  # 4.1.2 of the paper: variance 0.1
 
@@ -79,8 +79,8 @@ def test_a_session_runs_from_startup_to_convergence_and_finds_the_camera(rig: Ri
     assert end.calibration is not None and end.convergence is not None
     assert end.convergence.converged and end.target is None
     # The error to expect is told by the session itself; OpenCV 4 and 5 end with different views.
-    assert end.history[-1].error_px < 0.6
-    assert mean_projection_error_px(rig.camera, end.camera) < 2.5 * end.history[-1].error_px
+    assert end.history[-1].uncertainty_px < 0.6
+    assert projection_diff_px(rig.camera, end.camera) < 2.5 * end.history[-1].uncertainty_px
     off = np.abs(end.camera.parameters - rig.camera.parameters)[:4]
     assert (off < 4 * end.calibration.sigma[:4]).all()
 
@@ -110,7 +110,7 @@ def test_frontal_views_taken_by_hand_are_kept_and_guidance_goes_on(rig: Rig) -> 
         assert snapshot.target is not None
     end = rig.until_views(8)
     assert end.calibration is not None and all(end.calibration.free)
-    assert mean_projection_error_px(rig.camera, end.camera) < 1.0
+    assert projection_diff_px(rig.camera, end.camera) < 1.0
 
 
 def test_nothing_is_captured_while_the_board_moves_or_is_lost(rig: Rig) -> None:
@@ -210,8 +210,8 @@ def test_views_of_a_recording_count_if_they_tell_enough(
     assert snapshot.calibration is not None
     assert 3 <= len(snapshot.views) < 60, "some of them say enough, most do not"
     # Views nobody chose leave the picture's border unseen; the session knows how much that is.
-    error = mean_projection_error_px(paper_camera, snapshot.calibration.camera)
-    assert error < 3 * snapshot.history[-1].error_px
+    error = projection_diff_px(paper_camera, snapshot.calibration.camera)
+    assert error < 3 * snapshot.history[-1].uncertainty_px
 
 
 def test_a_view_is_taken_once(rig: Rig) -> None:
@@ -283,18 +283,23 @@ def test_what_came_stands_beside_what_was_promised(rig: Rig) -> None:
     for _ in range(60):
         end = rig.step()
         if end.target is not None and end.phase == "guiding":
-            promised[len(end.views) + 1] = (end.target.error_px, end.target.predicted_error_px)
+            promised[len(end.views) + 1] = (
+                end.target.uncertainty_px,
+                end.target.predicted_uncertainty_px,
+            )
         if len(end.views) == 7:
             break
     assert len(end.history) == 7
-    assert np.isnan(end.history[0].predicted_error_px), "the start-up promises nothing"
+    assert np.isnan(end.history[0].predicted_uncertainty_px), "the start-up promises nothing"
     for before, last in pairwise(end.history):
         error, predicted = promised[last.views]
-        assert last.predicted_error_px == predicted and np.isfinite(last.predicted_sigma).all()
+        assert (
+            last.predicted_uncertainty_px == predicted and np.isfinite(last.predicted_sigma).all()
+        )
         if last.views > 2:
-            assert error == pytest.approx(before.error_px)
+            assert error == pytest.approx(before.uncertainty_px)
         if last.views > 3:  # two views know neither the lens nor the noise well
-            came, hoped = before.error_px - last.error_px, error - predicted
+            came, hoped = before.uncertainty_px - last.uncertainty_px, error - predicted
             assert 0.6 < came / hoped < 1.5
 
 
@@ -306,18 +311,18 @@ def test_a_view_taken_elsewhere_was_promised_nothing(rig: Rig) -> None:
     rig.session.observe(rig.look())
     assert rig.session.capture() and rig.session.pending is not None
     after = rig.session.apply(rig.session.pending.run())
-    assert np.isnan(after.history[-1].predicted_error_px)
+    assert np.isnan(after.history[-1].predicted_uncertainty_px)
     assert np.isnan(after.history[-1].predicted_sigma).all()
-    assert np.isfinite(after.history[-2].predicted_error_px)
+    assert np.isfinite(after.history[-2].predicted_uncertainty_px)
 
 
 def test_what_was_promised_with_a_view_that_was_dropped_is_forgotten(rig: Rig) -> None:
     before = rig.until_views(4)
-    assert np.isfinite(before.history[-1].predicted_error_px)
+    assert np.isfinite(before.history[-1].predicted_uncertainty_px)
     assert rig.session.drop(3) and rig.session.pending is not None
     after = rig.session.apply(rig.session.pending.run())
     assert [progress.views for progress in after.history] == [1, 2, 3]
-    assert np.isnan(after.history[-1].predicted_error_px)
+    assert np.isnan(after.history[-1].predicted_uncertainty_px)
 
 
 def test_another_of_the_nearly_equal_targets_is_chosen(
@@ -346,7 +351,7 @@ def test_another_of_the_nearly_equal_targets_is_chosen(
     rig.follow(rig.session.snapshot())
     views = len(chosen.views)
     after = rig.until_views(views + 1)
-    assert after.history[-1].predicted_error_px == others[0].predicted_error_px
+    assert after.history[-1].predicted_uncertainty_px == others[0].predicted_uncertainty_px
 
 
 def test_the_method_changes_while_running(rig: Rig) -> None:
@@ -422,10 +427,12 @@ def test_the_forecast_counts_down_to_the_wanted_error(
     """Held together with what really happens, the interval of 90 % must nearly always hold."""
     inside, told = 0, 0
     for seed in range(3):
-        settings = Settings(max_views=14, wanted_error_px=0.4, seed=seed, noise=None, epsilon=-1)
+        settings = Settings(
+            max_views=14, wanted_uncertainty_px=0.4, seed=seed, noise=None, epsilon=-1
+        )
         rig = Rig(paper_camera, default_board, settings, seed)
         said: dict[int, Snapshot] = {}
-        while not said or not said[max(said)].history[-1].error_px <= 0.4:
+        while not said or not said[max(said)].history[-1].uncertainty_px <= 0.4:
             snapshot = rig.until_views(len(said) + 1)
             said[len(snapshot.views)] = snapshot
         needed = max(said)

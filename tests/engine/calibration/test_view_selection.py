@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.engine.test_calibration import observe
+from tests.engine.calibration.test_adjustment import observe
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.view_selection import choose_informative

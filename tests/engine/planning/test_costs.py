@@ -21,8 +21,8 @@ from venus3d.engine.planning.costs import (
     expected_distance,
     grid_pixels,
     make_cost,
-    mean_projection_error_px,
-    projection_error_px,
+    projection_diff_px,
+    projection_uncertainty_px,
     with_surcharge,
 )
 from venus3d.engine.planning.method import COSTS, Cost
@@ -50,12 +50,11 @@ def test_projection_variance_by_monte_carlo(
     covariance = covariance_of(information_of_views(paper_camera, default_board), 0.1)
     drawn = rng.multivariate_normal(paper_camera.parameters, covariance, size=300)
     squares = [
-        mean_projection_error_px(paper_camera, Camera.from_parameters(p, paper_camera.image_size))
-        ** 2
+        projection_diff_px(paper_camera, Camera.from_parameters(p, paper_camera.image_size)) ** 2
         for p in drawn
     ]
     # The mean of 300 such squares, of about three effective degrees of freedom, is good to 5 %.
-    assert projection_error_px(paper_camera, covariance) ** 2 == pytest.approx(
+    assert projection_uncertainty_px(paper_camera, covariance) ** 2 == pytest.approx(
         np.mean(squares), rel=0.15
     )
 
@@ -72,24 +71,22 @@ def test_mean_projection_error_against_another_minimiser(paper_camera: Camera) -
     best = minimize(
         mean_square, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12}
     )
-    assert mean_projection_error_px(paper_camera, other) == pytest.approx(
-        np.sqrt(best.fun), rel=1e-5
-    )
+    assert projection_diff_px(paper_camera, other) == pytest.approx(np.sqrt(best.fun), rel=1e-5)
 
 
 def test_a_turned_camera_and_a_shifted_principal_point_are_nearly_the_same(
     paper_camera: Camera,
 ) -> None:
     """3 px of principal point are mostly a turn: what is left is a small part of it."""
-    assert mean_projection_error_px(paper_camera, paper_camera) < 1e-9
+    assert projection_diff_px(paper_camera, paper_camera) < 1e-9
     from dataclasses import replace
 
     shifted = replace(paper_camera, cx=paper_camera.cx + 3)
-    assert mean_projection_error_px(paper_camera, shifted) < 1.0
+    assert projection_diff_px(paper_camera, shifted) < 1.0
     longer = replace(paper_camera, fx=paper_camera.fx * 1.01, fy=paper_camera.fy * 1.01)
-    assert mean_projection_error_px(paper_camera, longer) > 2.0
+    assert projection_diff_px(paper_camera, longer) > 2.0
     with pytest.raises(CalibrationError, match="same size"):
-        mean_projection_error_px(paper_camera, paper_camera.scaled((640, 360)))
+        projection_diff_px(paper_camera, paper_camera.scaled((640, 360)))
 
 
 def test_the_grid_is_the_centres_of_equal_cells() -> None:
@@ -147,7 +144,7 @@ def test_trace_and_log_det_by_opencvs_jacobians(paper_camera: Camera, default_bo
     """In units of the pixels that each parameter moves, after a turn found by least squares."""
     step = np.array([1, 1, 1, 1, 0.01, 0.01, 1e-3, 1e-3, 0.01])
     moved = [
-        mean_projection_error_px(
+        projection_diff_px(
             paper_camera,
             Camera.from_parameters(
                 paper_camera.parameters + step[i] * np.eye(9)[i], paper_camera.image_size
@@ -264,9 +261,9 @@ def test_projection_variance_falls_with_every_view(
         information=few,
         sigma_px=2.0,
     )
-    now = projection_error_px(paper_camera, covariance_of(few, 2.0)) ** 2
+    now = projection_uncertainty_px(paper_camera, covariance_of(few, 2.0)) ** 2
     assert (cost(VIEWS) < now).all()
-    expected = projection_error_px(
+    expected = projection_uncertainty_px(
         paper_camera,
         covariance_of(few + information_of_views(paper_camera, default_board, VIEWS[3:4]), 2.0),
     )

@@ -19,7 +19,7 @@ from venus3d.engine.guidance.work import Settings
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.render.annotated_picture import LivePicture
-from venus3d.sources.board_tracker import Eyes
+from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import Simulation
 
@@ -77,7 +77,7 @@ def wait_for(condition: Callable[[], bool]) -> None:
 def guide(camera: Simulation, viewer: Viewer, results: list[Snapshot]) -> tuple[Session, LiveGuide]:
     session = Session(camera.board, camera.image_size, Settings(max_views=12))
 
-    eyes = Eyes(Detector(camera.board, find_layout=False))
+    eyes = BoardTracker(Detector(camera.board, find_layout=False))
     return session, LiveGuide(session, camera, eyes, viewer, results.append, lambda: camera)
 
 

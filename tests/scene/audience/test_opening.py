@@ -17,7 +17,7 @@ from tests.scene.raw_client import RawClient
 from venus3d.engine.errors import VenusError
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.controls import AudienceControls
 from venus3d.scene.pages.audience.run import open_audience, said_of
 from venus3d.scene.pages.guide.options import GuideOptions
@@ -86,7 +86,7 @@ def test_who_can_look_is_told() -> None:
     alone = open_audience(options)
     assert alone is not None
     try:
-        assert alone.look == Look(lens=True, light=True)
+        assert alone.look == AudienceChoices(lens=True, light=True)
         assert f"http://localhost:{_PORT}" in said_of(alone) and "this machine" in said_of(alone)
     finally:
         alone.close()

@@ -109,7 +109,7 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
     assert left is not None
     rows = card.locator("tr").all_inner_texts()
     shown = [float(re.findall(r"([\d.]+) px", row)[1]) for row in rows[1:]]
-    expected = [left.error_px, left.sigma[0], left.sigma[1], left.rms_px]
+    expected = [left.uncertainty_px, left.sigma[0], left.sigma[1], left.rms_px]
     np.testing.assert_allclose(shown, expected, rtol=0.06)
     assert card.locator(".v-verdict").inner_text()
     page.locator(".mantine-Modal-content").get_by_text(texts.LEAVE_OUT).click()

@@ -14,9 +14,9 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.forecast import AHEAD, Forecast, forecast, spread_of
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import METHODS, Cost, Method, way_of
+from venus3d.engine.planning.method import METHODS, Cost, Method, search_method
 from venus3d.engine.planning.pose_space import Space
-from venus3d.engine.planning.posterior import Outlook
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.suggest import find, suggest
 
 SIGMA = 0.2
@@ -40,11 +40,11 @@ def ask(
     ahead: int = AHEAD,
     stop: bool = False,
 ) -> Forecast | None:
-    outlook = Outlook.of(board, camera, known, SIGMA)
+    posterior = Posterior.of(board, camera, known, SIGMA)
     return forecast(
-        outlook,
-        way_of(method, cost),
-        Space(board, outlook.camera, Limits.for_board(board, outlook.camera)),
+        posterior,
+        search_method(method, cost),
+        Space(board, posterior.camera, Limits.for_board(board, posterior.camera)),
         np.random.default_rng(0),
         wanted_px=wanted_px,
         degrees=80 * views - 9 - 6 * views,
@@ -127,11 +127,11 @@ def test_another_cost_is_forecast_by_the_poses_that_it_asks_for(
 ) -> None:
     """A walk of whole searches on MaxIOD, a cost that serves the picture badly, is the oracle."""
     space = Space(default_board, paper_camera, Limits.for_board(default_board, paper_camera))
-    outlook, needed = Outlook.of(default_board, paper_camera, known, SIGMA), 0
-    while outlook.error_px > 0.6:
+    posterior, needed = Posterior.of(default_board, paper_camera, known, SIGMA), 0
+    while posterior.uncertainty_px > 0.6:
         rng = np.random.default_rng([7, needed])
-        outlook = outlook.with_view(
-            find(way_of("global", "max-iod"), outlook, space, rng)[0].vector
+        posterior = posterior.with_view(
+            find(search_method("global", "max-iod"), posterior, space, rng)[0].vector
         )
         needed += 1
     now = ask(paper_camera, default_board, known, cost="max-iod", wanted_px=0.6)
@@ -145,12 +145,17 @@ def test_another_cost_is_forecast_by_the_poses_that_it_asks_for(
 def test_limits_that_leave_no_pose_are_told(
     paper_camera: Camera, default_board: Board, known: Array
 ) -> None:
-    outlook = Outlook.of(default_board, paper_camera, known, SIGMA)
+    posterior = Posterior.of(default_board, paper_camera, known, SIGMA)
     narrow = Limits(max_tilt_deg=0.01, max_angle_deg=0.01, nearest=0.9, farthest=0.901)
     space = Space(default_board, paper_camera, narrow)
     with pytest.raises(VenusError, match="No pose of this board fits"):
         forecast(
-            outlook, way_of("global"), space, np.random.default_rng(0), wanted_px=0.1, degrees=99
+            posterior,
+            search_method("global"),
+            space,
+            np.random.default_rng(0),
+            wanted_px=0.1,
+            degrees=99,
         )
 
 
@@ -165,9 +170,9 @@ def test_a_slow_search_does_not_keep_the_target_waiting(
         return found
 
     monkeypatch.setattr("venus3d.engine.planning.forecast.find", counted)
-    outlook = Outlook.of(default_board, paper_camera, known, SIGMA)
+    posterior = Posterior.of(default_board, paper_camera, known, SIGMA)
     space = Space(default_board, paper_camera, Limits.for_board(default_board, paper_camera))
-    way = way_of("venus", strategy="dual-annealing")
+    way = search_method("venus", strategy="dual-annealing")
     rng = np.random.default_rng(0)
-    forecast(outlook, way, space, rng, wanted_px=0.001, degrees=99, ahead=2)
+    forecast(posterior, way, space, rng, wanted_px=0.001, degrees=99, ahead=2)
     assert len(looked_at) == 2 and max(looked_at) <= 1100

@@ -151,8 +151,8 @@ def test_now_and_next_share_one_scale_and_the_colours_are_the_errors(guided: Sna
     now, then = map_of(guided, "error", dark=True), map_of(guided, "after", dark=True)
     assert now.ticks == then.ticks == error_ticks(guided)
     low, _, high = now.ticks
-    assert low <= np.nanmin(after) and np.nanmax(known.error_map) <= high
-    for shown, errors in ((now, known.error_map), (then, after)):
+    assert low <= np.nanmin(after) and np.nanmax(known.uncertainty_map) <= high
+    for shown, errors in ((now, known.uncertainty_map), (then, after)):
         assert shown.picture is not None
         for row, column in ((12, 18), (3, 4), (20, 30)):
             y, x = round((row + 0.5) * 15 - 0.5), round((column + 0.5) * 640 / 36 - 0.5)
@@ -180,8 +180,8 @@ def test_card_tells_the_view_and_what_if(guided: Snapshot) -> None:
         left = known.without(view.number)
         assert left is not None
         assert f"data-view='{view.number}'" in html and "data:image" in html
-        assert f"<td>{figure(left.error_px)} px</td>" in html
-        assert f"<td>{figure(known.error_px)} px</td>" in html
+        assert f"<td>{figure(left.uncertainty_px)} px</td>" in html
+        assert f"<td>{figure(known.uncertainty_px)} px</td>" in html
         assert "{" not in html and "nan" not in html
     assert view_html(guided, 99) == ""
 

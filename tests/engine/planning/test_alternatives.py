@@ -18,7 +18,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.alternatives import AT_MOST, NEARLY, clearly_different
-from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.reasons import held_in_words
 from venus3d.engine.planning.suggest import suggest
@@ -64,10 +64,10 @@ def test_alternatives_are_offered_and_complete(
             assert other.reason.endswith(".") and other.serves and other.held
             np.testing.assert_array_equal(other.steps[3].after.matrix, other.pose.matrix)
             # What it promises, computed anew by the Schur complement instead of a Cholesky factor.
-            if np.isfinite(target.error_px):
+            if np.isfinite(target.uncertainty_px):
                 after = known + told_by(paper_camera, default_board, other.pose)
-                error = projection_error_px(paper_camera, covariance_of(after, SIGMA))
-                assert other.predicted_error_px == pytest.approx(error, rel=1e-6)
+                error = projection_uncertainty_px(paper_camera, covariance_of(after, SIGMA))
+                assert other.predicted_uncertainty_px == pytest.approx(error, rel=1e-6)
 
 
 def test_alternatives_are_nearly_as_good_and_clearly_different(
@@ -75,7 +75,10 @@ def test_alternatives_are_nearly_as_good_and_clearly_different(
 ) -> None:
     for _, target in targets:
         all_poses = [target, *target.alternatives]
-        behind = [other.predicted_error_px / target.predicted_error_px for other in all_poses[1:]]
+        behind = [
+            other.predicted_uncertainty_px / target.predicted_uncertainty_px
+            for other in all_poses[1:]
+        ]
         assert behind == sorted(behind) and all(share <= 1 + NEARLY for share in behind)
         if np.isfinite(target.gain_px):
             assert all(other.gain_px >= (1 - NEARLY) * target.gain_px for other in all_poses)
@@ -111,7 +114,7 @@ def test_a_noise_model_changes_the_promise(paper_camera: Camera, default_board: 
             number=4,
             **options,  # type: ignore[arg-type]
         )
-        return made.target.predicted_error_px
+        return made.target.predicted_uncertainty_px
 
     assert promised(noise=poor) > 1.1 * promised(noise=RENDERED)
 

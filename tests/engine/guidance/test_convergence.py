@@ -10,7 +10,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import MIN_VIEWS, Progress, judge
-from venus3d.engine.planning.costs import projection_error_px
+from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.engine.planning.suggest import suggest
 
 
@@ -82,7 +82,7 @@ def test_a_guided_calibration_converges_between_6_and_14_views(
             )
             if views > 1:
                 covariance = covariance_of(information, np.sqrt(0.1))
-                error = projection_error_px(paper_camera, covariance)
+                error = projection_uncertainty_px(paper_camera, covariance)
                 history.append(
                     Progress(
                         views, 0.4, paper_camera.parameters, np.sqrt(np.diag(covariance)), error
@@ -94,4 +94,4 @@ def test_a_guided_calibration_converges_between_6_and_14_views(
                 default_board, paper_camera, information, np.sqrt(0.1), rng=rng, number=views + 1
             ).target.pose
         assert judge(history).converged and 6 <= history[-1].views <= 14
-        assert history[-1].error_px < 0.5
+        assert history[-1].uncertainty_px < 0.5

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.engine.test_calibration import GOOD, NOISE_PX, observe
+from tests.engine.calibration.test_adjustment import GOOD, NOISE_PX, observe
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.information import (
     covariance_of,

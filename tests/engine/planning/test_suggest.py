@@ -11,12 +11,12 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.costs import projection_error_px
-from venus3d.engine.planning.heuristic_poses import GenerationState
+from venus3d.engine.planning.costs import projection_uncertainty_px
+from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import COSTS, METHODS, Cost, Method, Start, Strategy
 from venus3d.engine.planning.reasons import reason_for
-from venus3d.engine.planning.search import Move
+from venus3d.engine.planning.search import SearchStep
 from venus3d.engine.planning.suggest import Suggestion, suggest
 
 SIGMA = float(np.sqrt(0.1))
@@ -64,7 +64,7 @@ def test_a_target_is_complete_and_within_the_limits(
         assert target.method == method and target.search_s > 0
         assert 1 <= len(target.serves) <= 3 and set(target.serves) <= set(PARAMETERS)
         assert target.reason.endswith(".") and target.serves[0] in target.reason
-        assert np.isfinite(target.predicted_sigma).all() and target.predicted_error_px > 0
+        assert np.isfinite(target.predicted_sigma).all() and target.predicted_uncertainty_px > 0
         assert (target.evaluated > 0) == (method in ("venus", "global"))
     assert [s.target.number for s in made] == [2, 3, 4, 5, 6]
 
@@ -74,7 +74,9 @@ def test_the_prediction_is_what_the_view_brings(paper_camera: Camera, default_bo
     after = covariance_of(information, SIGMA)
     target = made[-1].target
     np.testing.assert_allclose(target.predicted_sigma, np.sqrt(np.diag(after)), rtol=1e-6)
-    assert target.predicted_error_px == pytest.approx(projection_error_px(paper_camera, after))
+    assert target.predicted_uncertainty_px == pytest.approx(
+        projection_uncertainty_px(paper_camera, after)
+    )
 
 
 def test_searching_the_whole_space_beats_the_rules(
@@ -82,7 +84,7 @@ def test_searching_the_whole_space_beats_the_rules(
 ) -> None:
     """After six views: the whole space far below the paper's and Rojtberg's rules."""
     error = {
-        method: projection_error_px(
+        method: projection_uncertainty_px(
             paper_camera, covariance_of(guided(paper_camera, default_board, method, 6)[0], SIGMA)
         )
         for method in METHODS
@@ -109,7 +111,7 @@ def test_every_cost_that_makes_sense(
         seen = Observation(ids, pixels + noise, paper_camera.image_size)
         views.append(View(i + 1, seen, pose, SIGMA, noise))
     information = sum(said_by(paper_camera, default_board, pose) for pose in poses)
-    moves: list[Move] = []
+    moves: list[SearchStep] = []
 
     def ask() -> Suggestion:
         return suggest(
@@ -122,7 +124,7 @@ def test_every_cost_that_makes_sense(
             rng=rng,
             number=4,
             views=views,
-            on_move=moves.append,
+            on_step=moves.append,
             # Real calibrations take their time; a few show that it works.
             stop=(lambda: len(moves) >= 8) if cost == "rms" else None,
         )
@@ -166,7 +168,7 @@ def test_a_skipped_pose_is_not_offered_again_nearby(
 ) -> None:
     information = said_by(paper_camera, default_board, FIRST)
     skipped: list[Pose] = []
-    state = GenerationState()
+    state = HeuristicState()
     for number in range(2, 8):
         suggestion = suggest(
             default_board,
@@ -200,7 +202,7 @@ def test_a_distortion_that_folds_within_the_image_does_not_stop_the_planning(
         rng=np.random.default_rng(0),
         number=2,
     ).target
-    assert np.isfinite(target.predicted_error_px)
+    assert np.isfinite(target.predicted_uncertainty_px)
 
 
 def test_one_frontal_view_leaves_the_search_on_its_feet(

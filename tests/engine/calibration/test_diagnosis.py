@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from tests.engine.board_pictures import picture_of
-from tests.engine.test_calibration import GOOD, observe, tilted
+from tests.engine.calibration.test_adjustment import GOOD, observe, tilted
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_recognition import BoardCheck, recognise
 from venus3d.engine.calibration.detection import Detector

@@ -19,7 +19,7 @@ from tests.ports import free_port
 from tests.scene.raw_client import RawClient, every_message
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.audience.choices import Look
+from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.controls import AudienceControls
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.server import LocalServer, ReadOnlyServer, start_read_only_server
@@ -138,7 +138,7 @@ def test_a_read_only_server_hears_nothing_whatever_is_on_it() -> None:
 def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() -> None:
     """All of it at a real audience page beside a real operator's page."""
     viewer = Viewer(port=free_port(), draggable_board=True)
-    audience = Audience("127.0.0.1", free_port(), Look(mirror=True))
+    audience = Audience("127.0.0.1", free_port(), AudienceChoices(mirror=True))
     try:
         AudienceControls(viewer.server, audience)
         with RawClient(audience.port) as other, RawClient(viewer.port) as operator:
@@ -150,7 +150,7 @@ def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() ->
             # With the names of the operator's entities, too: nobody says that they are secret.
             say_everything(audience.port, audience.server.get_clients, operator=viewer.port)
             assert (buffer_of(audience.server), buffer_of(viewer.server)) == before
-            assert viewer.drain_intents() == [] and audience.look == Look(mirror=True)
+            assert viewer.drain_intents() == [] and audience.look == AudienceChoices(mirror=True)
             for client in (other, operator):
                 with pytest.raises(TimeoutError):
                     client.window(timeout=0.3)

@@ -8,8 +8,10 @@ from venus3d.engine.guidance.convergence import Progress
 from venus3d.scene.pages.guide.progress_panel import brought_text
 
 
-def after(views: int, error_px: float, promised_px: float = float("nan")) -> Progress:
-    return Progress(views, 0.4, np.ones(9), np.ones(9), error_px, predicted_error_px=promised_px)
+def after(views: int, uncertainty_px: float, promised_px: float = float("nan")) -> Progress:
+    return Progress(
+        views, 0.4, np.ones(9), np.ones(9), uncertainty_px, predicted_uncertainty_px=promised_px
+    )
 
 
 def test_what_the_last_view_brought() -> None:

@@ -15,7 +15,7 @@ from venus3d.engine.planning.costs import CostFunction, PoseCost, make_cost
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import STRATEGIES, Strategy
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.engine.planning.search import Found, Move, anneal, search, search_globally
+from venus3d.engine.planning.search import SearchResult, SearchStep, anneal, search, search_globally
 
 GOAL = np.array([20.0, -30, 10, 0.05, -0.02, 0.5])
 SCALE = np.array([20.0, 20, 20, 0.05, 0.05, 0.1])
@@ -93,8 +93,8 @@ def test_every_strategy_finds_a_known_minimum(strategy: Strategy, space: Space) 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_every_strategy_repeats_stops_and_tells(strategy: Strategy, space: Space) -> None:
-    def run(seed: int, stop_after: int | None = None) -> tuple[Found, list[Move]]:
-        moves: list[Move] = []
+    def run(seed: int, stop_after: int | None = None) -> tuple[SearchResult, list[SearchStep]]:
+        moves: list[SearchStep] = []
         found = search(
             strategy,
             space,
@@ -103,7 +103,7 @@ def test_every_strategy_repeats_stops_and_tells(strategy: Strategy, space: Space
             start=[0, 0, 0, 0, 0, 0.5],
             budget=400,
             stop=None if stop_after is None else lambda: len(moves) >= stop_after,
-            on_move=moves.append,
+            on_step=moves.append,
             keep_best=True,
         )
         return found, moves
@@ -141,10 +141,10 @@ def test_the_budget_is_kept(space: Space) -> None:
 def test_the_pool_holds_the_best_of_each_neighbourhood(space: Space) -> None:
     cost = state(space, THREE)
     found = search("global", space, cost, np.random.default_rng(0))
-    assert 32 <= len(found.pool) == len(found.pool_costs) <= 64
+    assert 32 <= len(found.pool) == len(found.elite_costs) <= 64
     np.testing.assert_array_equal(found.pool[0], found.vector)
-    np.testing.assert_allclose(found.pool_costs, cost(found.pool), rtol=1e-9)
-    assert (np.diff(found.pool_costs) >= 0).all() and space.accepts(found.pool).all()
+    np.testing.assert_allclose(found.elite_costs, cost(found.pool), rtol=1e-9)
+    assert (np.diff(found.elite_costs) >= 0).all() and space.accepts(found.pool).all()
     unit = space.to_unit(found.pool)
     apart = np.abs(unit[:, None] - unit).max(axis=2) + np.eye(len(unit))
     assert apart.min() > 0.05, "no copies"
@@ -188,9 +188,9 @@ def test_on_the_real_cost_no_sample_is_better(space: Space, rng: np.random.Gener
 
 def test_algorithm_1_has_its_numbers(space: Space) -> None:
     """Seven temperatures from 1 down to 0.1 at r = 0.7, ten neighbours each, one element each."""
-    moves: list[Move] = []
+    moves: list[SearchStep] = []
     start = np.array([0.0, 0, 0, 0, 0, 0.5])
-    found = anneal(space, bowl, start, np.random.default_rng(1), on_move=moves.append)
+    found = anneal(space, bowl, start, np.random.default_rng(1), on_step=moves.append)
     assert found.evaluated == 71 and len(moves) == 70
     now = start
     for move in moves:
@@ -206,7 +206,7 @@ def test_eq_12_by_its_statistics(space: Space) -> None:
     taken: list[bool] = []
     for seed in range(40):
         costs = iter([1.0, 1.5, 1.0])  # the start, a neighbour that costs more, one that costs less
-        moves: list[Move] = []
+        moves: list[SearchStep] = []
         anneal(
             space,
             lambda vectors, costs=costs: np.full(len(vectors), next(costs)),
@@ -214,7 +214,7 @@ def test_eq_12_by_its_statistics(space: Space) -> None:
             np.random.default_rng(seed),
             end_temperature=0.99,
             tries=2,
-            on_move=moves.append,
+            on_step=moves.append,
         )
         taken.append(moves[0].accepted)
         if moves[0].accepted:
@@ -225,14 +225,14 @@ def test_eq_12_by_its_statistics(space: Space) -> None:
 
 def test_keep_best_returns_the_best_pose_met(space: Space) -> None:
     for seed in range(5):
-        moves: list[Move] = []
+        moves: list[SearchStep] = []
         best = anneal(
             space,
             bowl,
             [0, 0, 0, 0, 0, 0.5],
             np.random.default_rng(seed),
             keep_best=True,
-            on_move=moves.append,
+            on_step=moves.append,
         )
         last = anneal(space, bowl, [0, 0, 0, 0, 0, 0.5], np.random.default_rng(seed))
         met = min([float(bowl(np.array([[0, 0, 0, 0, 0, 0.5]]))[0]), *(m.cost for m in moves)])

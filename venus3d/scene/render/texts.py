@@ -1,0 +1,12 @@
+"""What stands in the scene and in pictures, and which renderer draws them."""
+
+STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
+TARGET_LABEL = "Target"
+IN_ALL = "{length} in all"
+ONE_CORNER_OUTSIDE = "1 corner leaves the image in this step"
+CORNERS_OUTSIDE = "{count} corners leave the image in this step"
+NO_OPENGL = (
+    "OpenGL cannot be used here, so OpenCV paints the pictures; install libegl1, libgl1 and "
+    "libgl1-mesa-dri ({cause})."
+)
+OPENGL_FAILED = "OpenGL failed while it drew, so OpenCV paints the pictures from now on ({cause})."
