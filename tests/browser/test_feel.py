@@ -86,7 +86,7 @@ def test_every_key_does_what_the_help_says(
     def shows(selector: str, count: int = 1) -> Callable[[], bool]:
         return lambda: page.locator(selector).count() == count
 
-    knowledge: Any = viewer.page.knowledge
+    knowledge: Any = viewer.page.uncertainty
     before = knowledge.state
     effects: dict[str, Callable[[], bool]] = {
         "N": shows(".v-title:has-text('Step 4 of 4')"),

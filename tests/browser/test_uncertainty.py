@@ -78,7 +78,7 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
     viewer.show(alone)
     page = open_page()
     page.get_by_role("tab", name=texts.TAB).click()
-    known = guided.knowledge
+    known = guided.uncertainty
     assert known is not None
     title = ".v-known:has(.v-map) h3"
     page.wait_for_selector(f"{title}:has-text('{texts.ERROR_TITLE}')")

@@ -22,7 +22,7 @@ import venus3d.scene
 
 SCENE = Path(venus3d.scene.__file__).parent
 TEXTS = sorted([*SCENE.rglob("texts.py"), *SCENE.rglob("*_texts.py")])
-FILES = sorted(set(SCENE.rglob("*.py")) - set(TEXTS))
+FILES = sorted(path for path in set(SCENE.rglob("*.py")) - set(TEXTS))
 # Names of actions, whose buttons have texts of their own, and of a thread.
 NAMES = {"other order", "theme dark", "audience picture"}
 _CSS = re.compile(r"[{}]|--|[a-z-]+:\S|[a-z]-[a-z-]+\(")

@@ -141,14 +141,14 @@ def test_the_budget_is_kept(space: Space) -> None:
 def test_the_pool_holds_the_best_of_each_neighbourhood(space: Space) -> None:
     cost = state(space, THREE)
     found = search("global", space, cost, np.random.default_rng(0))
-    assert 32 <= len(found.pool) == len(found.elite_costs) <= 64
-    np.testing.assert_array_equal(found.pool[0], found.vector)
-    np.testing.assert_allclose(found.elite_costs, cost(found.pool), rtol=1e-9)
-    assert (np.diff(found.elite_costs) >= 0).all() and space.accepts(found.pool).all()
-    unit = space.to_unit(found.pool)
+    assert 32 <= len(found.elites) == len(found.elite_costs) <= 64
+    np.testing.assert_array_equal(found.elites[0], found.vector)
+    np.testing.assert_allclose(found.elite_costs, cost(found.elites), rtol=1e-9)
+    assert (np.diff(found.elite_costs) >= 0).all() and space.accepts(found.elites).all()
+    unit = space.to_unit(found.elites)
     apart = np.abs(unit[:, None] - unit).max(axis=2) + np.eye(len(unit))
     assert apart.min() > 0.05, "no copies"
-    places = np.array([Pose.from_vector(v).t for v in found.pool])
+    places = np.array([Pose.from_vector(v).t for v in found.elites])
     assert np.ptp(places, axis=0).max() > 0.1, "and not all of one place"
 
 

@@ -174,7 +174,7 @@ def test_snapshot_knows_before_and_after_for_target_and_alternatives(
     paper_camera: Camera, default_board: Board, observations: list[Observation]
 ) -> None:
     snapshot = session_after(paper_camera, default_board, observations[:4], Settings())
-    known, target = snapshot.knowledge, snapshot.target
+    known, target = snapshot.uncertainty, snapshot.target
     assert isinstance(known, ProjectionUncertainty) and target is not None
     assert known.uncertainty_px == pytest.approx(snapshot.history[-1].uncertainty_px)
     for aim in (target, *target.alternatives):
@@ -188,14 +188,14 @@ def test_snapshot_knows_before_and_after_for_target_and_alternatives(
     assert [left.number for left in known.influences] == [1, 2, 3, 4]
     assert known.without(9) is None
     first = session_after(paper_camera, default_board, observations[:1], Settings())
-    assert first.knowledge is None, "one view does not show nine parameters"
+    assert first.uncertainty is None, "one view does not show nine parameters"
 
 
 def test_global_search_is_recorded_with_all_its_candidates(
     paper_camera: Camera, default_board: Board, observations: list[Observation]
 ) -> None:
     snapshot = session_after(paper_camera, default_board, observations[:3], Settings())
-    walk, target = snapshot.walk, snapshot.target
+    walk, target = snapshot.search_trace, snapshot.target
     assert walk is not None and target is not None and walk.is_batched
     poses = np.concatenate([move.candidates for move in walk.moves])
     costs = np.concatenate([move.candidate_costs for move in walk.moves])
@@ -211,7 +211,7 @@ def test_annealing_is_recorded_move_by_move(
 ) -> None:
     settings = Settings(method="venus")
     snapshot = session_after(paper_camera, default_board, observations[:3], settings)
-    walk = snapshot.walk
+    walk = snapshot.search_trace
     assert walk is not None and not walk.is_batched
     assert 60 <= len(walk.moves) <= 70
     taken = [move for move in walk.moves if move.accepted]
@@ -223,7 +223,7 @@ def test_annealing_is_recorded_move_by_move(
     by_rule = session_after(
         paper_camera, default_board, observations[:3], Settings(method="pose-selection")
     )
-    assert by_rule.walk is None, "a rule searches nothing"
+    assert by_rule.search_trace is None, "a rule searches nothing"
 
 
 def test_a_long_search_does_not_fill_the_memory() -> None:
@@ -252,7 +252,7 @@ def test_watching_changes_no_target(
         np.testing.assert_allclose(
             watched.suggestion.target.pose.matrix, alone.suggestion.target.pose.matrix, atol=1e-5
         )
-        assert watched.walk is not None and tuple(told) == watched.walk.moves
+        assert watched.search_trace is not None and tuple(told) == watched.search_trace.moves
         session.apply(watched)
 
 

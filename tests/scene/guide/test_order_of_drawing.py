@@ -36,8 +36,8 @@ def test_a_replayed_search_ends_although_nothing_comes(guided: Snapshot) -> None
     now = [100.0]
     viewer = Viewer("127.0.0.1", 8312)
     try:
-        known = viewer.page.knowledge
-        assert known is not None and guided.walk is not None
+        known = viewer.page.uncertainty
+        assert known is not None and guided.search_trace is not None
         known._replay = SearchReplay(clock=lambda: now[0])  # pyright: ignore[reportPrivateUsage]
         known._toggle_watching()  # pyright: ignore[reportPrivateUsage]
         viewer.show(guided)

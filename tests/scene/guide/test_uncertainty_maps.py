@@ -144,7 +144,7 @@ def test_residuals_are_drawn_along_the_misfit(guided: Snapshot) -> None:
 
 
 def test_now_and_next_share_one_scale_and_the_colours_are_the_errors(guided: Snapshot) -> None:
-    known, target = guided.knowledge, guided.target
+    known, target = guided.uncertainty, guided.target
     assert known is not None and target is not None
     after = known.predicted_at(target.pose)
     assert after is not None
@@ -166,14 +166,14 @@ def test_every_topic_has_words_and_an_accessible_picture(guided: Snapshot) -> No
         for dark in (True, False):
             html = map_html(map_of(guided, topic, dark=dark))
             assert "<img alt='" in html and "{" not in html and "nan" not in html
-    bare = replace(guided, knowledge=None, calibration=None, target=None)
+    bare = replace(guided, uncertainty=None, calibration=None, target=None)
     for topic in TOPICS:
         html = map_html(map_of(bare, topic, dark=True))
         assert "<img" not in html and "v-line" in html
 
 
 def test_card_tells_the_view_and_what_if(guided: Snapshot) -> None:
-    known = guided.knowledge
+    known = guided.uncertainty
     assert known is not None
     for view in guided.views:
         html = view_html(guided, view.number, "data:image/jpeg;base64,AAAA")

@@ -49,13 +49,13 @@ def test_unchanged_ghosts_are_the_same_objects(guided: Snapshot) -> None:
     """The scene is drawn 25 times a second and sends only what is another object."""
     once, again = (ghost_shapes(guided.board, guided.views, None, True) for _ in range(2))
     assert once is again
-    walk = guided.walk
+    walk = guided.search_trace
     assert walk is not None
     assert search_shapes(walk, 2, guided.board, True) is search_shapes(walk, 2, guided.board, True)
 
 
 def test_search_shows_every_pose_looked_at_and_ends_on_the_target(guided: Snapshot) -> None:
-    walk, target = guided.walk, guided.target
+    walk, target = guided.search_trace, guided.target
     assert walk is not None and target is not None
     looked = 0
     for shown in range(1, len(walk.moves) + 1):
@@ -83,7 +83,7 @@ def test_annealing_is_a_line_through_the_poses_taken(
     paper_camera: Camera, default_board: Board
 ) -> None:
     snapshot = guided_session(paper_camera, default_board, Settings(method="venus"))
-    walk = snapshot.walk
+    walk = snapshot.search_trace
     assert walk is not None
     shapes = named(search_shapes(walk, 40, snapshot.board, True))
     taken = [move.vector[3:] for move in walk.moves[:40] if move.accepted]
@@ -114,7 +114,7 @@ def test_replay_takes_its_time_and_gives_the_steps_back(guided: Snapshot) -> Non
         shown.append(len(places.points))
         assert "poses" in replay.caption
         now[0] += 0.1
-    assert shown == sorted(shown) and len(set(shown)) == len(guided.walk.moves)  # type: ignore[union-attr]
+    assert shown == sorted(shown) and len(set(shown)) == len(guided.search_trace.moves)  # type: ignore[union-attr]
     assert SECONDS + REST_SECONDS <= now[0] - 100 < SECONDS + REST_SECONDS + 1
     assert "/target/board" in shapes and replay.caption == ""
     # Switched off and on it begins anew.
@@ -133,7 +133,7 @@ def test_nothing_to_watch_is_said(paper_camera: Camera, default_board: Board) ->
 
 
 def test_every_move_is_shown_and_none_twice(guided: Snapshot) -> None:
-    walk = guided.walk
+    walk = guided.search_trace
     assert walk is not None
     counts = [shown_after(walk, s) for s in np.arange(-1, SECONDS + 5, 0.04)]
     assert counts[0] == 1 and counts[-1] == len(walk.moves)

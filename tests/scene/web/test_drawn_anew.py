@@ -32,7 +32,6 @@ from venus3d.scene.pages.exercise.practice_run import Hall
 from venus3d.scene.pages.exercise.trainee import Course
 from venus3d.scene.pages.exercise.trial_view import TrialPage, TrialViewer
 from venus3d.scene.pages.exercise.view import PracticePage
-from venus3d.scene.pages.guide import texts as guide
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.run import PoseStudy
 from venus3d.scene.pages.teach.state import Vector
@@ -142,9 +141,9 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
         assert count > 1 or common.DRAWN_ANEW in page_of(viewer.port, common.DRAWN_ANEW)
         assert "v-guide" in text
     assert len(logged(caplog)) == 1 and "drawn anew" in logged(caplog)[0]
-    assert viewer.page.knowledge is not None
+    assert viewer.page.uncertainty is not None
     # What a person had captured and chosen is there again.
-    assert viewer.page.knowledge._pictures  # pyright: ignore[reportPrivateUsage]
+    assert viewer.page.uncertainty._pictures  # pyright: ignore[reportPrivateUsage]
 
 
 def test_a_trials_page_that_breaks_is_drawn_anew(
@@ -271,7 +270,7 @@ def test_pictures_of_steps_that_fail_leave_the_page_alone(
     try:
         server = viewer.server
         viewer.show(guided)
-        page_of(viewer.port, "/board/live", guide.TILE_FAILED.split(";")[0])
+        page_of(viewer.port, "/board/live", common.TILE_FAILED.split(";")[0])
         assert viewer.server is server
         assert len(logged(caplog)) == 1 and "four steps" in logged(caplog)[0]
     finally:

@@ -37,7 +37,7 @@ from venus3d.scene.pages.exercise.shapes import (
     picture_shapes,
     target_picture_shapes,
 )
-from venus3d.scene.pages.exercise.texts import BROKEN, STANDS_STILL, TITLE
+from venus3d.scene.pages.exercise.texts import BROKEN, STANDS_STILL, TITLE, WRITTEN
 from venus3d.scene.pages.exercise.trainee import Course, Trainee
 from venus3d.scene.pages.exercise.view import PracticePage
 from venus3d.scene.pages.exercise.view_model import PracticeMoment, Wish
@@ -90,7 +90,7 @@ def run_practice(options: PracticeOptions) -> None:
         print(f"Practice: http://{host}:{server.get_port()}   (Ctrl-C ends it)", flush=True)
         with suppress(KeyboardInterrupt):
             hall.run()
-    print(f"Written: {path}")
+    print(WRITTEN.format(path=path))
 
 
 class Hall:
