@@ -96,6 +96,7 @@ def calibrate(
         )
     )
     calibration = Calibration(
+        board=board,
         camera=camera,
         covariance=covariance,
         free=tuple(model == "full" or name in ("fx", "fy") for name in PARAMETERS),

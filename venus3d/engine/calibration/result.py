@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from venus3d.engine.calibration.observation import View
+from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 
@@ -50,6 +51,8 @@ class Diagnosis:
 class Calibration:
     """A camera with everything the views say about how well it is known."""
 
+    board: Board
+    """The board by whose corners the views were calibrated."""
     camera: Camera
     covariance: Array
     """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed."""

@@ -253,7 +253,13 @@ def provisional(
     residuals = np.concatenate([view.errors for view in views])
     nothing = (False,) * len(PARAMETERS)
     return Calibration(
-        camera, np.zeros((9, 9)), nothing, float(residuals.std()), _rms(residuals), tuple(views)
+        board=board,
+        camera=camera,
+        covariance=np.zeros((9, 9)),
+        free=nothing,
+        residual_sigma_px=float(residuals.std()),
+        rms_px=_rms(residuals),
+        views=tuple(views),
     )
 
 
