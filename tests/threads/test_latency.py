@@ -6,7 +6,7 @@ import gc
 import sys
 import weakref
 
-from venus3d.threads.latency import prompt
+from venus3d.threads.latency import low_latency
 
 
 class Ring:
@@ -20,7 +20,7 @@ def test_what_is_there_is_left_out_and_what_comes_is_collected() -> None:
     before, frozen = sys.getswitchinterval(), gc.get_freeze_count()
     early = Ring()
     seen_early = weakref.ref(early)
-    with prompt():
+    with low_latency():
         assert sys.getswitchinterval() < 0.001
         assert gc.get_freeze_count() > frozen + 1000
         late = Ring()

@@ -1,4 +1,4 @@
-"""What keeps a page prompt while the same process computes."""
+"""How soon a waiting thread gets its turn while the same process computes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from contextlib import contextmanager
 _SWITCH_S = 0.0005
 
 
-def leave_a_core() -> None:
+def limit_gl_threads() -> None:
     """Keep OpenGL, where it draws on the processor, from taking all cores for one picture.
 
     Each picture takes up to half as long again; what moves is the better for it. Mesa reads this
@@ -22,7 +22,7 @@ def leave_a_core() -> None:
 
 
 @contextmanager
-def prompt() -> Generator[None, None, None]:
+def low_latency() -> Generator[None, None, None]:
     """While this lasts, nothing that computes holds up what draws for long.
 
     Half a dozen threads have a few milliseconds of work each; by default one that computes keeps

@@ -15,6 +15,7 @@ from typing import Any
 import viser
 
 from venus3d.scene.web import texts as say
+from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.theme import Theme
 
@@ -78,6 +79,13 @@ class Tour:
 
     def start(self, client: viser.ClientHandle) -> None:
         """Show the first step in this tab."""
+
+        def pressed(action: str, _: object) -> None:
+            if action == "back":
+                self._turn(client, -1)
+            else:
+                self._end(client)
+
         with self._lock, client.atomic():
             if client.client_id in self._open:
                 return
@@ -87,19 +95,10 @@ class Tour:
                 content = gui.add_html(self._html(0))
                 # The first button has the focus: Enter goes on.
                 forth = gui.add_button(say.TOUR_NEXT, hint=say.TOUR_NEXT_HINT)
-                others = gui.add_button_group(
-                    say.TOUR_ROW, (say.TOUR_BACK, say.TOUR_SKIP), hint=say.TOUR_ROW_HINT
-                )
+                labels = {"back": say.TOUR_BACK, "skip": say.TOUR_SKIP}
+                ButtonRow(gui, say.TOUR_ROW, labels, pressed, hint=say.TOUR_ROW_HINT)
             self._open[client.client_id] = _Open(modal, content, forth)
         forth.on_click(lambda _: self._turn(client, 1))
-
-        def clicked(event: Any) -> None:
-            if event.target.value == say.TOUR_BACK:
-                self._turn(client, -1)
-            else:
-                self._end(client)
-
-        others.on_click(clicked)
 
     def _start_at_first(self, client: viser.ClientHandle) -> None:
         try:

@@ -48,7 +48,7 @@ from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.texts import DRAWING_FAILED
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.practice import PracticeFile
-from venus3d.threads.latency import prompt
+from venus3d.threads.latency import low_latency
 
 FILE = "practice.csv"
 _PERIOD_S = 1 / 30
@@ -119,7 +119,7 @@ class Hall:
         with self._lock:
             return tuple(self._desks.values())
 
-    @prompt()
+    @low_latency()
     def run(self) -> None:
         """Serve everybody until `close`."""
         while not self._stop.is_set():

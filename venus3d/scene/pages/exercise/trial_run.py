@@ -18,11 +18,11 @@ from venus3d.scene.pages.exercise.trial_view import TrialViewer
 from venus3d.scene.pages.exercise.trial_view_model import HelpTimes
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.options import GuideOptions
-from venus3d.scene.pages.guide.watching import Watching
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
+from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.sim import Simulation
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.rows import target_columns, time_column
@@ -45,15 +45,21 @@ class TrialResult:
     """Everything in the file, other participants' included."""
 
 
-class TrialGuide(Watching):
+class TrialGuide:
     """One trial with its viewer. `run` returns when `stop` was called or the source broke."""
 
     def __init__(
         self, session: TrialSession, source: Source, eyes: BoardTracker, viewer: TrialViewer
     ) -> None:
         """`source` is closed by `run`."""
-        super().__init__(source, eyes, viewer, lambda: source)
-        self._session = session
+        self._session, self._viewer = session, viewer
+        self._stream = ObservationStream(
+            source, eyes, on_picture=lambda frame: viewer.show_picture(frame.image)
+        )
+
+    def stop(self) -> None:
+        """Ask for the end; from any thread."""
+        self._stream.stop()
 
     def run(self) -> None:
         """Run until stopped, by `stop`, Ctrl-C or a signal that asks to end; until then the page
@@ -61,21 +67,17 @@ class TrialGuide(Watching):
 
         Raises what broke the source; what was measured is on the disk.
         """
-        self._watch_until_stopped()
-        if self._failure is not None:
-            raise self._failure
-
-    def _end(self) -> None:
-        pass
+        self._stream.run(self._guide)
+        self._stream.check()
 
     def _guide(self) -> None:
-        session, source = self._session, self._source
-        observation = self._observations.take(timeout=0.05)
+        session, source = self._session, self._stream.source
+        observation = self._stream.take(timeout=0.05)
         asked = self._viewer.drain_intents()
         for intent in asked:
             self._obey(intent)
         if observation is not None:
-            session.use_board(self._eyes.detector.board)
+            session.use_board(self._stream.tracker.detector.board)
             by_machine = isinstance(source, Simulation) and source.autopilot_on
             session.observe(observation, by_machine=by_machine)
         if not asked and observation is None:
@@ -86,7 +88,7 @@ class TrialGuide(Watching):
         self._viewer.show(snapshot)
 
     def _obey(self, intent: intents.Intent) -> None:
-        source = self._source
+        source = self._stream.source
         match intent:
             case intents.Begin():
                 self._session.begin()

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 import viser
 
 from venus3d.engine.guidance.phase import Phase
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command
 
 Action = Literal[
@@ -69,7 +70,7 @@ class ControlPanel:
         self._act, self._simulated = act, simulated
         self._capture = gui.add_button(say.CAPTURE, icon=viser.Icon.CAMERA, hint=say.CAPTURE_HINT)
         self._capture.on_click(lambda _: act("capture"))
-        self._groups = [self._group(gui, name, row) for name, row in _ROWS.items()]
+        self._rows = [self._row(gui, name, row) for name, row in _ROWS.items()]
 
     @property
     def commands(self) -> tuple[Command, ...]:
@@ -80,31 +81,19 @@ class ControlPanel:
         """Let the buttons say what is on, and go when there is nothing to do with them."""
         makes_sense = useful_in(phase)
         self._capture.visible = makes_sense("capture")
-        for row, group in zip(_ROWS.values(), self._groups, strict=True):
-            shown: list[Action] = [a for a in self._offered(row) if makes_sense(a)]
-            group.visible = bool(shown)
-            options = tuple(_label(action, state) for action in shown)
-            if shown and group.options != options:
-                group.options = options
+        for actions, row in zip(_ROWS.values(), self._rows, strict=True):
+            row.show({a: _label(a, state) for a in self._offered(actions) if makes_sense(a)})
 
     def _offered(self, row: Iterable[Action]) -> list[Action]:
         return [action for action in row if self._simulated or action != "autopilot"]
 
-    def _group(self, gui: viser.GuiApi, name: str, row: tuple[Action, ...]) -> Any:
-        offered = self._offered(row)
-        label, hint = say.ROWS[name]
-        hint += say.AUTOPILOT_HINT if "autopilot" in offered else ""
-        state = ViewState()
-        names: list[str] = [_label(action, state) for action in offered]
-        group: Any = gui.add_button_group(label, names, hint=hint)
-
-        def clicked(event: Any) -> None:
-            for action in offered:
-                if str(event.target.value).removeprefix("✓ ") in say.BUTTONS[action]:
-                    self._act(action)
-
-        group.on_click(clicked)
-        return group
+    def _row(self, gui: viser.GuiApi, name: str, actions: tuple[Action, ...]) -> ButtonRow[Action]:
+        labels: dict[Action, str] = {
+            action: _label(action, ViewState()) for action in self._offered(actions)
+        }
+        title, hint = say.ROWS[name]
+        hint += say.AUTOPILOT_HINT if "autopilot" in labels else ""
+        return ButtonRow(gui, title, labels, lambda action, _: self._act(action), hint=hint)
 
     def _command(self, action: Action) -> Command:
         label, description = say.COMMANDS[action]

@@ -1,11 +1,10 @@
-"""Guiding with the viewer: four threads that hand things on through one-slot, newest-wins boxes.
+"""Guiding with the viewer: observations and what users ask for go to the session, snapshots out.
 
-    watch   source -> frame box, and the picture to the viewer at once
-    look    frame box -> detection -> observation box
     think   the session's slow work: calibration and search
-    guide   (the caller's thread) observation box and what users asked for -> session -> viewer
+    guide   (the caller's thread) observations and intents -> session -> viewer
 
-The picture never waits for detection, detection never for the mathematics.
+Frames are read and boards detected on two more threads (`sources.observation_stream`); detection
+never waits for the mathematics.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.headless import work_out
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.pages.guide.watching import Watching
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame, Source
+from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.sim import Simulation
 
 
-class LiveGuide(Watching):
+class LiveGuide:
     """One session with its viewer. `run` returns when `stop` was called or the source broke."""
 
     def __init__(
@@ -45,11 +44,16 @@ class LiveGuide(Watching):
     ) -> None:
         """`keep` is called with every moment that may hold a new result, and must not wait; `again`
         opens a recording anew when it has ended; `source` is closed by `run`."""
-        super().__init__(source, eyes, viewer, again, audience)
         self._session, self._keep = session, keep
+        self._viewer, self._audience = viewer, audience
+        self._stream = ObservationStream(source, eyes, on_picture=self._show_picture, reopen=again)
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
         self._frame: tuple[Observation, Frame] | None = None
+
+    def stop(self) -> None:
+        """Ask for the end; from any thread."""
+        self._stream.stop()
 
     def run(self) -> Snapshot:
         """Guide until stopped, by `stop`, Ctrl-C or a signal that asks to end.
@@ -57,14 +61,13 @@ class LiveGuide(Watching):
         Raises what broke the source or anything else, after what had been captured was handed on.
         """
         try:
-            self._watch_until_stopped()
+            self._stream.run(self._guide, self._end)
         except BaseException:
             with suppress(Exception):  # the first error is the one to tell
                 self._concluded()
             raise
         snapshot = self._concluded()
-        if self._failure is not None:
-            raise self._failure
+        self._stream.check()
         return snapshot
 
     def _concluded(self) -> Snapshot:
@@ -79,17 +82,22 @@ class LiveGuide(Watching):
             self._job[2].set()
         self._thinker.shutdown(wait=True, cancel_futures=True)
 
+    def _show_picture(self, frame: Frame) -> None:
+        self._viewer.show_picture(frame.image)
+        if self._audience is not None:
+            self._audience.show_picture(frame.image)
+
     # -- the guiding thread ----------------------------------------------------------------------
 
     def _guide(self) -> None:
         session = self._session
-        observation = self._observations.take(timeout=0.05)
+        observation = self._stream.take(timeout=0.05)
         asked = self._viewer.drain_intents()
         for intent in asked:
             self._obey(intent)
         if observation is not None:
-            session.use_board(self._eyes.detector.board)
-            session.board_diagnoses = self._eyes.detector.diagnoses
+            session.use_board(self._stream.tracker.detector.board)
+            session.board_diagnoses = self._stream.tracker.detector.diagnoses
             session.observe(observation)
         self._keep_picture(observation)
         if asked or observation is not None:
@@ -100,8 +108,9 @@ class LiveGuide(Watching):
 
     def _show(self) -> None:
         snapshot = self._session.snapshot()
-        if isinstance(self._source, Simulation):
-            self._source.follow(snapshot.target, snapshot.pose)
+        source = self._stream.source
+        if isinstance(source, Simulation):
+            source.follow(snapshot.target, snapshot.pose)
         self._viewer.show(snapshot)
         if self._audience is not None:
             self._audience.show(snapshot)
@@ -111,7 +120,8 @@ class LiveGuide(Watching):
         """Hand on the picture of a view that was captured just now."""
         work, before = self._session.pending, self._frame
         if observation is not None:
-            self._frame = next((pair for pair in self._looked if pair[0] is observation), None)
+            frame = self._stream.frame_of(observation)
+            self._frame = None if frame is None else (observation, frame)
         for pair in (before, self._frame):
             if work is not None and pair is not None and work.observations[-1] is pair[0]:
                 self._viewer.keep_view(work.numbers[-1], pair[1].image)
@@ -138,7 +148,7 @@ class LiveGuide(Watching):
         return came
 
     def _obey(self, intent: intents.Intent) -> None:
-        session, source = self._session, self._source
+        session, source = self._session, self._stream.source
         match intent:
             case intents.Capture():
                 if not session.capture():
@@ -164,7 +174,7 @@ class LiveGuide(Watching):
             case intents.Finish():
                 session.finish()
             case intents.Pause(on):
-                (self._running.clear if on else self._running.set)()
+                self._stream.pause(on)
                 if self._audience is not None:
                     self._audience.pause(on)
             case intents.DragBoard(pose) if isinstance(source, Simulation):

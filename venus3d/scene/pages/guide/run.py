@@ -31,7 +31,7 @@ from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
 from venus3d.sources.opening import open_source
 from venus3d.sources.sim import Simulation
-from venus3d.threads.latency import leave_a_core
+from venus3d.threads.latency import limit_gl_threads
 
 # A recording does not follow a target: a view that lowers the expected error so much counts.
 _USEFUL_DROP = 0.1
@@ -146,7 +146,7 @@ def _possible(options: GuideOptions) -> GuideOptions:
 
 def _opened(options: GuideOptions, board: Board) -> Source:
     if not options.headless:
-        leave_a_core()
+        limit_gl_threads()
     if options.source != "sim":
         return open_source(options.source, size=options.image_size, realtime=not options.headless)
     size = options.image_size

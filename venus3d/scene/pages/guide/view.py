@@ -9,7 +9,6 @@ right   live picture, the four steps as the camera sees them, controls, how pose
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import viser
@@ -30,6 +29,7 @@ from venus3d.scene.pages.guide.uncertainty.panel import KnowledgePanel
 from venus3d.scene.pages.guide.uncertainty.texts import TAB as KNOWN_TAB
 from venus3d.scene.pages.guide.viewpoint import TabCamera
 from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
+from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.dressing import Dressing, fit_width
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
@@ -155,9 +155,9 @@ class Page:
         self._legend = gui.add_html(PICTURE_LEGEND)
         self.projections = ProjectionsPanel(gui)
         self.controls = ControlPanel(gui, self._act, simulated=self._simulated)
-        names = (say.BUTTONS["help"][0], say.BUTTONS["tour"][0])
-        row: Any = gui.add_button_group(say.ROWS["page"][0], names, hint=say.ROWS["page"][1])
-        row.on_click(self._asked_about_page)
+        title, hint = say.ROWS["page"]
+        labels = {name: say.BUTTONS[name][0] for name in ("help", "tour")}
+        ButtonRow(gui, title, labels, self._asked_about_page, hint=hint)
         self.method = MethodPanel(gui, self._ask)
 
     def _make_commands(self, tour: bool) -> None:
@@ -168,10 +168,9 @@ class Page:
         self.tour = Tour(self._server, TOUR_KEY, steps, at_first=tour)
         self.help = HelpOverlay(self._server, (*commands, *self.tour.commands))
 
-    def _asked_about_page(self, event: Any) -> None:
-        if event.client is not None:
-            helps = event.target.value == say.BUTTONS["help"][0]
-            (self.help.toggle if helps else self.tour.start)(event.client)
+    def _asked_about_page(self, what: str, client: viser.ClientHandle | None) -> None:
+        if client is not None:
+            (self.help.toggle if what == "help" else self.tour.start)(client)
 
     def _set_theme(self, theme: Theme) -> None:
         if self._dressing.show(theme):

@@ -24,7 +24,7 @@ from venus3d.scene.pages.teach.view_model import TeachMoment
 from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.storage.camera_yaml import read_camera_yaml
-from venus3d.threads.latency import prompt
+from venus3d.threads.latency import low_latency
 
 
 class PoseStudy:
@@ -76,7 +76,7 @@ def run_teach(options: TeachOptions) -> None:
             save=partial(_saved, study, offscreen),
             kinds=KINDS,
         )
-        with closing(viewer), prompt():
+        with closing(viewer), low_latency():
             for note in viewer.notes:
                 print(note, flush=True)
             print(f"Lessons: {viewer.url}   (Ctrl-C ends it)", flush=True)
