@@ -16,7 +16,8 @@ import cv2
 import pytest
 
 from tests.ports import free_port
-from venus3d.scene.pages.guide.texts import COST_WORDS, METHOD_WORDS, PICTURE_LEGEND, TOUR
+from venus3d.scene.pages.guide.texts import COST_WORDS, METHOD_WORDS, TOUR
+from venus3d.scene.web.step_texts import PICTURE_LEGEND
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

@@ -33,13 +33,14 @@ from venus3d.scene.pages.exercise.trial_view_model import HELPS, Help, TrialMome
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import Begin
 from venus3d.scene.pages.guide.state import ViewState
-from venus3d.scene.pages.guide.view import JPEG_QUALITY, LEFT_WIDTH, PICTURE_LEGEND, Page
+from venus3d.scene.pages.guide.view import JPEG_QUALITY, LEFT_WIDTH, Page
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.render.overlay import draw_axes, draw_outline
 from venus3d.scene.render.shapes import Shape
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
 from venus3d.scene.web.projections_panel import Picture, ProjectionsPanel, ShownSteps
+from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
 
 Layout = Literal["steps", "picture", "result"]
@@ -178,7 +179,7 @@ class TrialPage(Page):
         blank = np.full((_LARGE_PICTURE_WIDTH * 9 // 16, _LARGE_PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
         self._legend = gui.add_html("")
-        self._steps_legend = gui.add_html(PICTURE_LEGEND, visible=False)
+        self._steps_legend = gui.add_html(PICTURE_LEGEND_HTML, visible=False)
         self.projections = ProjectionsPanel(gui)
         self.projections.visible = False
         self._result = gui.add_html("")

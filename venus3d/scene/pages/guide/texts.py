@@ -16,23 +16,9 @@ FINISHED_NEXT = "The result is kept; you may close this page."
 DOUBTFUL = "Settled, but do not trust it yet"
 DOUBTED_NEXT = "The reason stands below. C captures a view, Finish ends it as it is."
 PAUSED, PAUSED_SENTENCE = "Paused", "Press Pause again, or the space bar, to go on."
-HOLD_HEADLINE = "Hold still"
 ANOTHER_BOARD = "This is another board"
-STEP_OF_FOUR = "Step {number} of 4:"
-TO_GO = "to go"
-IN_THE_PICTURE = "In the camera's picture: {words}"
 LOOKING_ELSEWHERE = (
     "You are looking at step {shown}; the board is on step {active}. Press F to go there."
-)
-RIGHT = "✓ right"
-CHIP_HINT = "Step {number}, {title}: {fact}"
-
-# -- live picture and the four steps ---------------------------------------------------------------
-
-PICTURE_LEGEND = (
-    ("Outline", "step's end"),
-    ("dashes", "the target"),
-    ("dots", "corners"),
 )
 
 # -- controls --------------------------------------------------------------------------------------

@@ -33,17 +33,13 @@ from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.dressing import Dressing, fit_width
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
+from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
 
 LEFT_WIDTH, _RIGHT_WIDTH = 480, 510
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
 JPEG_QUALITY = 75
-PICTURE_LEGEND = (
-    "<div class='v-steps'><div class='v-legend'>"
-    + " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)
-    + "</div></div>"
-)
 _MARKS = (
     "",
     "[data-dock-leaf]:has(.v-guide)",
@@ -152,7 +148,7 @@ class Page:
         self._dressing.add()
         blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
-        self._legend = gui.add_html(PICTURE_LEGEND)
+        self._legend = gui.add_html(PICTURE_LEGEND_HTML)
         self.projections = ProjectionsPanel(gui)
         self.controls = ControlPanel(gui, self._act, simulated=self._simulated)
         title, hint = say.ROWS["page"]

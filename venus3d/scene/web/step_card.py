@@ -1,0 +1,120 @@
+"""The large text for whoever holds the board, as HTML: what to do now, how much of it is left.
+
+It must be readable at two metres, so it holds one headline, one sentence and four short facts.
+"""
+
+from __future__ import annotations
+
+from html import escape
+
+from venus3d.engine.geometry.decomposition import Steps
+from venus3d.engine.guidance.matching import Match
+from venus3d.engine.guidance.prompts import HOLD_STILL, STEP_RIGHT, step_words
+from venus3d.scene.render.amounts import degrees
+from venus3d.scene.render.palette import STEP_STYLES, step_style
+from venus3d.scene.web import step_texts as say
+from venus3d.scene.web.theme import Theme
+
+PICTURE_LEGEND_HTML = (
+    "<div class='v-steps'><div class='v-legend'>"
+    + " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)
+    + "</div></div>"
+)
+"""Under the live picture: what is drawn in it during the steps."""
+
+
+def guide_card(
+    colour: str,
+    badge: str,
+    headline: str,
+    sentence: str,
+    *,
+    amount: str = "",
+    below: str = "",
+    note: str = "",
+    foot: str = "",
+    eyebrow: str = "",
+) -> str:
+    """One card; `below` and `foot` are HTML, all else is text. A `note` takes the foot's place."""
+    left = f"<div class='v-amount'>{escape(amount)}<small>{say.TO_GO}</small></div>"
+    left = left if amount else ""
+    above = f"<small>{escape(eyebrow)}</small> " if eyebrow else ""
+    said = f"<div class='v-note'>{escape(note)}</div>" if note else ""
+    return (
+        f"<div class='v-guide' role='status' style='--step:{colour}'>"
+        f"<div class='v-head'><span class='v-badge'>{escape(badge)}</span>"
+        f"<span class='v-title'>{above}{escape(headline)}</span></div>{left}"
+        f"<div class='v-sentence'>{escape(sentence)}</div>{below}{said or foot}</div>"
+    )
+
+
+def second_line(text: str) -> str:
+    """A smaller sentence below the first; nothing without a text."""
+    return f"<div class='v-second'>{escape(text)}</div>" if text else ""
+
+
+def hold_card(theme: Theme, below: str, note: str) -> str:
+    """The board is where it should be and only has to be held still."""
+    sentence = HOLD_STILL.holder
+    return guide_card(theme.reached, "✓", say.HOLD_HEADLINE, sentence, below=below, note=note)
+
+
+def step_card(match: Match, number: int, theme: Theme, note: str, foot: str = "") -> str:
+    """One of the four steps. Without a `foot` it says what the camera sees of it, if the holder is
+    told something else."""
+    done = match.within[number - 1]
+    words = STEP_RIGHT if done else step_words(match.steps[number - 1])
+    if not foot and words.camera != words.holder:
+        seen = escape(say.IN_THE_PICTURE.format(words=words.camera))
+        foot = f"<div class='v-picture'>{seen}</div>"
+    return guide_card(
+        theme.steps[number - 1],
+        str(number),
+        step_style(number).title,
+        words.holder,
+        amount="" if done else remaining_text(match, number),
+        below=step_chips(match, None, number, theme),
+        note=note,
+        foot=foot,
+        eyebrow=say.STEP_OF_FOUR.format(number=number),
+    )
+
+
+def remaining_text(match: Match, step: int) -> str:
+    """What is left of one step, with its unit: "+31°" or "120 mm"."""
+    if step == 1:
+        return f"{float((match.remaining_mm**2).sum()) ** 0.5:.0f} mm"
+    return degrees(match.remaining_deg[step - 2])
+
+
+def step_chips(match: Match | None, steps: Steps | None, shown: int, theme: Theme) -> str:
+    """The four steps in one row, each with number, word, what is left and whether it is right.
+
+    Without a match, what each of the target's `steps` is in all; without these, nothing.
+    """
+    if match is None and steps is None:
+        return ""
+    cells: list[str] = []
+    for style in STEP_STYLES:
+        number, mark = style.number, " v-on" if style.number == shown else ""
+        if match is not None:
+            done = match.within[number - 1]
+            fact = say.RIGHT if done else remaining_text(match, number)
+            mark += " v-done" if done else ""
+        else:
+            fact = _whole_text(steps, number)
+        hint = escape(say.CHIP_HINT.format(number=number, title=style.title, fact=fact))
+        cells.append(
+            f"<div class='v-chip{mark}' style='--step:{theme.steps[number - 1]}' title='{hint}'>"
+            f"<b>{number}</b><span>{style.title.split()[0]}</span><i>{escape(fact)}</i></div>"
+        )
+    return f"<div class='v-chips'>{''.join(cells)}</div>"
+
+
+def _whole_text(steps: Steps | None, number: int) -> str:
+    if steps is None:
+        return ""
+    step = steps[number - 1]
+    if number == 1:
+        return f"{float((step.translation**2).sum()) ** 0.5 * 1000:.0f} mm"
+    return degrees(step.angle_deg)

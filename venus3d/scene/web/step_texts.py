@@ -1,0 +1,13 @@
+"""What is said of the step that is active, wherever a board is guided to a target."""
+
+HOLD_HEADLINE = "Hold still"
+STEP_OF_FOUR = "Step {number} of 4:"
+TO_GO = "to go"
+IN_THE_PICTURE = "In the camera's picture: {words}"
+RIGHT = "✓ right"
+CHIP_HINT = "Step {number}, {title}: {fact}"
+PICTURE_LEGEND = (
+    ("Outline", "step's end"),
+    ("dashes", "the target"),
+    ("dots", "corners"),
+)
