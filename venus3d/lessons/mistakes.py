@@ -80,7 +80,8 @@ def value_mistake(error: ValidationError, raw: Any) -> tuple[KeyPath, str]:
         name = match.group(2)
         if match.group(1) == "contains":
             cure = _did_you_mean(name, _KEYS[key], "it has")
-            missing = f"a {key} needs {name} = ...; it is missing"
+            return (*path, name), f"a {key} has no {name!r}; {cure}"
+        missing = f"a {key} needs {name} = ...; it is missing"
         return (*path, name), _NO_PAGE if name == "page" else missing
     value = raw
     for part in path:
