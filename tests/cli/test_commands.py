@@ -28,7 +28,17 @@ LIFECAM = ["--board.columns", "8", "--board.rows", "8", "--board.square-mm", "25
 LIFECAM += ["--board.marker-mm", "19.05", "--board.dictionary", "DICT_4X4_1000"]
 WPILIB = ["--board.columns", "12", "--board.rows", "8", "--board.square-mm", "18.0086"]
 WPILIB += ["--board.marker-mm", "13.9954", "--board.dictionary", "DICT_5X5_1000"]
-KEYS = {"rms_px", "views", "intrinsics", "std", "image_size", "board", "warnings", "diagnoses"}
+KEYS = {
+    "schema",
+    "rms_px",
+    "views",
+    "intrinsics",
+    "std",
+    "image_size",
+    "board",
+    "warnings",
+    "diagnoses",
+}
 
 
 def test_version_and_help(run: Run) -> None:
