@@ -10,12 +10,13 @@ SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
 PINS := pyproject.toml constraints.txt constraints-3.14.txt scripts/setup.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-all lint format gallery pace clean
+.PHONY: help run test test-all lint format docs gallery pace clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 	@echo "make lint   ruff, pyright and the import directions only"
 	@echo "make test-all   make test, and the engine's tests on OpenCV 4"
+	@echo "make docs   build the documentation as a site, site/index.html"
 	@echo "make gallery   take the screenshots of docs/gallery.md anew"
 	@echo "make pace   measure how steadily the page is served"
 	@echo "make format   let ruff put the code in order"
@@ -36,6 +37,9 @@ lint: $(VENV)/.ready-test
 # The lowest OpenCV that pyproject.toml allows, so that the range is true at both ends.
 test-all: test .venv-opencv4/.ready
 	.venv-opencv4/bin/pytest tests/engine
+
+docs: $(VENV)/.ready-test
+	$(BIN)/python scripts/docs.py
 
 gallery: $(VENV)/.ready-test
 	$(BIN)/python scripts/gallery.py
@@ -62,5 +66,5 @@ $(VENV)/.ready-test: $(PINS)
 	@touch $@
 
 clean:
-	rm -rf .venv .venv-opencv4 .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf site .venv .venv-opencv4 .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
