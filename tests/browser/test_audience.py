@@ -10,7 +10,6 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.ports import free_port
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
@@ -25,6 +24,7 @@ from venus3d.sources.sim import Simulation
 
 pytestmark = pytest.mark.browser
 
+_PORT = 8374
 TILTED = Pose.from_vector([25, -20, 8, 0.01, 0.005, 0.5])
 _WIDE, _TALL = (1803, 1014), (1200, 1300)
 """Windows whose picture is 1280 wide, and one with the picture above the text."""
@@ -33,7 +33,7 @@ MARK_COLOUR = (255, 0, 255)
 
 @pytest.fixture
 def audience() -> Iterator[Audience]:
-    page = Audience("127.0.0.1", free_port())
+    page = Audience("127.0.0.1", _PORT)
     yield page
     page.close()
 
@@ -110,7 +110,7 @@ def test_what_is_drawn_in_3d_lies_on_what_the_camera_saw(
 ) -> None:
     """A wrong field of view, centre, aspect or map would shift the marks off the corners: within
     1.5 px on a picture of 1280 px, for windows of any shape, and after the window has changed."""
-    audience.choose(lambda look: replace(look, lens=True))
+    audience.change(lambda look: replace(look, lens=True))
     audience.show(replace(guiding, camera=paper_camera, target=None, match=None, phase="guiding"))
     page = opened(chromium, audience.url, *_WIDE)
     corners: list[tuple[dict[int, Array], int]] = []
@@ -153,7 +153,7 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
     assert not [e for e in page.query_selector_all(pressed) if e.is_visible()]
 
     # A mirror turns the picture and no letters; a bright room has dark letters.
-    audience.choose(lambda look: replace(look, mirror=True, light=True))
+    audience.change(lambda look: replace(look, mirror=True, light=True))
     page.wait_for_function(
         "getComputedStyle(document.querySelector('canvas')).transform.startsWith('matrix(-1,')"
     )
@@ -193,7 +193,7 @@ def test_the_operator_chooses_for_all_who_look(
 ) -> None:
     """A key on the operator's page changes the other page, and a sound comes when a step is right;
     keys and clicks on the other page change nothing."""
-    viewer = Viewer(port=free_port())
+    viewer = Viewer(port=_PORT + 1)
     try:
         AudienceControls(viewer.server, audience)
         looking = opened(chromium, audience.url, 1280, 720)
@@ -207,12 +207,12 @@ def test_the_operator_chooses_for_all_who_look(
         acting.keyboard.press("g")
         looking.wait_for_function("document.querySelector('.v-audience') !== null")
         for _ in range(100):
-            if audience.look.lens:
+            if audience.state.lens:
                 break
             acting.wait_for_timeout(50)
-        assert audience.look == AudienceChoices(lens=True)
+        assert audience.state == AudienceChoices(lens=True)
 
-        audience.choose(lambda look: replace(look, sound=True))
+        audience.change(lambda look: replace(look, sound=True))
         looking.get_by_text(texts.SOUND_HINT).click()
         looking.get_by_text(texts.SOUND_HINT).wait_for(state="hidden")
         looking.evaluate(

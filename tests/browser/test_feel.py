@@ -13,7 +13,6 @@ from typing import Any
 
 import pytest
 
-from tests.ports import free_port
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide import texts as say
@@ -87,7 +86,7 @@ def test_every_key_does_what_the_help_says(
     def shows(selector: str, count: int = 1) -> Callable[[], bool]:
         return lambda: page.locator(selector).count() == count
 
-    knowledge: Any = viewer.page.uncertainty
+    knowledge: Any = viewer.view.uncertainty
     before = knowledge.state
     effects: dict[str, Callable[[], bool]] = {
         "N": shows(".v-title:has-text('Step 4 of 4')"),
@@ -122,9 +121,7 @@ def test_every_text_is_readable(
     chromium: Any, projections: Projections, guiding: Snapshot, dark: bool
 ) -> None:
     """WCAG AA: 4.5, or 3 for large letters; none is smaller than 12 px."""
-    viewer = Viewer(
-        port=free_port(), projections=projections, draggable_board=True, dark=dark, tour=True
-    )
+    viewer = Viewer(port=8404, projections=projections, draggable_board=True, dark=dark, tour=True)
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()
     page.set_default_timeout(60_000)

@@ -27,7 +27,7 @@ from venus3d.scene.pages.audience.dial import (
     tick_html,
 )
 from venus3d.scene.pages.audience.glance import glance_html, picture_share
-from venus3d.scene.pages.audience.view_model import achieved, moment_of
+from venus3d.scene.pages.audience.view_model import achieved, view_model_of
 from venus3d.scene.render.palette import contrast, ground, step_colour
 
 GOAL = Pose.from_vector([10, 5, 0, 0.0, 0.0, 0.5])
@@ -140,16 +140,20 @@ def guided(paper_camera: Camera, default_board: Board, at) -> Snapshot:
 
 
 def test_each_state_has_its_sentence(guided: Snapshot, at) -> None:
-    assert moment_of(None).sentence == texts.STARTING[2]
-    assert moment_of(guided, paused=True).sentence == texts.PAUSED[2]
-    step = moment_of(guided)
+    assert view_model_of(None).sentence == texts.STARTING[2]
+    assert view_model_of(guided, paused=True).sentence == texts.PAUSED[2]
+    step = view_model_of(guided)
     assert (step.badge, step.title, step.step) == ("3", "Swing", 3)
     assert step.sentence == step_words(at(y=20).steps[2]).holder
-    assert moment_of(replace(guided, match=at())).title == texts.HOLD_STILL[1]
-    assert moment_of(replace(guided, pose=None, match=None)).title == texts.NOT_SEEN[1]
-    assert moment_of(replace(guided, phase="captured")).title == texts.THINKING[1]
-    assert moment_of(replace(guided, phase="converged")).title == texts.CONVERGED[1]
-    for moment in (step, moment_of(None), moment_of(replace(guided, match=at(mm=(9, 90, 0))))):
+    assert view_model_of(replace(guided, match=at())).title == texts.HOLD_STILL[1]
+    assert view_model_of(replace(guided, pose=None, match=None)).title == texts.NOT_SEEN[1]
+    assert view_model_of(replace(guided, phase="captured")).title == texts.THINKING[1]
+    assert view_model_of(replace(guided, phase="converged")).title == texts.CONVERGED[1]
+    for moment in (
+        step,
+        view_model_of(None),
+        view_model_of(replace(guided, match=at(mm=(9, 90, 0)))),
+    ):
         html = glance_html(moment, guided, dark=True)
         assert moment.sentence.replace(" mm", "\u00a0mm") in html and "<script" not in html
         ElementTree.fromstring(html)

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from tests.ports import free_port
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.errors import SourceError
 from venus3d.engine.geometry.board import Board
@@ -49,7 +48,7 @@ def camera() -> Iterator[BreakingCamera]:
 
 @pytest.fixture
 def viewer() -> Iterator[Viewer]:
-    page = Viewer(port=free_port())
+    page = Viewer(port=8290)
     yield page
     page.close()
 

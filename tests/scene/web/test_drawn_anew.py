@@ -141,9 +141,9 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
         assert count > 1 or common.DRAWN_ANEW in page_of(viewer.port, common.DRAWN_ANEW)
         assert "v-guide" in text
     assert len(logged(caplog)) == 1 and "drawn anew" in logged(caplog)[0]
-    assert viewer.page.uncertainty is not None
+    assert viewer.view.uncertainty is not None
     # What a person had captured and chosen is there again.
-    assert viewer.page.uncertainty._pictures  # pyright: ignore[reportPrivateUsage]
+    assert viewer.view.uncertainty._pictures  # pyright: ignore[reportPrivateUsage]
 
 
 def test_a_trials_page_that_breaks_is_drawn_anew(
@@ -190,7 +190,7 @@ def test_two_pages_that_break_at_once_leave_the_terminal_alone(
 
     theirs = Fault()
     fault.before(module, "describe", monkeypatch)
-    theirs.before(other, "moment_of", monkeypatch)
+    theirs.before(other, "view_model_of", monkeypatch)
     audience, stdout = Audience("127.0.0.1", free_port()), sys.stdout
     try:
         before, fault.due, theirs.due = (viewer.server, audience.server), 1, 1
@@ -205,16 +205,17 @@ def test_a_page_that_is_closed_while_it_is_drawn_anew_leaves_no_server(
     viewer: Viewer, guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import venus3d.scene.pages.guide.viewer as module
+    import venus3d.scene.web.page as base
 
     closing = threading.Thread(target=viewer.close)
-    real = module.serve_anew
+    real = base.serve_anew
 
     def slow(*given: Any) -> Any:
         closing.start()
         assert soon(viewer._threads.stop.is_set)  # pyright: ignore[reportPrivateUsage]
         return real(*given)
 
-    monkeypatch.setattr(module, "serve_anew", slow)
+    monkeypatch.setattr(base, "serve_anew", slow)
     fault.before(module, "describe", monkeypatch)
     fault.due = 1
     viewer.show(guided)
@@ -304,7 +305,7 @@ def test_a_second_page_that_breaks_is_drawn_anew_and_the_operator_is_told(
 ) -> None:
     import venus3d.scene.pages.audience.audience as module
 
-    fault.before(module, "moment_of", monkeypatch)
+    fault.before(module, "view_model_of", monkeypatch)
     audience, told = Audience("127.0.0.1", free_port()), list[str]()
     audience.on_failure = told.append
     try:

@@ -150,7 +150,7 @@ def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() ->
             # With the names of the operator's entities, too: nobody says that they are secret.
             say_everything(audience.port, audience.server.get_clients, operator=viewer.port)
             assert (buffer_of(audience.server), buffer_of(viewer.server)) == before
-            assert viewer.drain_intents() == [] and audience.look == AudienceChoices(mirror=True)
+            assert viewer.drain_intents() == [] and audience.state == AudienceChoices(mirror=True)
             for client in (other, operator):
                 with pytest.raises(TimeoutError):
                     client.window(timeout=0.3)

@@ -36,6 +36,9 @@ _BESIDE_THE_PICTURE = 1.06
 _USUAL_ASPECT = 1.0
 # On a phone the panels are a sheet over the lower part of a narrow window.
 _PHONE, _COVERED_ON_A_PHONE = 0.62, 0.62
+# What is looked at stands so high above the middle there, in halves of the height.
+_VERY_NARROW, _RAISED = 0.55, 0.6
+_NARROWEST = 0.4
 # From what is looked at to the eye; screens have -y up, so none may be exactly upright.
 _DIRECTIONS: dict[Viewpoint, tuple[float, float, float]] = {
     "outside": (-0.56, -0.56, -0.61),
@@ -114,6 +117,17 @@ def view_along(
     eye = np.append((low + high + (ahead - back) * depth) / 2, depth)
     middle = np.append(eye[:2], max(depth + 0.05, float(local[:, 2].mean())))
     return SceneCamera(eye @ axes, middle @ axes, fov_rad)
+
+
+def view_kept_wide(eye: Array, at: Array, roomy: float, aspect: float) -> SceneCamera:
+    """From `eye` to `at`, (3,) metres; in a window narrower than `roomy` (width over height) from
+    as much farther away, and on a phone with what is looked at above the panels."""
+    aspect = max(_NARROWEST, aspect)
+    offset = max(1.0, roomy / aspect) * (eye - at)
+    low = np.zeros(3)
+    if aspect < _VERY_NARROW < roomy:
+        low[1] = _RAISED * np.tan(FOV_RAD / 2) * float(np.linalg.norm(offset))
+    return SceneCamera(at + offset + low, at + low, FOV_RAD)
 
 
 def between(start: SceneCamera, end: SceneCamera, fraction: float) -> SceneCamera:

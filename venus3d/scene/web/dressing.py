@@ -5,7 +5,6 @@ Where panels stand and what is in them is the pages' own.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import viser
@@ -41,26 +40,3 @@ class Dressing:
         for sheet in self._sheets:
             sheet.content = theme.sheet
         return True
-
-
-def fit_width(server: viser.ViserServer, panel: Any, width: Callable[[int], int]) -> None:
-    """Give a panel of this server, in each tab for itself, the width (pixels) that suits the height
-    of the tab's window: another one may be on a large screen."""
-
-    def connected(client: viser.ClientHandle) -> None:
-        # viser tells one tab alone of its main panel only; the handle takes any panel's name.
-        handle: Any = client.gui.main_panel
-        handle._placement_uuid = panel._placement_uuid
-        shown = 0
-
-        def fit(_: object = None) -> None:
-            nonlocal shown
-            wanted = width(client.camera.image_height)
-            if wanted != shown:
-                shown = wanted
-                handle.set_width(wanted)
-
-        fit()
-        client.camera.on_update(fit)  # also told when the window changes its size
-
-    server.on_client_connect(connected)

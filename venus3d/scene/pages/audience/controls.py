@@ -24,7 +24,7 @@ class AudienceControls:
         with server.gui.add_folder(texts.PANEL, expand_by_default=False):
             for name, label, key, hint in texts.CONTROLS:
                 said = label if key is None else f"{label} ({key})"
-                box = server.gui.add_checkbox(said, getattr(audience.look, name), hint=hint)
+                box = server.gui.add_checkbox(said, getattr(audience.state, name), hint=hint)
                 box.on_update(self._ticked(name))
                 self._boxes[name] = box
         self.commands = tuple(
@@ -37,14 +37,14 @@ class AudienceControls:
     def _ticked(self, name: str) -> Callable[[Any], None]:
         def ticked(event: Any) -> None:
             if event.client is not None:  # not set by us
-                self._audience.choose(_with(name, bool(event.target.value)))
+                self._audience.change(_with(name, bool(event.target.value)))
 
         return ticked
 
     def _toggled(self, name: str) -> Callable[[], None]:
         def toggled() -> None:
-            self._audience.choose(lambda look: _with(name, not getattr(look, name))(look))
-            self._boxes[name].value = getattr(self._audience.look, name)
+            self._audience.change(lambda look: _with(name, not getattr(look, name))(look))
+            self._boxes[name].value = getattr(self._audience.state, name)
 
         return toggled
 

@@ -16,14 +16,14 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.dial import dial_html, right_colour, tick_html
-from venus3d.scene.pages.audience.view_model import Moment
+from venus3d.scene.pages.audience.view_model import AudienceViewModel
 from venus3d.scene.render.palette import ground, hex_of, mixed, step_colour
 
 _SCREEN, _HALF = 16 / 9, 0.505
 """The picture has a little more than half of a screen of this shape."""
 
 
-def glance_html(moment: Moment, snapshot: Snapshot | None, *, dark: bool) -> str:
+def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: bool) -> str:
     """What is read and seen beside the picture at one moment."""
     good = moment.kind == "good"
     if good:
@@ -81,7 +81,7 @@ def _views(count: int) -> str:
     return texts.VIEWS[min(count, 2)].format(count=count)
 
 
-def _chips(moment: Moment, dark: bool) -> str:
+def _chips(moment: AudienceViewModel, dark: bool) -> str:
     cells: list[str] = []
     for number in (1, 2, 3, 4):
         done = moment.match is not None and moment.match.within[number - 1]

@@ -19,8 +19,8 @@ from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.glance import glance_html, sheet
 from venus3d.scene.pages.audience.lens import Plane, plain_plane
 from venus3d.scene.pages.audience.sound import hint_html, tone_html
-from venus3d.scene.pages.audience.view_model import Cue, Moment
-from venus3d.scene.web.server import ReadOnlyServer
+from venus3d.scene.pages.audience.view_model import AudienceViewModel, Cue
+from venus3d.scene.web.server import LocalServer
 
 JPEG_QUALITY = 80
 _DISTANCE = 30.0
@@ -29,10 +29,10 @@ _HERE, _AHEAD, _UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 _USUAL_ASPECT = 16 / 9
 
 
-class AudiencePage:
+class AudienceView:
     """The page for all who look. All methods but the callback belong to the drawing threads."""
 
-    def __init__(self, server: ReadOnlyServer, on_window: Callable[[], None]) -> None:
+    def __init__(self, server: LocalServer, on_window: Callable[[], None]) -> None:
         """Lay everything out. `on_window` is called, on any thread, when a browser's window or the
         picture's shape has changed: `fit` is due then, on the thread that calls `show`."""
         self._server, self._on_window = server, on_window
@@ -72,7 +72,7 @@ class AudiencePage:
         self._hint.content = hint_html() if look.sound else ""
         self._hint.visible = look.sound
 
-    def show(self, moment: Moment, snapshot: Snapshot | None, *, dark: bool) -> None:
+    def show(self, moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: bool) -> None:
         """Say what there is to say."""
         self._glance.content = glance_html(moment, snapshot, dark=dark)
 

@@ -21,7 +21,7 @@ Cue = Literal["reached", "captured"]
 
 
 @dataclass(frozen=True)
-class Moment:
+class AudienceViewModel:
     """One moment in a badge, a title and one sentence."""
 
     kind: Kind
@@ -36,43 +36,45 @@ class Moment:
     """Whether a view has been captured that does not count yet."""
 
 
-def moment_of(snapshot: Snapshot | None, *, paused: bool = False) -> Moment:
+def view_model_of(snapshot: Snapshot | None, paused: bool = False) -> AudienceViewModel:
     """What to say now."""
     if paused:
-        return Moment("wait", *texts.PAUSED)
+        return AudienceViewModel("wait", *texts.PAUSED)
     if snapshot is None:
-        return Moment("wait", *texts.STARTING)
+        return AudienceViewModel("wait", *texts.STARTING)
     if snapshot.phase == "captured":
-        return Moment("wait", *texts.THINKING)
+        return AudienceViewModel("wait", *texts.THINKING)
     if snapshot.phase == "converged":
         if doubt(snapshot) is not None:
-            return Moment("wait", *texts.DOUBTED)
-        return Moment("good", *texts.CONVERGED)
+            return AudienceViewModel("wait", *texts.DOUBTED)
+        return AudienceViewModel("good", *texts.CONVERGED)
     if snapshot.phase == "finished":
-        return Moment("good", *texts.FINISHED)
+        return AudienceViewModel("good", *texts.FINISHED)
     if snapshot.pose is None or snapshot.match is None:
         return _unseen(snapshot)
     match = snapshot.match
     if match.reached or all(match.within):
-        return Moment("good", *texts.HOLD_STILL, match=match)
+        return AudienceViewModel("good", *texts.HOLD_STILL, match=match)
     step = match.active_step
     words = step_words(match.steps[step - 1])
-    return Moment("step", str(step), texts.STEP_TITLES[step - 1], words.holder, step, match)
+    return AudienceViewModel(
+        "step", str(step), texts.STEP_TITLES[step - 1], words.holder, step, match
+    )
 
 
-def _unseen(snapshot: Snapshot) -> Moment:
+def _unseen(snapshot: Snapshot) -> AudienceViewModel:
     other = another_board(snapshot)
     if other is not None:
-        return Moment("unseen", *texts.OTHER_BOARD, other.cure)
+        return AudienceViewModel("unseen", *texts.OTHER_BOARD, other.cure)
     sentence = snapshot.instruction.holder
     if snapshot.phase == "startup" and snapshot.target is None:
-        return Moment("unseen", *texts.SHOW_BOARD, sentence)
+        return AudienceViewModel("unseen", *texts.SHOW_BOARD, sentence)
     if snapshot.pose is None:
-        return Moment("unseen", *texts.NOT_SEEN, sentence)
-    return Moment("unseen", *texts.NO_TARGET, sentence)
+        return AudienceViewModel("unseen", *texts.NOT_SEEN, sentence)
+    return AudienceViewModel("unseen", *texts.NO_TARGET, sentence)
 
 
-def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, Moment] | None:
+def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, AudienceViewModel] | None:
     """What became right between two snapshots, and how it is said."""
     if before is None:
         return None
@@ -82,7 +84,7 @@ def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, Moment] | Non
     # A view that was asked for by a key is known to be one only when it counts.
     later = before.phase == "captured" and len(now.views) > len(before.views)
     if taken or later:
-        return "captured", Moment("good", *texts.CAPTURED, fresh=True)
+        return "captured", AudienceViewModel("good", *texts.CAPTURED, fresh=True)
     same = before.target is not None and before.target is now.target
     if was is None or now.match is None or not same:
         return None
@@ -90,5 +92,7 @@ def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, Moment] | Non
     if was.within[step - 1] or not now.match.within[step - 1]:
         return None
     title = texts.STEP_TITLES[step - 1]
-    done = Moment("good", "✓", title, texts.STEP_DONE.format(title=title), step, now.match)
+    done = AudienceViewModel(
+        "good", "✓", title, texts.STEP_DONE.format(title=title), step, now.match
+    )
     return "reached", done

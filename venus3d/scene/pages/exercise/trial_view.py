@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -33,11 +34,12 @@ from venus3d.scene.pages.exercise.trial_view_model import HELPS, Help, TrialMome
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import Begin
 from venus3d.scene.pages.guide.state import ViewState
-from venus3d.scene.pages.guide.view import JPEG_QUALITY, LEFT_WIDTH, Page
+from venus3d.scene.pages.guide.view import JPEG_QUALITY, LEFT_WIDTH, GuideView
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.render.overlay import draw_axes, draw_outline
 from venus3d.scene.render.shapes import Shape
+from venus3d.scene.render.viewpoints import view_kept_wide
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
 from venus3d.scene.web.projections_panel import Picture, ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
@@ -51,33 +53,32 @@ _AROUND_THE_PICTURE = 230
 _SHARE_BESIDE_THE_SCENE = 0.68
 # The scene beside the picture is narrow: seen from behind the camera, left and right are as in it.
 _NARROW = 0.45  # width over height
-_BEHIND, _BEHIND_AT = (0.0, -1.1, -1.1), (0.0, 0.08, 0.55)
-_BESIDE = (False, 0.0)  # what `Viewer` remembers of it; it looks from no such distance itself
+_BEHIND, _BEHIND_AT = np.array([0.0, -1.1, -1.1]), np.array([0.0, 0.08, 0.55])
 
 
 class TrialViewer(Viewer):
     """A viewer that shows `TrialSnapshot`s."""
 
-    def _make_page(self, *, dark: bool, simulated: bool, tour: bool) -> Page:
+    def _make_view(self, *, dark: bool, simulated: bool, tour: bool) -> GuideView:
         # Nobody is shown around in front of a clock.
         return TrialPage(
             self.server, self._act, self._ask, dark=dark, simulated=simulated, tour=False
         )
 
-    def _draw(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
+    def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is not None and layout_of(snapshot) != "steps":
             self._picture_width = _LARGE_PICTURE_WIDTH
             snapshot = replace(snapshot, target=None, match=None)
         else:
             self._picture_width = PICTURE_WIDTH
-        super()._draw(snapshot, state, note)
+        super()._draw_page(snapshot, state, note)
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         if any(shape.name.startswith("/target/") for shape in shapes):
             super()._look(shapes, state)
-        elif isinstance(self.page, TrialPage) and self._looking_at != _BESIDE:
-            self._looking_at = _BESIDE
-            self.page.look_from_behind()
+        elif self._looking_at != "beside":
+            self._looking_at = "beside"
+            self._rig.go(partial(view_kept_wide, _BEHIND, _BEHIND_AT, _NARROW), at_once=True)
 
     def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
         moment, target = trial_of(snapshot), snapshot.target
@@ -90,7 +91,7 @@ class TrialViewer(Viewer):
         draw(rgb, snapshot.camera, snapshot.board, snapshot.pose, target.pose)
 
 
-class TrialPage(Page):
+class TrialPage(GuideView):
     """All panels of a trial."""
 
     def show(
@@ -123,10 +124,6 @@ class TrialPage(Page):
             self.projections.show(tiles, state.step, theme, drawn_by)
         if moment is not None and result:
             self._show_result(moment, theme)
-
-    def look_from_behind(self) -> None:
-        """Every tab looks over the camera's shoulder at the board."""
-        self.tab_camera.look(_BEHIND, _BEHIND_AT, fill=_NARROW)
 
     def _show_result(self, moment: TrialMoment, theme: Theme) -> None:
         self._result.content = result_html(moment, theme)

@@ -27,15 +27,15 @@ from venus3d.scene.pages.guide.progress_panel import progress_html
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.panel import KnowledgePanel
 from venus3d.scene.pages.guide.uncertainty.texts import TAB as KNOWN_TAB
-from venus3d.scene.pages.guide.viewpoint import TabCamera
 from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.web.buttons import ButtonRow
-from venus3d.scene.web.dressing import Dressing, fit_width
+from venus3d.scene.web.dressing import Dressing
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
+from venus3d.scene.web.windows import fit_width
 
 LEFT_WIDTH, _RIGHT_WIDTH = 480, 510
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
@@ -51,7 +51,7 @@ _MARKS = (
 TOUR_KEY = "tour-guide"
 
 
-class Page:
+class GuideView:
     """All panels of one server. `act` and `ask` are called on viser's threads."""
 
     uncertainty: KnowledgePanel | None = None
@@ -71,7 +71,6 @@ class Page:
         self._server, self._gui = server, server.gui
         self._dressing = Dressing(server.gui)
         self._act, self._ask, self._simulated = act, ask, simulated
-        self.tab_camera = TabCamera(server)
         theme = Theme(dark)
         self._make_guidance()
         self._make_left(theme)

@@ -31,8 +31,9 @@ from venus3d.scene.pages.teach.lesson_panel import LessonPanel
 from venus3d.scene.pages.teach.state import TeachState, Vector
 from venus3d.scene.pages.teach.view_model import TeachMoment
 from venus3d.scene.render.projections import Picture
-from venus3d.scene.web.dressing import Dressing, fit_width
+from venus3d.scene.web.dressing import Dressing
 from venus3d.scene.web.theme import Theme
+from venus3d.scene.web.windows import fit_width
 
 # (lowest height of the window, width on the left, width on the right), pixels
 _WIDTHS = ((900, 520, 500), (0, 400, 340))

@@ -8,28 +8,37 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from typing import NamedTuple
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.scene.render.annotated_picture import LivePicture
 
-_PERIOD_S = 1 / 15
+PICTURE_PERIOD_S = 1 / 15
 
-Came = tuple[LivePicture, Observation | None]
-"""A picture, and what was found in it if that is known."""
+
+class SeenPicture(NamedTuple):
+    """A picture (BGR or grey), and what was found in it if that is known."""
+
+    image: LivePicture
+    observation: Observation | None = None
 
 
 class PictureFeed:
     """A box with one slot in which the newest picture wins, and the loop that empties it."""
 
-    def __init__(self, draw: Callable[[Came], None]) -> None:
-        """`draw` shows one picture."""
-        self._draw = draw
-        self.newest: Came | None = None
+    def __init__(
+        self,
+        draw: Callable[[SeenPicture], None],
+        period_s: Callable[[], float] = lambda: PICTURE_PERIOD_S,
+    ) -> None:
+        """`draw` shows one picture; there are at least `period_s()` seconds between two."""
+        self._draw, self._period_s = draw, period_s
+        self.newest: SeenPicture | None = None
         self._came, self._stop = threading.Event(), threading.Event()
 
     def put(self, image: LivePicture, observation: Observation | None) -> None:
         """Show this one next."""
-        self.newest = (image, observation)
+        self.newest = SeenPicture(image, observation)
         self._came.set()
 
     def again(self) -> None:
@@ -50,4 +59,4 @@ class PictureFeed:
             if newest is None or self._stop.is_set():
                 continue
             self._draw(newest)
-            self._stop.wait(max(0.0, started + _PERIOD_S - time.monotonic()))
+            self._stop.wait(max(0.0, started + self._period_s() - time.monotonic()))

@@ -1,0 +1,46 @@
+"""What follows the size of a browser's window: the widths of panels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from venus3d.scene.web.scene_view import Host
+
+
+def on_window(host: Host, act: Callable[[viser.ClientHandle], None]) -> None:
+    """Call `act` on viser's threads for each tab of a server, or for one tab: when it comes, and
+    whenever its camera or the size of its window changes."""
+
+    def connected(client: viser.ClientHandle) -> None:
+        act(client)
+        client.camera.on_update(lambda _: act(client))
+
+    if isinstance(host, viser.ClientHandle):
+        connected(host)
+    else:
+        host.on_client_connect(connected)
+
+
+def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
+    """Give a panel the width (pixels) that suits the height of the window, in each tab of a server
+    for itself: another one may be on a large screen."""
+    shown: dict[int, int] = {}
+
+    def fit(client: viser.ClientHandle) -> None:
+        wanted = width(client.camera.image_height)
+        if shown.get(client.client_id) != wanted:
+            shown[client.client_id] = wanted
+            (panel if client is host else panel_in(client, panel)).set_width(wanted)
+
+    on_window(host, fit)
+
+
+def panel_in(client: viser.ClientHandle, panel: Any) -> Any:
+    """A server's panel as one tab sees it alone."""
+    # viser tells one tab alone of its main panel only; the handle takes any panel's name.
+    handle: Any = client.gui.main_panel
+    handle._placement_uuid = panel._placement_uuid
+    return handle
