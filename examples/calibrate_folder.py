@@ -8,8 +8,8 @@ from __future__ import annotations
 import sys
 
 from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.diagnosis import diagnose
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.planning.costs import projection_uncertainty_px
@@ -39,7 +39,7 @@ def main(folder: str, *board_arguments: str) -> None:
     # The rms says how well the model fits these views; this says how well the camera is known.
     error = projection_uncertainty_px(result.camera, result.covariance)
     print(f"rms {result.rms_px:.3f} px; expected error of a projected point {error:.3f} px")
-    for diagnosis in diagnose(detector.board, result):
+    for diagnosis in diagnose(result):
         print(diagnosis)
 
 

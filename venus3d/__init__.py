@@ -22,14 +22,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from venus3d.engine.calibration.checks import diagnose
     from venus3d.engine.calibration.detection import Detector
-    from venus3d.engine.calibration.diagnosis import diagnose
+    from venus3d.engine.calibration.diagnosis import Diagnosis
     from venus3d.engine.calibration.observation import Observation, View
     from venus3d.engine.calibration.projection_uncertainty import (
         projection_diff_px,
         projection_uncertainty_px,
     )
-    from venus3d.engine.calibration.result import Calibration, Diagnosis
+    from venus3d.engine.calibration.result import Calibration
     from venus3d.engine.errors import (
         BoardError,
         CalibrationError,
@@ -92,14 +93,15 @@ __all__ = [  # noqa: RUF022
 ]
 
 _NAMES_IN = {
+    "engine.calibration.checks": ("diagnose",),
     "engine.calibration.detection": ("Detector",),
-    "engine.calibration.diagnosis": ("diagnose",),
+    "engine.calibration.diagnosis": ("Diagnosis",),
     "engine.calibration.observation": ("Observation", "View"),
     "engine.calibration.projection_uncertainty": (
         "projection_diff_px",
         "projection_uncertainty_px",
     ),
-    "engine.calibration.result": ("Calibration", "Diagnosis"),
+    "engine.calibration.result": ("Calibration",),
     "engine.errors": (
         "BoardError",
         "CalibrationError",

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.ports import free_port
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -30,7 +31,6 @@ _FLAGS = (
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 )
-_FIRST_PORT = int(os.environ.get("VENUS3D_TEST_PORT", "8250"))
 
 
 class Program:
@@ -102,7 +102,7 @@ def projections() -> Iterator[Projections]:
 @pytest.fixture
 def viewer(projections: Projections) -> Iterator[Viewer]:
     """A dark page on a free port, with a draggable board."""
-    page = Viewer(port=_FIRST_PORT, projections=projections, draggable_board=True)
+    page = Viewer(port=free_port(), projections=projections, draggable_board=True)
     yield page
     page.close()
 

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
+from tests.ports import free_port
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
@@ -24,7 +25,6 @@ from venus3d.sources.sim import Simulation
 
 pytestmark = pytest.mark.browser
 
-_PORT = 8374
 TILTED = Pose.from_vector([25, -20, 8, 0.01, 0.005, 0.5])
 _WIDE, _TALL = (1803, 1014), (1200, 1300)
 """Windows whose picture is 1280 wide, and one with the picture above the text."""
@@ -33,7 +33,7 @@ MARK_COLOUR = (255, 0, 255)
 
 @pytest.fixture
 def audience() -> Iterator[Audience]:
-    page = Audience("127.0.0.1", _PORT)
+    page = Audience("127.0.0.1", free_port())
     yield page
     page.close()
 
@@ -193,7 +193,7 @@ def test_the_operator_chooses_for_all_who_look(
 ) -> None:
     """A key on the operator's page changes the other page, and a sound comes when a step is right;
     keys and clicks on the other page change nothing."""
-    viewer = Viewer(port=_PORT + 1)
+    viewer = Viewer(port=free_port())
     try:
         AudienceControls(viewer.server, audience)
         looking = opened(chromium, audience.url, 1280, 720)

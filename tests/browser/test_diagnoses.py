@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from venus3d.engine.calibration.result import Diagnosis
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.texts import DIAGNOSIS_TITLES
 from venus3d.scene.pages.guide.viewer import Viewer

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from tests.ports import free_port
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide import texts as say
@@ -121,7 +122,9 @@ def test_every_text_is_readable(
     chromium: Any, projections: Projections, guiding: Snapshot, dark: bool
 ) -> None:
     """WCAG AA: 4.5, or 3 for large letters; none is smaller than 12 px."""
-    viewer = Viewer(port=8404, projections=projections, draggable_board=True, dark=dark, tour=True)
+    viewer = Viewer(
+        port=free_port(), projections=projections, draggable_board=True, dark=dark, tour=True
+    )
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()
     page.set_default_timeout(60_000)

@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
-pytestmark = [pytest.mark.browser, pytest.mark.slow]
+from tests.ports import free_port
 
-_PORT = int(os.environ.get("VENUS3D_TEST_PORT", "8250")) + 90
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def practice(tmp_path: Path) -> Iterator[str]:
     process = subprocess.Popen(
         [
             *(sys.executable, "-m", "venus3d", "practice"),
-            *("--output", str(tmp_path), "--port", str(_PORT)),
+            *("--output", str(tmp_path), "--port", str(free_port())),
         ],
         stdout=subprocess.PIPE,
         text=True,

@@ -47,7 +47,7 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
 ) -> None:
     """C takes a view and U takes it back; a reload and a second tab show the same."""
     simulated = start(
-        *("guide", "sim", "--autopilot", "--speed", "4", "--port", "8270", "--no-tour"),
+        *("guide", "sim", "--autopilot", "--speed", "4", "--port", str(free_port()), "--no-tour"),
         *("--output", str(tmp_path)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
@@ -86,7 +86,7 @@ def test_a_real_video_is_guided_and_captured_on_the_key(
     board = "--board.columns 12 --board.rows 8 --board.square-mm 18.0086 --board.marker-mm 13.9954"
     program = start(
         *("guide", str(shared_data / "wpilib-charuco-12x8.mp4"), *board.split()),
-        *("--board.dictionary", "DICT_5X5_1000", "--no-auto-capture", "--port", "8280"),
+        *("--board.dictionary", "DICT_5X5_1000", "--no-auto-capture", "--port", str(free_port())),
         *("--no-tour", "--output", str(tmp_path)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
@@ -109,7 +109,7 @@ def test_another_pose_and_another_method_are_chosen_while_running(
     """From the page to the session and back: another target; a refusal is said in a sentence."""
     # No hand moves the board, so the target stands while we choose.
     program = start(
-        *("guide", "sim", "--no-auto-capture", "--port", "8272"),
+        *("guide", "sim", "--no-auto-capture", "--port", str(free_port())),
         *("--no-tour", "--output", str(tmp_path)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
@@ -147,7 +147,7 @@ def test_whoever_has_only_a_keyboard_calibrates(
     board, the four steps until the view is captured, and Finish from the list of commands. After
     the end nothing is offered that does nothing."""
     program = start(
-        *("guide", "sim", "--speed", "4", "--port", "8274", "--output", str(tmp_path)),
+        *("guide", "sim", "--speed", "4", "--port", str(free_port()), "--output", str(tmp_path)),
     )
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from tests.ports import free_port
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -20,7 +21,6 @@ from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-PORT = 8310
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def teaching(paper_camera: Camera, default_board: Board) -> Iterator[TeachViewer
             PoseStudy(paper_camera, default_board),
             offscreen,
             paper_camera,
-            port=PORT,
+            port=free_port(),
             lessons=shipped_lessons(),
             save=save,
             kinds=("html", "gif"),

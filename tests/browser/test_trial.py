@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import csv
-import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.ports import free_port
+
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 _PATIENCE_MS = 90_000
-_PORT = int(os.environ.get("VENUS3D_TEST_PORT", "8250")) + 32
 
 
 class Trial:
@@ -31,7 +31,7 @@ class Trial:
                 "--output",
                 str(folder),
                 "--port",
-                str(_PORT),
+                str(free_port()),
             ),
         )
 

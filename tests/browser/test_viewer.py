@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
+from tests.ports import free_port
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
@@ -38,7 +39,7 @@ def test_taken_port_is_told_and_the_next_one_used() -> None:
 def test_address_that_cannot_be_bound_is_one_sentence(host: str) -> None:
     """viser's constructor would wait for ever."""
     with pytest.raises(AddressError, match=r"127\.0\.0\.1"):
-        start_server(host, 8299)
+        start_server(host, free_port())
 
 
 def test_port_that_is_none_is_one_sentence() -> None:

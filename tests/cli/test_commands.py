@@ -16,6 +16,7 @@ import pytest
 from PIL import Image
 
 from tests.cli.conftest import Ran
+from tests.ports import free_port
 from venus3d import __version__
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.sources.frame import Frame
@@ -27,7 +28,17 @@ LIFECAM = ["--board.columns", "8", "--board.rows", "8", "--board.square-mm", "25
 LIFECAM += ["--board.marker-mm", "19.05", "--board.dictionary", "DICT_4X4_1000"]
 WPILIB = ["--board.columns", "12", "--board.rows", "8", "--board.square-mm", "18.0086"]
 WPILIB += ["--board.marker-mm", "13.9954", "--board.dictionary", "DICT_5X5_1000"]
-KEYS = {"rms_px", "views", "intrinsics", "std", "image_size", "board", "warnings", "diagnoses"}
+KEYS = {
+    "schema",
+    "rms_px",
+    "views",
+    "intrinsics",
+    "std",
+    "image_size",
+    "board",
+    "warnings",
+    "diagnoses",
+}
 
 
 def test_version_and_help(run: Run) -> None:
@@ -175,7 +186,7 @@ def test_interrupt_without_a_screen_keeps_what_was_captured(
 @pytest.mark.slow
 def test_ctrl_c_with_the_viewer_is_no_error(tmp_path: Path) -> None:
     """Stopped before anything was captured. (With views: `browser/test_program.py`.)"""
-    arguments = ["guide", "sim", "--port", "8410", "--output", str(tmp_path)]
+    arguments = ["guide", "sim", "--port", str(free_port()), "--output", str(tmp_path)]
     with subprocess.Popen(
         [sys.executable, "-m", "venus3d", *arguments],
         stdout=subprocess.PIPE,

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from tests.cli.conftest import Ran
+from tests.ports import free_port
 from venus3d.engine.geometry.pose import Pose
 
 Run = Callable[..., Ran]
@@ -184,7 +185,7 @@ def test_camera_size_that_is_none(run: Run) -> None:
 
 def test_address_that_cannot_be_bound(run: Run) -> None:
     """viser would hang for ever on such an address; 192.0.2.1 is reserved for documentation."""
-    sentence = run("guide", "sim", "--host", "192.0.2.1", "--port", "8400").sentence
+    sentence = run("guide", "sim", "--host", "192.0.2.1", "--port", free_port()).sentence
     assert "192.0.2.1" in sentence
 
 

@@ -43,6 +43,6 @@ def write(calibration: Calibration, default_board: Board) -> Write:
     """Write a result whose summary says `mark` through a session's folder."""
 
     def write_one(files: ResultFolder, mark: object = "") -> tuple[Path, Path]:
-        return files.write(calibration, default_board, {**SUMMARY, "mark": mark})
+        return files.write(calibration, {**SUMMARY, "mark": mark})
 
     return write_one

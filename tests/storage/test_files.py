@@ -26,7 +26,7 @@ from venus3d.storage.result_folder import ResultFolder
 def test_opencv_reads_camera_yaml(
     tmp_path: Path, calibration: Calibration, default_board: Board
 ) -> None:
-    path = write_camera_yaml(tmp_path / "camera.yaml", calibration, default_board)
+    path = write_camera_yaml(tmp_path / "camera.yaml", calibration)
     file = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
     np.testing.assert_array_equal(file.getNode("camera_matrix").mat(), calibration.camera.K)
     distortion = file.getNode("distortion_coefficients").mat()
@@ -69,10 +69,8 @@ def test_result_json(
 ) -> None:
     nothing = float("nan")
     history = (Progress(1, 0.3, np.ones(9), np.ones(9), nothing),)
-    summary = summary_of(
-        calibration, default_board, warnings=["w"], converged=True, truth=paper_camera
-    )
-    _, path = ResultFolder(tmp_path).write(calibration, default_board, summary, history)
+    summary = summary_of(calibration, warnings=["w"], converged=True, truth=paper_camera)
+    _, path = ResultFolder(tmp_path).write(calibration, summary, history)
 
     def refuse(constant: str) -> None:
         raise AssertionError(f"{constant} is not JSON")
@@ -159,11 +157,11 @@ def test_promises_and_forecast_in_the_result(
         Progress(3, 0.3, np.ones(9), np.ones(9), 0.62),
         Progress(4, 0.3, np.ones(9), np.ones(9), 0.43, np.full(9, 0.5), 0.41),
     )
-    summary = summary_of(calibration, default_board, forecast=Forecast(0.3, 3, 2, None, 10))
-    _, path = ResultFolder(tmp_path).write(calibration, default_board, summary, history)
+    summary = summary_of(calibration, forecast=Forecast(0.3, 3, 2, None, 10))
+    _, path = ResultFolder(tmp_path).write(calibration, summary, history)
     result = json.loads(path.read_text())
     assert result["forecast"] == {
-        "wanted_px": 0.3,
+        "wanted_uncertainty_px": 0.3,
         "views": 3,
         "low": 2,
         "high": None,

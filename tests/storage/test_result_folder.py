@@ -237,7 +237,7 @@ def _session(
     files = ResultFolder(folder)
     go.wait()
     for view in range(views):
-        files.write(calibration, board, {**SUMMARY, "mark": [who, view]})
+        files.write(calibration, {**SUMMARY, "mark": [who, view]})
 
 
 @pytest.mark.slow

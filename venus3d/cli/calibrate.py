@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from venus3d.cli.options import CalibrateOptions
 from venus3d.cli.report import deliver, print_result, tell, write_first
 from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.diagnosis import diagnose, worst_first
+from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import Diagnosis
 from venus3d.engine.calibration.view_selection import choose_informative
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.sources.observing import observe_recording
@@ -54,10 +54,10 @@ def calibrate_command(options: CalibrateOptions) -> None:
         found = (*detector.explain(), *found)
     _check_count(seen, found)
     calibration = calibrate(detector.board, seen)
-    diagnoses = worst_first(dict.fromkeys((*found, *diagnose(detector.board, calibration))))
-    summary = summary_of(calibration, detector.board, warnings=warnings, diagnoses=diagnoses)
+    diagnoses = worst_first(dict.fromkeys((*found, *diagnose(calibration))))
+    summary = summary_of(calibration, warnings=warnings, diagnoses=diagnoses)
     files = None if options.output is None else ResultFolder(options.output, tell)
-    written = write_first(files, calibration, detector.board, summary)
+    written = write_first(files, calibration, summary)
     print_result(calibration, warnings, diagnoses=diagnoses)
     deliver(summary, written, as_json=options.json)
 

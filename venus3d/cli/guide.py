@@ -40,7 +40,7 @@ def guide(options: GuideOptions) -> None:
         _tell_of_nothing(result, options, files)
         return
     summary = _summary(result)
-    written = write_first(files, snapshot.calibration, snapshot.board, summary, snapshot.history)
+    written = write_first(files, snapshot.calibration, summary, snapshot.history)
     print_result(snapshot.calibration, result.warnings, result.truth, snapshot.diagnoses)
     deliver(summary, written, as_json=options.json)
 
@@ -74,9 +74,7 @@ def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None
     if files is None or snapshot.calibration is None:
         return ""
     try:
-        camera, complete = files.write(
-            snapshot.calibration, snapshot.board, _summary(result), snapshot.history
-        )
+        camera, complete = files.write(snapshot.calibration, _summary(result), snapshot.history)
     except StorageError as error:
         tell(f"Not saved: {error}")
         raise
@@ -112,7 +110,6 @@ def _summary(result: GuideResult) -> dict[str, Any]:
     assert snapshot.calibration is not None
     return summary_of(
         snapshot.calibration,
-        snapshot.board,
         warnings=result.warnings,
         diagnoses=snapshot.diagnoses,
         converged=snapshot.convergence is not None and snapshot.convergence.converged,

@@ -8,9 +8,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from venus3d.engine.calibration.result import Calibration, Diagnosis
+from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.prompts import PARAMETER_WORDS
@@ -76,7 +76,6 @@ Written = tuple[Path, ...] | StorageError
 def write_first(
     files: ResultFolder | None,
     calibration: Calibration,
-    board: Board,
     summary: Mapping[str, Any],
     history: Sequence[Progress] = (),
 ) -> Written:
@@ -87,7 +86,7 @@ def write_first(
     if files is None:
         return ()
     try:
-        return files.write(calibration, board, summary, history)
+        return files.write(calibration, summary, history)
     except StorageError as error:
         return error
 

@@ -1,12 +1,17 @@
-"""A lesson as values: pages of text, each with a pose, a view and perhaps a question.
+"""A lesson as values: pages of text, each with a pose, a viewpoint and perhaps a question.
 
-Nothing in here reads files (`reading` does) or draws.
+The structs are the format of a lesson file, checked by msgspec: it is a dependency already and says
+where in the file the first mistake is; pydantic and cattrs are more to install and say no more.
+What no type says is checked in `__post_init__`, which raises ValueError(key, sentence).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from math import isfinite
+from typing import Annotated, Literal, get_args
+
+from msgspec import Meta, Struct
 
 from venus3d.engine.geometry.pose import Pose
 
@@ -18,46 +23,89 @@ Arrangement = Literal["place", "strip", "axes", "order"]
 """place: the steps where they happen, one at a time. strip: all four side by side. axes: the same
 numbers about the camera's fixed axes and about the board's own, side by side. order: the same three
 turns in two orders, side by side."""
-ARRANGEMENTS: tuple[Arrangement, ...] = get_args(Arrangement)
 Extra = Literal["sigma", "distortion"]
 """sigma: how well views like this one tell the focal length, live. distortion: where the lens
 bends the picture, and by how much."""
 EXTRAS: tuple[Extra, ...] = get_args(Extra)
+OtherOrder = Literal["xzy", "yxz", "yzx", "zxy", "zyx"]
+"""An order of turns that can be shown beside "xyz"."""
+Text = Annotated[str, Meta(min_length=1)]
+POSE_RANGES = (
+    ("xr", -180, 180, "°"),
+    ("yr", -180, 180, "°"),
+    ("zr", -180, 180, "°"),
+    ("xt", -2000, 2000, " mm"),
+    ("yt", -2000, 2000, " mm"),
+    ("zt", 50, 3000, " mm"),
+)
+"""Name, lowest, highest and unit of a pose's six numbers. Wide: whether a person can hold the
+board so is said by the engine's limits, and a lesson may well show a pose that they refuse."""
 
 
-@dataclass(frozen=True)
-class Question:
+class Question(Struct, frozen=True, forbid_unknown_fields=True):
     """A question with answers to choose from."""
 
-    text: str
-    answers: tuple[str, ...]
+    text: Text
+    answers: Annotated[tuple[Text, ...], Meta(min_length=2)]
     right: int
     """1 ...: which answer is right."""
-    why: str
-    """Told once an answer was given."""
+    why: Text
+    """Shown once an answer was given."""
+
+    def __post_init__(self) -> None:
+        count = len(self.answers)
+        if not 1 <= self.right <= count:
+            raise ValueError(
+                "right",
+                f"right says which of the answers is right, from 1 to {count}; here it is "
+                f"{self.right}",
+            )
 
 
-@dataclass(frozen=True)
-class LessonPage:
+class LessonPage(Struct, frozen=True, forbid_unknown_fields=True):
     """One screen of a lesson."""
 
-    title: str
-    text: str
+    title: Text
+    text: Text
     """Markdown, short."""
     pose: tuple[float, float, float, float, float, float]
     """xr, yr, zr in degrees, xt, yt, zt in millimetres: the board's target on this page."""
     viewpoint: Viewpoint = "outside"
     arrangement: Arrangement = "place"
-    order: str = "xyz"
+    order: OtherOrder | None = None
     """For the arrangement "order": the order of turns that is shown beside "xyz"."""
     show: tuple[Extra, ...] = ()
     question: Question | None = None
+
+    def __post_init__(self) -> None:
+        for value, (name, low, high, unit) in zip(self.pose, POSE_RANGES, strict=True):
+            if not isfinite(value):
+                raise ValueError("pose", f"{name} of the pose is a number, not {value}")
+            if not low <= value <= high:
+                raise ValueError(
+                    "pose",
+                    f"{name} of the pose is {value:g}{unit}; it must be from {low} to {high}{unit}",
+                )
+        if (self.arrangement == "order") != (self.order is not None):
+            raise ValueError(
+                "arrangement" if self.order is None else "order",
+                'arrangement = "order" and order belong together: say which order of turns is '
+                'shown beside xyz, such as order = "zyx"',
+            )
 
     @property
     def target(self) -> Pose:
         """The page's pose, `T_camera_board`."""
         *angles, x, y, z = self.pose
         return Pose.from_vector([*angles, x / 1000, y / 1000, z / 1000])
+
+
+class LessonFile(Struct, frozen=True, forbid_unknown_fields=True):
+    """What stands in a lesson file."""
+
+    title: Text
+    summary: Text
+    page: Annotated[tuple[LessonPage, ...], Meta(min_length=1)]
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,13 @@ import numpy as np
 
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError, StorageError
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.storage.folder import write_bytes
 
 
-def camera_yaml(calibration: Calibration, board: Board) -> str:
+def camera_yaml(calibration: Calibration) -> str:
     """The text of camera.yaml. Pixels, as OpenCV has them; lengths of the board in metres."""
-    camera = calibration.camera
+    camera, board = calibration.camera, calibration.board
     file = cv2.FileStorage(
         "camera.yaml",
         cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY | cv2.FILE_STORAGE_FORMAT_YAML,
@@ -48,9 +47,9 @@ def camera_yaml(calibration: Calibration, board: Board) -> str:
     return file.releaseAndGetString()
 
 
-def write_camera_yaml(path: Path, calibration: Calibration, board: Board) -> Path:
+def write_camera_yaml(path: Path, calibration: Calibration) -> Path:
     """Write camera.yaml. Raises `StorageError` if it cannot be written."""
-    return write_bytes(path, camera_yaml(calibration, board).encode())
+    return write_bytes(path, camera_yaml(calibration).encode())
 
 
 def read_camera_yaml(path: Path) -> Camera:

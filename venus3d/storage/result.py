@@ -1,28 +1,35 @@
-"""result.json: all that a calibration found, for programs; and its short form for --json."""
+"""result.json: all that a calibration found, for programs; and its short form for --json.
+
+Every key is described in docs/result-format.md. Reading is left to `result_reader`.
+"""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import View
-from venus3d.engine.calibration.result import Calibration, Diagnosis
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.planning.costs import projection_diff_px
 from venus3d.engine.planning.forecast import Forecast
+from venus3d.storage.folder import write_bytes
+
+SCHEMA = 2
+"""Version of the keys; a key that is renamed or changes its meaning raises it."""
 
 
 def summary_of(
     calibration: Calibration,
-    board: Board,
     *,
     warnings: Sequence[str] = (),
     diagnoses: Sequence[Diagnosis] = (),
@@ -40,19 +47,26 @@ def summary_of(
     """
     camera = calibration.camera
     summary: dict[str, Any] = {
+        "schema": SCHEMA,
         "rms_px": calibration.rms_px,
         "views": len(calibration.views),
         "intrinsics": _named(camera.parameters),
         "std": _named(calibration.sigma),
         "image_size": list(camera.image_size),
-        "board": board_summary(board),
+        "board": board_summary(calibration.board),
         "warnings": [*warnings, *map(str, diagnoses)],
         "diagnoses": [_diagnosis(diagnosis) for diagnosis in diagnoses],
     }
     if converged is not None:
         summary["converged"] = converged
     if forecast is not None:
-        summary["forecast"] = asdict(forecast)
+        summary["forecast"] = {
+            "wanted_uncertainty_px": forecast.wanted_px,
+            "views": forecast.views,
+            "low": forecast.low,
+            "high": forecast.high,
+            "looked_ahead": forecast.looked_ahead,
+        }
     if truth is not None:
         summary["truth"] = _named(truth.parameters)
         summary["projection_diff_px"] = projection_diff_px(truth, camera)
@@ -104,6 +118,18 @@ def result_json(
 ) -> str:
     """The text of result.json."""
     return to_json(full_result(summary, calibration, history), indent=2) + "\n"
+
+
+def write_result(
+    path: Path,
+    calibration: Calibration,
+    *,
+    warnings: Sequence[str] = (),
+    diagnoses: Sequence[Diagnosis] = (),
+) -> Path:
+    """Write a calibration as a result.json. Raises `StorageError` if it cannot be written."""
+    summary = summary_of(calibration, warnings=warnings, diagnoses=diagnoses)
+    return write_bytes(path, result_json(summary, calibration).encode())
 
 
 def to_json(content: Mapping[str, Any], indent: int | None = None) -> str:

@@ -11,7 +11,6 @@ from typing import Any
 
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.storage.camera_yaml import camera_yaml
 from venus3d.storage.folder import alone_in, reason, replace_files, sync_folder
@@ -47,7 +46,6 @@ class ResultFolder:
     def write(
         self,
         calibration: Calibration,
-        board: Board,
         summary: Mapping[str, Any],
         history: Sequence[Progress] = (),
     ) -> tuple[Path, Path]:
@@ -55,7 +53,7 @@ class ResultFolder:
 
         Each file is whole at every moment. Raises `StorageError`; what was there is then as it was.
         """
-        camera = camera_yaml(calibration, board).encode()
+        camera = camera_yaml(calibration).encode()
         result = result_json(summary, calibration, history).encode()
         told: list[str] = []
         try:

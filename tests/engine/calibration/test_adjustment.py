@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from venus3d.engine.calibration.adjustment import calibrate, largest_angle_deg
+from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.diagnosis import diagnose
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.view_selection import choose_informative
 from venus3d.engine.errors import CalibrationError
@@ -230,7 +230,7 @@ def test_slightly_tilted_views_are_weak_but_no_error(
         )
         assert abs(found.camera.fx - 1068) < 4 * found.sigma[0]
         assert largest_angle_deg(found) < 20
-        assert "parallel-views" in [d.kind for d in diagnose(default_board, found)]
+        assert "parallel-views" in [d.kind for d in diagnose(found)]
 
 
 def test_two_views_say_how_bad_they_are(
@@ -274,7 +274,7 @@ def test_a_real_video_that_hardly_tilts_says_how_little_it_knows(shared_data: Pa
     assert every_8th.camera.fx == pytest.approx(2104, abs=12)
     assert every_8th.rms_px < 0.545
     assert 30 < every_8th.sigma[0] < 60
-    assert "The views differ by only 1° in tilt" in diagnose(board, every_8th)[0].cause
+    assert "The views differ by only 1° in tilt" in diagnose(every_8th)[0].cause
     for limit in (10, 20, 40):
         found = calibrate(board, [seen[i] for i in choose_informative(board, seen, limit=limit)])
         assert abs(found.camera.fx - 2104) < 2 * found.sigma[0]

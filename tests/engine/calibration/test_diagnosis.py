@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import cv2
 import numpy as np
@@ -18,10 +19,11 @@ from tests.engine.board_pictures import picture_of
 from tests.engine.calibration.test_adjustment import GOOD, observe, tilted
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_recognition import BoardCheck, recognise
+from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.diagnosis import WORST_FIRST, diagnose
+from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import Calibration, Diagnosis
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Pose
@@ -86,9 +88,9 @@ def test_a_guided_session_is_silent_from_its_first_view_on(
     """What every set lacks at its beginning is no alarm; as a final set six views are enough."""
     assert len(guided) >= 7
     for calibration in guided:
-        assert diagnose(default_board, calibration, growing=True) == ()
+        assert diagnose(calibration, growing=True) == ()
         if len(calibration.views) >= 6:
-            assert diagnose(default_board, calibration) == ()
+            assert diagnose(calibration) == ()
 
 
 def test_the_session_says_it_when_views_are_weak(
@@ -106,7 +108,7 @@ def test_the_session_says_it_when_views_are_weak(
         kinds.append({d.kind for d in snapshot.diagnoses})
     assert kinds[:4] == [set()] * 4
     assert "parallel-views" in kinds[4]
-    ranks = [WORST_FIRST.index(d.kind) for d in session.snapshot().diagnoses]
+    ranks = [get_args(DiagnosisKind).index(d.kind) for d in session.snapshot().diagnoses]
     assert ranks == sorted(ranks)
     while session.undo():
         if session.pending is not None:
@@ -131,12 +133,12 @@ def test_nearly_parallel_views(
     paper_camera: Camera, default_board: Board, rng: np.random.Generator
 ) -> None:
     weak = calibrated(paper_camera, default_board, spread_out(8, [0.35, 0.5]), rng)
-    told = by_kind(diagnose(default_board, weak))["parallel-views"]
+    told = by_kind(diagnose(weak))["parallel-views"]
     sigma = 100 * weak.sigma[:2].max() / weak.camera.fx
     assert "tilt" in told.cause and f"± {sigma:.1f} %" in told.cause
     assert "20-45°" in told.cure
     good = calibrated(paper_camera, default_board, spread_out(30, [0.35, 0.5]), rng)
-    assert diagnose(default_board, good) == ()
+    assert diagnose(good) == ()
 
 
 def test_a_focal_length_with_a_large_sigma(
@@ -145,7 +147,7 @@ def test_a_focal_length_with_a_large_sigma(
     """Tilts about one axis, to one side only: 25° apart and still weak."""
     vectors = [[a, 0, 0, 0.04 * (-1) ** a, 0, 0.3 + 0.005 * a] for a in range(20, 46, 5)]
     found = calibrated(paper_camera, default_board, vectors, rng)
-    told = by_kind(diagnose(default_board, found))
+    told = by_kind(diagnose(found))
     assert "parallel-views" not in told
     share = 100 * (found.sigma[:2] / found.camera.parameters[:2]).max()
     assert share > 1 and f"{share:.1f} %" in told["weak-focal-length"].cause
@@ -168,7 +170,7 @@ def test_a_side_of_the_picture_never_used(
     x, y = np.concatenate([v.observation.corners for v in found.views]).T
     unused = {"left": x.min() / 1280, "right": 1 - x.max() / 1280}
     unused |= {"top": y.min() / 720, "bottom": 1 - y.max() / 720}
-    told = by_kind(diagnose(default_board, found))["unseen-side"]
+    told = by_kind(diagnose(found))["unseen-side"]
     assert f"{side} {100 * unused[side]:.0f} %" in told.cause and side in told.cure
     opposite = {"left": "right", "right": "left", "top": "bottom", "bottom": "top"}[side]
     assert opposite not in told.cause
@@ -183,7 +185,7 @@ def test_a_corner_of_the_picture_never_used(
     for o in seen:  # as a thumb or a reflection would: nothing in the lower right 45 %
         keep = (o.corners < [0.55 * 1280, 0.55 * 720]).any(axis=1)
         cut.append(Observation(o.ids[keep], o.corners[keep], o.image_size))
-    told = by_kind(diagnose(default_board, calibrate(default_board, [o for o in cut if o.count])))
+    told = by_kind(diagnose(calibrate(default_board, [o for o in cut if o.count])))
     assert "lower right corner" in told["unseen-side"].cure
     assert "upper" not in told["unseen-side"].cure and "left" not in told["unseen-side"].cure
 
@@ -193,11 +195,11 @@ def test_one_distance_only(
 ) -> None:
     """Tilt makes up for it: then depth varies over the board, which tells the same."""
     flat = calibrated(paper_camera, default_board, spread_out(12, [0.45]), rng)
-    told = by_kind(diagnose(default_board, flat))["same-depth"]
+    told = by_kind(diagnose(flat))["same-depth"]
     assert "45 cm" in told.cause
     for vectors in (spread_out(38, [0.45]), spread_out(12, [0.38, 0.5])):
         varied = calibrated(paper_camera, default_board, vectors, rng)
-        assert "same-depth" not in by_kind(diagnose(default_board, varied))
+        assert "same-depth" not in by_kind(diagnose(varied))
 
 
 @pytest.mark.parametrize("count", [4, 6])
@@ -212,12 +214,12 @@ def test_a_view_that_stands_out_is_named(
     seen[2] = replace(blurred, name="blurred.png")
     numbers = [3, 5, 8, 9, 11, 12][:count]
     found = calibrate(default_board, seen, numbers=numbers)
-    told = by_kind(diagnose(default_board, found))["outlying-view"]
+    told = by_kind(diagnose(found))["outlying-view"]
     assert told.views == (8,)
     assert "View 8 (blurred.png)" in told.cause and f"{found.views[2].rms_px:.2f} px" in told.cause
     # A whole set with such corners is noisy; no view of it stands out.
     noisy = [observe(paper_camera, default_board, v, rng, noise=1.5) for v in GOOD[:count]]
-    rest = diagnose(default_board, calibrate(default_board, noisy))
+    rest = diagnose(calibrate(default_board, noisy))
     assert "outlying-view" not in by_kind(rest)
 
 
@@ -236,14 +238,14 @@ def test_a_square_size_that_cannot_be(
         default_board, square=default_board.square * factor, marker=default_board.marker * factor
     )
     found, right = calibrate(wrong, seen), calibrate(default_board, seen)
-    told = by_kind(diagnose(wrong, found))
+    told = by_kind(diagnose(found))
     assert set(told) == {"impossible-distance"}
     assert said in told["impossible-distance"].cause
     assert f"{28 * factor:g} mm" in told["impossible-distance"].cause
     np.testing.assert_allclose(found.camera.K, right.camera.K, rtol=1e-3)
-    assert diagnose(default_board, right) == ()
+    assert diagnose(right) == ()
     first = calibrate(wrong, seen[:1], model="startup")
-    assert "impossible-distance" in by_kind(diagnose(wrong, first, growing=True)), "at once"
+    assert "impossible-distance" in by_kind(diagnose(first, growing=True)), "at once"
 
 
 def test_a_lens_model_that_folds_back(
@@ -252,7 +254,7 @@ def test_a_lens_model_that_folds_back(
     """Small boards in the middle: the high orders are free, and the border is never seen."""
     vectors = [[40 * np.cos(i), 40 * np.sin(i), 0, 0, 0, 1.0] for i in range(8)]
     found = calibrated(paper_camera, default_board, vectors, rng)
-    told = by_kind(diagnose(default_board, found))["folding"]
+    told = by_kind(diagnose(found))["folding"]
     # Where the distorted radius stops growing, found by trying.
     r = np.linspace(0, 1, 200_001)
     camera = found.camera
@@ -260,7 +262,7 @@ def test_a_lens_model_that_folds_back(
     turn = bent[np.argmax(np.diff(bent) < 0)] * (camera.fx + camera.fy) / 2
     assert f"{turn:.0f} px from the centre" in told.cause
     good = calibrated(paper_camera, default_board, spread_out(30, [0.35, 0.5]), rng)
-    assert "folding" not in by_kind(diagnose(default_board, good))
+    assert "folding" not in by_kind(diagnose(good))
 
 
 def correlated(calibration: Calibration, one: str, other: str, value: float) -> Calibration:
@@ -288,8 +290,8 @@ def test_parameters_that_are_not_told_apart(
     too_near: float,
 ) -> None:
     good = calibrated(paper_camera, default_board, spread_out(30, [0.35, 0.5]), rng)
-    assert diagnose(default_board, correlated(good, *pair, normal)) == ()
-    told = by_kind(diagnose(default_board, correlated(good, *pair, too_near)))
+    assert diagnose(correlated(good, *pair, normal)) == ()
+    told = by_kind(diagnose(correlated(good, *pair, too_near)))
     assert set(told) == {"correlated"}
     assert f"{pair[0]} and {pair[1]}" in told["correlated"].cause
     assert f"{abs(too_near):.4f}" in told["correlated"].cause
@@ -307,7 +309,7 @@ def test_real_stills(stills: list[Observation]) -> None:
     """All 16 are silent. Of those tilted by less, fx is off by 5 and 6 of its own sigmas at an rms
     that is even lower, and that is told."""
     full = calibrate(STILLS, stills)
-    assert diagnose(STILLS, full) == ()
+    assert diagnose(full) == ()
     assert full.camera.fx == pytest.approx(1127, abs=3)
     tilts = [np.degrees(np.arccos(view.pose.R[2, 2])) for view in full.views]
     for limit, kind in ((10, "parallel-views"), (16, "correlated")):
@@ -315,7 +317,7 @@ def test_real_stills(stills: list[Observation]) -> None:
         found = calibrate(STILLS, less)
         assert found.rms_px < full.rms_px
         assert abs(found.camera.fx - full.camera.fx) > 4 * found.sigma[0]
-        assert kind in by_kind(diagnose(STILLS, found))
+        assert kind in by_kind(diagnose(found))
 
 
 # -- the board in the pictures -------------------------------------------------------------------

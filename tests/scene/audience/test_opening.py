@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from venus3d.engine.errors import VenusError
 from venus3d.scene.pages.audience import texts
@@ -23,8 +24,6 @@ from venus3d.scene.pages.audience.run import open_audience, said_of
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.address import audience_address
-
-_PORT = 8378
 
 
 @pytest.mark.parametrize(
@@ -81,16 +80,17 @@ def test_an_address_that_cannot_be_had_is_one_sentence(text: str) -> None:
 def test_who_can_look_is_told() -> None:
     """For this machine only unless asked; otherwise an address that others can type."""
     assert open_audience(GuideOptions()) is None
-    options = GuideOptions(audience=str(_PORT), audience_view="lens", audience_light=True)
+    port = free_port()
+    options = GuideOptions(audience=str(port), audience_view="lens", audience_light=True)
     options.check()
     alone = open_audience(options)
     assert alone is not None
     try:
         assert alone.state == AudienceChoices(lens=True, light=True)
-        assert f"http://localhost:{_PORT}" in said_of(alone) and "this machine" in said_of(alone)
+        assert f"http://localhost:{port}" in said_of(alone) and "this machine" in said_of(alone)
     finally:
         alone.close()
-    everybody = open_audience(replace(options, audience=f"0.0.0.0:{_PORT + 1}"))
+    everybody = open_audience(replace(options, audience=f"0.0.0.0:{free_port()}"))
     assert everybody is not None
     try:
         said = said_of(everybody)
@@ -101,8 +101,8 @@ def test_who_can_look_is_told() -> None:
 
 def test_the_second_monitors_keys_are_nobody_elses_and_stand_in_the_help() -> None:
     """A key that does two things at once was seen before this was checked."""
-    audience = Audience("127.0.0.1", _PORT)
-    viewer = Viewer(port=_PORT + 1, draggable_board=True)
+    audience = Audience("127.0.0.1", free_port())
+    viewer = Viewer(port=free_port(), draggable_board=True)
     try:
         viewer.extend(lambda server: AudienceControls(server, audience).commands)
         with pytest.raises(ValueError, match="two commands for one key"):
@@ -115,7 +115,9 @@ def test_the_second_monitors_keys_are_nobody_elses_and_stand_in_the_help() -> No
 @pytest.mark.slow
 def test_the_program_shows_both_pages_the_same_calibration(tmp_path: Path) -> None:
     """A picture, the steps and a captured view arrive at the second page; Ctrl-C ends both."""
-    words = "sim --autopilot --speed 4 --port 8376 --audience 8377 --audience-view lens --output"
+    port = free_port()
+    words = f"sim --autopilot --speed 4 --port {free_port()} --audience {port}"
+    words += " --audience-view lens --output"
     program = subprocess.Popen(
         [sys.executable, "-m", "venus3d", "guide", *words.split(), str(tmp_path)],
         stdout=subprocess.PIPE,
@@ -125,10 +127,10 @@ def test_the_program_shows_both_pages_the_same_calibration(tmp_path: Path) -> No
     )
     try:
         assert program.stdout is not None
-        assert any("http://localhost:8377" in line for line in program.stdout)
+        assert any(f"http://localhost:{port}" in line for line in program.stdout)
         seen: set[str] = set()
         deadline = time.monotonic() + 120
-        with RawClient(8377) as looking:
+        with RawClient(port) as looking:
             looking.look()
             while seen < {"picture", "step", "captured", "3D"} and time.monotonic() < deadline:
                 for message in looking.window(timeout=60):

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
+from tests.ports import free_port
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.errors import SourceError
 from venus3d.engine.geometry.board import Board
@@ -48,7 +49,7 @@ def camera() -> Iterator[BreakingCamera]:
 
 @pytest.fixture
 def viewer() -> Iterator[Viewer]:
-    page = Viewer(port=8290)
+    page = Viewer(port=free_port())
     yield page
     page.close()
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from tests.ports import free_port
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.intents import ChangeMethod, Intent
 from venus3d.scene.pages.guide.method_panel import MethodPanel
@@ -21,7 +22,7 @@ def test_a_pick_is_not_put_back_while_it_is_on_its_way(
     """The page is drawn after viser has the value and before the callback comes."""
     now = [100.0]
     monkeypatch.setattr("venus3d.scene.pages.guide.method_panel.monotonic", lambda: now[0])
-    server, _ = start_server("127.0.0.1", 8299)
+    server, _ = start_server("127.0.0.1", free_port())
     asked: list[Intent] = []
     panel = MethodPanel(server.gui, asked.append)
     panel.show(guided)

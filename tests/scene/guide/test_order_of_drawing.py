@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
@@ -34,7 +35,7 @@ def test_the_map_comes_by_itself(guided: Snapshot) -> None:
 
 def test_a_replayed_search_ends_although_nothing_comes(guided: Snapshot) -> None:
     now = [100.0]
-    viewer = Viewer("127.0.0.1", 8312)
+    viewer = Viewer("127.0.0.1", free_port())
     try:
         known = viewer.view.uncertainty
         assert known is not None and guided.search_trace is not None
@@ -53,7 +54,7 @@ def test_a_replayed_search_ends_although_nothing_comes(guided: Snapshot) -> None
 
 def shown(snapshot: Snapshot, projections: Projections | None, *wanted: str) -> list[Any]:
     """What a tab is sent after this snapshot alone, until all this is on the page."""
-    viewer = Viewer("127.0.0.1", 8310, projections=projections)
+    viewer = Viewer("127.0.0.1", free_port(), projections=projections)
     came: list[dict[str, Any]] = []
     try:
         with RawClient(viewer.port) as tab, suppress(TimeoutError):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -24,7 +25,9 @@ from venus3d.scene.render.shapes import LabelShape, MeshShape
 BUSY = (False, False, False, False)
 REFUSED: Vector = (20.0, 10.0, 30.0, 190.0, -60.0, 420.0)
 PAGE = LessonPage("One", "Text", (10.0, 0.0, 0.0, 0.0, 0.0, 500.0), viewpoint="above")
-ASKING = replace(PAGE, question=Question("Which?", ("A", "B"), 2, "So."), arrangement="axes")
+ASKING = msgspec.structs.replace(
+    PAGE, question=Question("Which?", ("A", "B"), 2, "So."), arrangement="axes"
+)
 LESSONS = (Lesson("a", "A", "", (PAGE, ASKING)), Lesson("b", "B", "", (PAGE,)))
 
 
@@ -90,7 +93,9 @@ def test_lessons_set_the_page_and_turn_into_each_other() -> None:
 def test_every_hotkey_changes_something() -> None:
     assert len(set(HOTKEYS.values())) == len(HOTKEYS)
     assert not {"W", "A", "S", "D", "Q", "E", "H"} & set(HOTKEYS.values())
-    question = replace(ASKING, question=Question("?", ("A", "B", "C", "D", "E"), 1, ""))
+    question = msgspec.structs.replace(
+        ASKING, question=Question("?", ("A", "B", "C", "D", "E"), 1, "")
+    )
     lessons = (Lesson("a", "A", "", (PAGE, question, PAGE)), LESSONS[1])
     state = TeachState(lessons=lessons).opened(0).turned(1).scrubbed(0.3)
     state = replace(state, vector=FREE_VECTOR)

@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.ports import free_port
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -34,7 +35,7 @@ _TARGETS = 10
 @pytest.fixture
 def server() -> Iterator[LocalServer]:
     """A server of its own."""
-    server, _ = start_server("127.0.0.1", 8445)
+    server, _ = start_server("127.0.0.1", free_port())
     yield server
     server.stop()
 

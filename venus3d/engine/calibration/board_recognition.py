@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.result import Diagnosis
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.geometry.board import DICTIONARIES, Board
 from venus3d.engine.geometry.pose import Array
 

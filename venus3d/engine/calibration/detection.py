@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.calibration.adjustment import has_spread
 from venus3d.engine.calibration.board_recognition import BoardCheck, recognise
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.refinement import (
     Grey,
@@ -27,7 +28,6 @@ from venus3d.engine.calibration.refinement import (
     sharpness_of,
     windows_of,
 )
-from venus3d.engine.calibration.result import Diagnosis
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array

@@ -1,12 +1,8 @@
-"""A calibration's result and what may be wrong with it, as frozen values.
-
-Nothing in here computes: `adjustment` and `diagnosis` fill it.
-"""
+"""A calibration: the camera, its covariance and the views, as one frozen value."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -14,37 +10,6 @@ from venus3d.engine.calibration.observation import View
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
-
-DiagnosisKind = Literal[
-    "parallel-views",
-    "unseen-side",
-    "same-depth",
-    "outlying-view",
-    "wrong-layout",
-    "swapped-size",
-    "wrong-dictionary",
-    "impossible-distance",
-    "correlated",
-    "folding",
-    "weak-focal-length",
-]
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """Something about a calibration that makes its numbers less trustworthy than they look."""
-
-    kind: DiagnosisKind
-    cause: str
-    """One sentence: what is the matter, with figures."""
-    cure: str
-    """One sentence: what to do about it."""
-    views: tuple[int, ...] = ()
-    """Numbers of the views concerned; empty for all."""
-
-    def __str__(self) -> str:
-        """Both in one sentence."""
-        return f"{self.cause.removesuffix('.')}; {self.cure[:1].lower()}{self.cure[1:]}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from venus3d.engine.calibration.diagnosis import diagnose, worst_first
+from venus3d.engine.calibration.checks import diagnose
+from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import Calibration, Diagnosis
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
@@ -266,7 +267,7 @@ class Session:
     def _diagnose(self) -> None:
         if self._calibration is not None:
             growing = self._phase not in ("converged", "finished")
-            self._diagnoses = diagnose(self.board, self._calibration, growing=growing)
+            self._diagnoses = diagnose(self._calibration, growing=growing)
 
     def _go_on(self) -> bool:
         """Calibrate the views that are left; begin anew, and return False, if there are none."""

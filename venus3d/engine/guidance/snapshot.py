@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, View
-from venus3d.engine.calibration.result import Calibration, Diagnosis
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose

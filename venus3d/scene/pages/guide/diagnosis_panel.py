@@ -9,7 +9,7 @@ from __future__ import annotations
 from html import escape
 from typing import Literal
 
-from venus3d.engine.calibration.result import Diagnosis, DiagnosisKind
+from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as say
 

@@ -7,8 +7,9 @@ from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.diagnosis import diagnose, worst_first
+from venus3d.engine.calibration.diagnosis import worst_first
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
@@ -72,7 +73,7 @@ def run_guide(
             said = (*source.notes, *eyes.detector.notes, *snapshot.warnings, *notes)
             # No more views come, so the set is judged as it is.
             known = snapshot.calibration
-            found = eyes.detector.explain() if known is None else diagnose(snapshot.board, known)
+            found = eyes.detector.explain() if known is None else diagnose(known)
             found = dict.fromkeys((*eyes.detector.diagnoses, *found))
             final = replace(snapshot, diagnoses=worst_first(found))
             return GuideResult(final, tuple(dict.fromkeys(said)), truth)

@@ -1,6 +1,6 @@
 """What the page of a guided calibration says."""
 
-from venus3d.engine.calibration.result import DiagnosisKind
+from venus3d.engine.calibration.diagnosis import DiagnosisKind
 from venus3d.engine.planning.method import Cost, Method
 
 # -- what to do now --------------------------------------------------------------------------------

@@ -186,7 +186,7 @@ class TeachState:
             set_poses=self.set_poses + 1,
             viewpoint=shown.viewpoint,
             arrangement=shown.arrangement,
-            order=shown.order if shown.order in ORDERS[1:] else self.order,
+            order=shown.order or self.order,
         )
 
     def turned(self, pages: int) -> TeachState:

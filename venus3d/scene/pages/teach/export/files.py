@@ -60,7 +60,7 @@ def exported(
     lesson: Lesson, kind: Kind, study: Study, offscreen: Offscreen, *, dark: bool = False
 ) -> tuple[bytes, ...]:
     """The lesson's files of this kind: one; of sheets, one for each pose with anything to do."""
-    moments = [study(page.pose, page.order) for page in lesson.pages]
+    moments = [study(page.pose, page.order or "zyx") for page in lesson.pages]
     if kind == "html":
         return (_html(lesson, moments, offscreen, dark).encode("utf-8"),)
     if kind == "png":

@@ -1,8 +1,8 @@
-"""Lines found by the small scan, against what a person counts."""
+"""Lines found statement by statement, against what a person counts."""
 
 from __future__ import annotations
 
-from venus3d.lessons.locating import lines_of
+from venus3d.lessons.line_numbers import lines_of
 
 TEXT = '''# a remark
 title = "A # in text"
@@ -32,7 +32,7 @@ x = 1
 
 def test_keys_are_found_behind_strings_lists_and_remarks() -> None:
     lines = lines_of(TEXT)
-    assert lines.unclosed is None
+    assert lines.broken is None
     assert lines.line(("title",)) == 2
     assert lines.line(("page", 0)) == 5
     assert lines.line(("page", 0, "text")) == 7
@@ -50,7 +50,8 @@ def test_a_key_without_a_line_of_its_own_has_that_of_what_is_around_it() -> None
     assert lines.line(("nothing",)) == 1
 
 
-def test_what_never_ends_is_found_where_it_begins() -> None:
-    assert lines_of('a = 1\ntext = """\nmore\nb = 2\n').unclosed == 2
-    assert lines_of("a = 1\n\npose = [0, 0\nb = 2\n").unclosed == 3
-    assert lines_of('a = """one\ntwo\\""" not yet\n"""\nb = 2\n').unclosed is None
+def test_what_never_ends_or_is_no_toml_is_found_where_it_begins() -> None:
+    assert lines_of('a = 1\ntext = """\nmore\nb = 2\n').broken == 2
+    assert lines_of("a = 1\n\npose = [0, 0\nb = 2\n").broken == 3
+    assert lines_of("a = 1\nb = two\nc = 3\n").broken == 2
+    assert lines_of('a = """one\ntwo\\""" not yet\n"""\nb = 2\n').broken is None

@@ -1,0 +1,263 @@
+"""What makes a calibration less trustworthy than its numbers look, each with cause and cure.
+
+A small rms and small sigmas say that the model fits these views; they do not say that the views
+were worth fitting. `diagnose` looks at the views as a set; whether the pictures show another board
+than the one asked for is found by `board_recognition`. docs/diagnoses.md argues for the thresholds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from venus3d.engine.calibration.adjustment import largest_angle_deg
+from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.geometry.camera import PARAMETERS, planning_camera
+from venus3d.engine.geometry.pose import Array
+
+WEAK_ANGLE_DEG = 20.0
+"""Views whose normals differ by less, all of them, are near parallel."""
+WEAK_SIGMA = 0.01
+"""A focal length whose sigma is more than this share of it is weak."""
+UNSEEN_SIDE = 0.25
+"""A strip of this share of the image along one side without any corner is unseen."""
+UNSEEN_CORNER = 0.4
+"""A rectangle of this share of width and height at an image corner, likewise."""
+SAME_DEPTH = 1.25
+"""Farthest over nearest board corner of all views; below it depth has not been varied."""
+OUTLYING_RATIO, OUTLYING_SPREADS = 1.75, 5.0
+"""An outlying view's rms: this many medians, and this many robust spreads above the median."""
+LEAST_OUTLYING_PX = 0.1
+"""No view's error is called outlying below this rms."""
+CORRELATED = 0.99
+"""Two parameters with a larger |correlation| are known together only, except for these:"""
+CORRELATED_FOCAL = 0.9985
+"""fx and fy share one scale; here it is known 36 times worse than their ratio."""
+CORRELATED_RADIAL = 0.995
+"""k1, k2 and k3 are terms of one series: 0.97 to 0.99 in good sets."""
+NEAREST_M, FARTHEST_M = 0.05, 20.0
+"""No board is calibrated with nearer to the lens, or farther away."""
+
+_TILT = "Add views tilted by 20-45° in different directions."
+_GROUPS = ("f", "f", "cx", "cy", "k", "k", "p1", "p2", "k")
+# Corner errors of one view scatter its rms by some 8 % (40 corners, two axes): spread at least so.
+_LEAST_SPREAD = 0.08
+
+
+@dataclass(frozen=True)
+class _Check:
+    """One diagnosis: from how many views on it is asked, while views still come and at the end."""
+
+    growing: int
+    final: int
+    find: Callable[[Calibration], Iterable[Diagnosis]]
+    needs_full: bool = True
+    """Only where all nine parameters were estimated."""
+
+
+def diagnose(calibration: Calibration, *, growing: bool = False) -> tuple[Diagnosis, ...]:
+    """What is doubtful about a calibration; worst first, empty if nothing is.
+
+    Args:
+        growing: more views are still being taken. What every set lacks at its beginning (all of
+            the picture, several depths) is then told later than of a set that is final.
+    """
+    count, full = len(calibration.views), all(calibration.free)
+    found: list[Diagnosis] = []
+    for check in _CHECKS:
+        if count >= (check.growing if growing else check.final) and (full or not check.needs_full):
+            found += check.find(calibration)
+    return worst_first(found)
+
+
+def _parallel_or_weak(calibration: Calibration) -> Iterator[Diagnosis]:
+    share = 100 * _focal_share(calibration)
+    angle = largest_angle_deg(calibration)
+    if angle < WEAK_ANGLE_DEG:
+        yield Diagnosis(
+            "parallel-views",
+            f"The views differ by only {angle:.0f}° in tilt, so the focal length is weak "
+            f"(± {share:.1f} % at best) and a low rms proves little.",
+            _TILT,
+        )
+    elif share > 100 * WEAK_SIGMA:
+        yield Diagnosis(
+            "weak-focal-length",
+            f"The focal length is known to {share:.1f} % only.",
+            "Add views that are tilted by 20-45° and fill the picture.",
+        )
+
+
+def _folding(calibration: Calibration) -> Iterator[Diagnosis]:
+    camera = calibration.camera
+    if planning_camera(camera) is camera:
+        return
+    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * (np.array(camera.image_size) - 1.0)
+    farthest = float(np.linalg.norm(corners - [camera.cx, camera.cy], axis=1).max())
+    limit = camera.radius_limit
+    if np.isfinite(limit):
+        edge = limit * (1 + camera.k1 * limit**2 + camera.k2 * limit**4 + camera.k3 * limit**6)
+        where = f"{edge * (camera.fx + camera.fy) / 2:.0f} px from the centre"
+    else:
+        where = "by its tangential part"
+    yield Diagnosis(
+        "folding",
+        f"The lens model folds back {where}, and the picture's corners are up to {farthest:.0f} px "
+        "away: the estimate cannot be used there.",
+        "Add views with the board near the picture's corners.",
+    )
+
+
+def _outlying(calibration: Calibration) -> Iterator[Diagnosis]:
+    rms = np.array([view.rms_px for view in calibration.views])
+    median = float(np.median(rms))
+    # 1.4826 median absolute deviations are one standard deviation of a normal distribution.
+    spread = max(1.4826 * float(np.median(np.abs(rms - median))), _LEAST_SPREAD * median)
+    limit = max(OUTLYING_RATIO * median, median + OUTLYING_SPREADS * spread, LEAST_OUTLYING_PX)
+    worst = [view for view in calibration.views if view.rms_px > limit]
+    if not worst:
+        return
+    worst.sort(key=lambda view: -view.rms_px)
+    named = [
+        f"{v.number} ({v.observation.name})" if v.observation.name else f"{v.number}" for v in worst
+    ]
+    errors = _listed([f"{view.rms_px:.2f}" for view in worst])
+    several = len(worst) > 1
+    yield Diagnosis(
+        "outlying-view",
+        f"View{'s' if several else ''} {_listed(named)} fit{'' if several else 's'} far worse than "
+        f"the others: rms {errors} px against {median:.2f} px.",
+        f"Leave {'them' if several else 'it'} out, and take {'them' if several else 'it'} again "
+        "with the board flat and held still.",
+        tuple(view.number for view in worst),
+    )
+
+
+def _unseen(calibration: Calibration) -> Iterator[Diagnosis]:
+    seen = np.concatenate([view.observation.corners for view in calibration.views])
+    x, y = (seen / np.array(calibration.camera.image_size)).T
+    free = {"left": x.min(), "right": 1 - x.max(), "top": y.min(), "bottom": 1 - y.max()}
+    sides = [side for side, share in free.items() if share > UNSEEN_SIDE]
+    if sides:
+        shares = _listed([f"{side} {100 * free[side]:.0f} %" for side in sides])
+        yield Diagnosis(
+            "unseen-side",
+            f"No corner was ever seen in the picture's {shares}, so the lens is only guessed "
+            "there.",
+            f"Add views with the board at the {_listed(sides)} of the picture.",
+        )
+        return
+    places = {
+        f"{up_down} {left_right}": float(np.maximum(abs(x - u), abs(y - v)).min())
+        for v, up_down in enumerate(("upper", "lower"))
+        for u, left_right in enumerate(("left", "right"))
+    }
+    corners = [place for place, share in places.items() if share > UNSEEN_CORNER]
+    if corners:
+        many = "s" if len(corners) > 1 else ""
+        away = 100 * max(places[place] for place in corners)
+        yield Diagnosis(
+            "unseen-side",
+            f"The board was never in the picture's {_listed(corners)} corner{many} (up to "
+            f"{away:.0f} % of the picture away from it), where the lens bends most.",
+            f"Add views with the board in the {_listed(corners)} corner{many}.",
+        )
+
+
+def _same_depth(calibration: Calibration) -> Iterator[Diagnosis]:
+    depths = _depths(calibration)
+    ratio = float(depths.max() / depths.min())
+    if ratio < SAME_DEPTH:
+        yield Diagnosis(
+            "same-depth",
+            f"The board was always about {depths.mean() * 100:.0f} cm away, and its tilt does not "
+            f"make up for it: the farthest corner is only {ratio:.2f} times as far as the nearest.",
+            "Add views from nearer and from farther away, and tilt the board.",
+        )
+
+
+def _correlated(calibration: Calibration) -> Iterator[Diagnosis]:
+    sigma = calibration.sigma
+    correlation = np.abs(calibration.covariance / np.outer(sigma, sigma))
+    # How near to 1 each pair is, as a share of what its kind is allowed: below 1 is too near.
+    pairs = [
+        ((1 - float(correlation[i, j])) / (1 - _allowed(i, j)), i, j)
+        for i, j in combinations(range(9), 2)
+    ]
+    tight = [pair for pair in sorted(pairs) if pair[0] < 1]
+    if _focal_share(calibration) > WEAK_SIGMA or largest_angle_deg(calibration) < WEAK_ANGLE_DEG:
+        tight = [pair for pair in tight if pair[1:] != (0, 1)]  # is told as a weak focal length
+    if not tight:
+        return
+    i, j = tight[0][1:]
+    names = f"{PARAMETERS[i]} and {PARAMETERS[j]}"
+    value = f"correlation {correlation[i, j]:.4f}"
+    if _GROUPS[i] == "f" == _GROUPS[j]:
+        cause = (
+            f"{names} are known only together ({value}): there is little perspective in the views, "
+            "so errors that all of them share, as of a board not quite flat, move the focal length "
+            f"by more than its sigma of {100 * _focal_share(calibration):.1f} %."
+        )
+        cure = "Add views that are tilted more, by 30-45° in different directions."
+    elif _GROUPS[i] == _GROUPS[j]:
+        cause = f"{names} can hardly be told apart ({value}): each by itself means little."
+        cure = "Add views with the board in the picture's corners, where the lens bends most."
+    else:
+        cause = f"{names} can hardly be told apart ({value}): an error of one hides in the other."
+        cure = "Add views tilted to the opposite side, and in the picture's corners."
+    yield Diagnosis("correlated", cause, cure)
+
+
+def _allowed(i: int, j: int) -> float:
+    """The largest |correlation| of two parameters, by their indices, that good sets show."""
+    same = _GROUPS[i] == _GROUPS[j]
+    return CORRELATED if not same else CORRELATED_FOCAL if _GROUPS[i] == "f" else CORRELATED_RADIAL
+
+
+def _impossible(calibration: Calibration) -> Iterator[Diagnosis]:
+    depths = _depths(calibration)
+    if depths.min() >= NEAREST_M and depths.max() <= FARTHEST_M:
+        return
+    if depths.min() < NEAREST_M:
+        place, guess = f"{depths.min() * 1000:.0f} mm from the lens", "centimetres or inches were"
+    else:
+        place, guess = f"{depths.max():.0f} m away", "another unit was"
+    yield Diagnosis(
+        "impossible-distance",
+        f"With squares of {calibration.board.square * 1000:g} mm the board was {place}, which is "
+        f"hardly possible: perhaps {guess} given as millimetres.",
+        "Measure a square and start again with --board.square-mm and --board.marker-mm; the "
+        "camera's parameters stay as they are, but every distance is wrong.",
+    )
+
+
+def _focal_share(calibration: Calibration) -> float:
+    """Sigma of the focal length as a share of it, the larger one of the two axes."""
+    return float(np.max(calibration.sigma[:2] / calibration.camera.parameters[:2]))
+
+
+def _depths(calibration: Calibration) -> Array:
+    """(N,) depths of all corners of all views, metres."""
+    points_of = calibration.board.points_of
+    return np.concatenate(
+        [v.pose.apply(points_of(v.observation.ids))[:, 2] for v in calibration.views]
+    )
+
+
+def _listed(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+_CHECKS = (
+    _Check(1, 1, _impossible, needs_full=False),
+    _Check(5, 2, _parallel_or_weak),
+    _Check(5, 3, _folding),
+    _Check(4, 4, _outlying),
+    _Check(6, 3, _unseen),
+    _Check(6, 3, _same_depth),
+    _Check(6, 4, _correlated),
+)

@@ -1,0 +1,63 @@
+"""On which line of a lesson file a key stands: TOML readers say it for syntax errors only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import msgspec
+
+KeyPath = tuple[str | int, ...]
+"""Where a value stands: ("page", 0, "pose"); tables of an array are counted from 0."""
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The lines of a lesson's keys, counted from 1."""
+
+    of: dict[KeyPath, int]
+    broken: int | None = None
+    """Where the first header or assignment begins that is no TOML, or never ends."""
+
+    def line(self, path: KeyPath) -> int:
+        """The line of a key, or of the table around it if it has none of its own."""
+        return next((self.of[path[:n]] for n in range(len(path), 0, -1) if path[:n] in self.of), 1)
+
+
+def lines_of(text: str) -> Lines:
+    """Find the headers and keys of a TOML text: each is read by itself, line by line, until it is
+    whole."""
+    found: dict[KeyPath, int] = {}
+    counts: dict[KeyPath, int] = {}
+    table: KeyPath = ()
+    statement, begun = "", 1
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not statement:
+            if not line.strip() or line.lstrip().startswith("#"):
+                continue
+            begun = number
+        statement += f"{line}\n"
+        try:
+            content = msgspec.toml.decode(statement)
+        except msgspec.DecodeError:
+            continue
+        if statement.lstrip().startswith("["):
+            table = _table_of(content, counts)
+            found.setdefault(table, begun)
+            found.setdefault(table[:-1], begun)  # an array of tables begins with its first one
+        else:
+            found.setdefault((*table, next(iter(content))), begun)
+        statement = ""
+    return Lines(found, begun if statement else None)
+
+
+def _table_of(content: object, counts: dict[KeyPath, int]) -> KeyPath:
+    """The path of a header, read as TOML; counts the tables of each array."""
+    path: KeyPath = ()
+    while isinstance(content, dict) and content:
+        ((name, content),) = content.items()
+        path = (*path, name)
+        if isinstance(content, list):
+            counts[path] = counts.get(path, -1) + 1
+        if path in counts:
+            path = (*path, counts[path])
+    return path

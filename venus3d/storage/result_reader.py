@@ -1,0 +1,144 @@
+"""A result.json read back: the calibration, with its board and all captured views."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.observation import Observation, View
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.errors import StorageError, VenusError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.storage.folder import reason
+from venus3d.storage.result import SCHEMA
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a result.json holds. Lengths in metres again, as everywhere in the engine."""
+
+    schema: int
+    calibration: Calibration
+    warnings: tuple[str, ...]
+    """Those that are no diagnosis."""
+    diagnoses: tuple[Diagnosis, ...]
+
+    @property
+    def camera(self) -> Camera:
+        """The calibrated camera."""
+        return self.calibration.camera
+
+    @property
+    def board(self) -> Board:
+        """The board that the views show."""
+        return self.calibration.board
+
+    @property
+    def covariance(self) -> Array:
+        """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed."""
+        return self.calibration.covariance
+
+    @property
+    def observations(self) -> tuple[Observation, ...]:
+        """The captured corners, view by view."""
+        return tuple(view.observation for view in self.calibration.views)
+
+
+def read_result(path: Path | str) -> Result:
+    """Read a result.json that `calibrate`, `guide` or `write_result` wrote.
+
+    Raises `StorageError`, with cause and cure, for a file that cannot be read, that is no result,
+    or whose schema is another.
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StorageError(
+            f"The result {path} cannot be read ({reason(error)}); give a result.json that venus3d "
+            "wrote."
+        ) from error
+    except ValueError as error:  # neither text nor JSON
+        raise _no_result(path) from error
+    if not isinstance(content, dict):
+        raise _no_result(path)
+    schema: Any = content.get("schema", 1 if {"intrinsics", "captured"} <= content.keys() else None)
+    if schema != SCHEMA and isinstance(schema, int):
+        cure = (
+            "read the camera.yaml beside it, or calibrate again"
+            if schema < SCHEMA
+            else "update venus3d"
+        )
+        raise StorageError(
+            f"{path} has schema {schema}, and this version reads schema {SCHEMA}; {cure}."
+        )
+    try:
+        return _result_of(content)
+    except (LookupError, TypeError, ValueError, VenusError) as error:
+        raise _no_result(path) from error
+
+
+def _no_result(path: Path | str) -> StorageError:
+    return StorageError(
+        f"{path} is no result of venus3d, or is damaged; give a result.json as `venus3d calibrate` "
+        "writes it."
+    )
+
+
+def _result_of(content: Mapping[str, Any]) -> Result:
+    width, height = (int(side) for side in content["image_size"])
+    named = content["intrinsics"]
+    free = tuple(bool(value) for value in content["free"])
+    if len(free) != len(PARAMETERS):
+        raise ValueError("not one flag for each parameter")
+    board = _board_of(content["board"])
+    diagnoses = tuple(
+        Diagnosis(d["kind"], d["cause"], d["cure"], tuple(d["views"])) for d in content["diagnoses"]
+    )
+    sentences = {str(diagnosis) for diagnosis in diagnoses}
+    return Result(
+        schema=content["schema"],
+        calibration=Calibration(
+            board=board,
+            camera=Camera.from_parameters([named[name] for name in PARAMETERS], (width, height)),
+            covariance=_array(content["covariance"]).reshape(9, 9),
+            free=free,
+            residual_sigma_px=float(content["residual_sigma_px"]),
+            rms_px=float(content["rms_px"]),
+            views=tuple(_view_of(view, (width, height), board) for view in content["captured"]),
+        ),
+        warnings=tuple(text for text in content["warnings"] if text not in sentences),
+        diagnoses=diagnoses,
+    )
+
+
+def _board_of(content: Mapping[str, Any]) -> Board:
+    lengths = {name: content[f"{name}_mm"] / 1000 for name in ("square", "marker")}
+    others = ("columns", "rows", "dictionary", "legacy", "inverted")
+    return Board(**lengths, **{name: content[name] for name in others})
+
+
+def _view_of(content: Mapping[str, Any], size: tuple[int, int], board: Board) -> View:
+    ids = np.array(content["ids"], dtype=np.intp)
+    board.points_of(ids)  # raises for ids that this board has not
+    return View(
+        number=int(content["number"]),
+        observation=Observation(
+            ids, _array(content["corners_px"]).reshape(ids.size, 2), size, name=content["name"]
+        ),
+        pose=Pose.from_matrix(_array(content["T_camera_board"])),
+        rms_px=float(content["rms_px"]),
+        errors=_array(content["errors_px"]).reshape(ids.size, 2),
+    )
+
+
+def _array(content: Any) -> Array:
+    """Nested lists of numbers; null becomes NaN."""
+    return np.array(content, dtype=np.float64)
