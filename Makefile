@@ -25,8 +25,12 @@ help:
 run: $(VENV)/.ready-run
 	$(BIN)/venus3d guide sim --autopilot
 
+# A browser alone takes both cores; everything else runs on one each.
 test: lint
-	$(BIN)/pytest
+	@failed=0; \
+	echo "pytest -n 2 -m 'not browser'"; $(BIN)/pytest -n 2 -m "not browser" || failed=1; \
+	echo "pytest -m browser"; $(BIN)/pytest -m browser || failed=1; \
+	exit $$failed
 
 lint: $(VENV)/.ready-test
 	$(BIN)/ruff check .

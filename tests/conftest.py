@@ -5,6 +5,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+# Before numpy and OpenCV come: workers side by side leave each other a core.
+if "PYTEST_XDIST_WORKER" in os.environ:
+    for _library in ("OMP", "OPENBLAS", "MKL"):
+        os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+
+import cv2
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -15,6 +21,9 @@ from venus3d.engine.geometry.camera import Camera
 # A busy machine is no failure.
 settings.register_profile("venus3d", deadline=None)
 settings.load_profile("venus3d")
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    cv2.setNumThreads(1)
 
 _ROOT = Path(__file__).resolve().parent.parent
 
