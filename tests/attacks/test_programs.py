@@ -26,6 +26,7 @@ from websockets.sync.client import connect
 from tests.attacks.crowd import burst, stay
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient, every_message
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -263,9 +264,8 @@ def test_a_crowd_is_served(program: Program) -> None:
 def test_after_all_this_it_ends_as_ever(program: Program) -> None:
     """The last one: nothing was printed but what it says of its result, which is there."""
     if program.page in ("guide", "audience"):
-        result, end = program.folder / "result.json", time.monotonic() + 90
-        while not result.exists() and time.monotonic() < end:
-            time.sleep(0.2)
+        result = program.folder / "result.json"
+        wait_until(result.exists, "a result", within_s=90)
         assert json.loads(result.read_text())["views"] >= 1
     complaints = program.end()
     assert "Traceback" not in complaints and "Warning" not in complaints, complaints

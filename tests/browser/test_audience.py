@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.ports import free_port
+from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
@@ -206,10 +207,7 @@ def test_the_operator_chooses_for_all_who_look(
         looking.mouse.click(300, 300)
         acting.keyboard.press("g")
         looking.wait_for_function("document.querySelector('.v-audience') !== null")
-        for _ in range(100):
-            if audience.state.lens:
-                break
-            acting.wait_for_timeout(50)
+        wait_until(lambda: audience.state.lens, "the operator's choice")
         assert audience.state == AudienceChoices(lens=True)
 
         audience.change(lambda look: replace(look, sound=True))

@@ -5,7 +5,6 @@ Contrast is read from what the browser has computed, viser's own widgets include
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 import pytest
 
 from tests.ports import free_port
+from tests.waiting import wait_until
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide import texts as say
@@ -26,15 +26,6 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 Open = Callable[[], Any]
 SEEN = Path(__file__).with_name("seen.js").read_text(encoding="utf-8")
 TABS = (say.PROGRESS_TAB, say.PARAMETERS_TAB)
-
-
-def until(condition: Callable[[], bool], what: str) -> None:
-    """Wait for something that another thread does; fails after half a minute."""
-    for _ in range(300):
-        if condition():
-            return
-        time.sleep(0.1)
-    pytest.fail(f"did not happen: {what}")
 
 
 def inputs_of(viewer: Viewer) -> Iterator[Any]:
@@ -114,7 +105,7 @@ def test_every_key_does_what_the_help_says(
     assert keys == effects.keys(), "a key without a test, or a test without a key"
     for key, effect in effects.items():
         page.keyboard.press({"space": "Space", "escape": "Escape"}.get(key, key.lower()))
-        until(effect, f"the effect of {key}")
+        wait_until(effect, f"the effect of {key}")
 
 
 @pytest.mark.parametrize("dark", [True, False], ids=["dark", "light"])
@@ -190,7 +181,7 @@ def test_the_large_text_is_large_docked_and_whole(
             box = capture.bounding_box()  # the right panel's width comes from the server
             return bool(box["y"] + box["height"] <= height)
 
-        until(whole, f"Capture is seen in a window {height} px high")
+        wait_until(whole, f"Capture is seen in a window {height} px high")
     page.close()
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -11,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
+from tests.waiting import wait_until
 from venus3d.engine.guidance.prompts import step_words
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
@@ -29,15 +29,6 @@ def canvas_pixels(page: Any) -> np.ndarray:
     clip = {"x": box["x"], "y": box["y"] + 160, "width": box["width"], "height": 320}
     shot = np.frombuffer(page.screenshot(clip=clip), np.uint8)
     return np.asarray(cv2.imdecode(shot, cv2.IMREAD_COLOR))
-
-
-def until(condition: Callable[[], bool], what: str) -> None:
-    """Wait for something that another thread does; fails after half a minute."""
-    for _ in range(300):
-        if condition():
-            return
-        time.sleep(0.1)
-    pytest.fail(f"did not happen: {what}")
 
 
 def press(page: Any, key: str) -> None:
@@ -74,7 +65,7 @@ def test_page_shows_state_scene_projections_and_progress(
         viewer.scene_names
     )
     page.wait_for_function("!!document.querySelector('canvas')")
-    until(lambda: canvas_pixels(page).std() > 5, "the scene is drawn")
+    wait_until(lambda: canvas_pixels(page).std() > 5, "the scene is drawn")
 
     # A note, however long, once pushed the steps out of a window that is 720 px high.
     viewer.say("The board does not look as it was told. " * 4, 600)
@@ -111,9 +102,9 @@ def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snap
     press(page, "f")
     page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
     press(page, "t")
-    until(lambda: any(n.startswith("/strip/4/") for n in viewer.scene_names), "the strip")
+    wait_until(lambda: any(n.startswith("/strip/4/") for n in viewer.scene_names), "the strip")
     press(page, "l")
-    until(lambda: viewer.state.playing, "playing")
+    wait_until(lambda: viewer.state.playing, "playing")
 
 
 def test_keys_queue_what_was_asked_for(viewer: Viewer, open_page: Open, guiding: Snapshot) -> None:
@@ -129,7 +120,7 @@ def test_keys_queue_what_was_asked_for(viewer: Viewer, open_page: Open, guiding:
     for key in ("c", "k", "u", " ", "o"):
         count = len(asked)
         press(page, key)
-        until(lambda count=count: has(count + 1), f"key {key!r}")
+        wait_until(lambda count=count: has(count + 1), f"key {key!r}")
     assert asked == [
         intents.Capture(),
         intents.SkipTarget(),
@@ -139,7 +130,7 @@ def test_keys_queue_what_was_asked_for(viewer: Viewer, open_page: Open, guiding:
     ]
     page.wait_for_selector(".v-title:has-text('Paused')")
     page.get_by_text("Capture this view (C)").click()
-    until(lambda: has(6), "the button")
+    wait_until(lambda: has(6), "the button")
     assert asked[5] == intents.Capture()
 
 
@@ -153,7 +144,7 @@ def test_reload_and_second_tab_see_the_same(
     first.wait_for_selector(".v-title:has-text('Step 3 of 4')")
     press(first, "n")
     first.wait_for_selector("[data-marked='4']")
-    until(lambda: not viewer.state.dark, "the light page")
+    wait_until(lambda: not viewer.state.dark, "the light page")
     first.reload()
     second = open_page()
     for page in (first, second):
@@ -197,7 +188,7 @@ def test_another_pose_is_chosen_by_button_or_key(
     inside = "e => e.scrollHeight <= e.clientHeight + 1 && e.scrollWidth <= e.clientWidth + 1"
     assert button.evaluate(inside)
     press(page, "n")
-    until(lambda: not viewer.state.follow, "a step picked by hand")
+    wait_until(lambda: not viewer.state.follow, "a step picked by hand")
     button.click()
     asked: list[intents.Intent] = []
 
@@ -205,10 +196,10 @@ def test_another_pose_is_chosen_by_button_or_key(
         asked.extend(viewer.drain_intents())
         return len(asked) >= count
 
-    until(lambda: has(1), "the button")
+    wait_until(lambda: has(1), "the button")
     assert viewer.state.follow, "another pose is followed from its first step"
     press(page, "j")
-    until(lambda: has(2), "the key")
+    wait_until(lambda: has(2), "the key")
     assert asked == [intents.ChooseAlternative(1, number), intents.ChooseAlternative(0, number)]
 
 
@@ -235,7 +226,7 @@ def test_the_method_is_chosen_from_a_list_that_tells_the_truth(
         asked.extend(viewer.drain_intents())
         return len(asked) >= count
 
-    until(lambda: has(1), "the method")
+    wait_until(lambda: has(1), "the method")
     assert asked == [intents.ChangeMethod("venus")]
     viewer.show(replace(guiding, method="venus", cost="sum-iod"))
     cost = page.get_by_role("combobox", name="Makes small")
@@ -247,12 +238,12 @@ def test_the_method_is_chosen_from_a_list_that_tells_the_truth(
 
         return shown
 
-    until(shows(COST_WORDS["sum-iod"]), "the method's own cost")
+    wait_until(shows(COST_WORDS["sum-iod"]), "the method's own cost")
     assert method.input_value() == METHOD_WORDS["venus"]
     pick(cost, COST_WORDS["max-ere"])
-    until(lambda: has(2), "the cost")
+    wait_until(lambda: has(2), "the cost")
     assert asked[1] == intents.ChangeMethod("venus", "max-ere")
-    until(shows(COST_WORDS["sum-iod"]), "a cost that was not taken goes back")
+    wait_until(shows(COST_WORDS["sum-iod"]), "a cost that was not taken goes back")
     assert not has(3), "what the page puts back is nobody's wish"
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from tests.ports import free_port
+from tests.waiting import wait_until
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -57,15 +57,6 @@ def page(chromium: Any, teaching: TeachViewer) -> Iterator[Any]:
     tab.close()
 
 
-def until(condition: Callable[[], bool], what: str) -> None:
-    """Wait for something that another thread does; fails after half a minute."""
-    for _ in range(600):
-        if condition():
-            return
-        time.sleep(0.05)
-    pytest.fail(f"did not happen: {what}")
-
-
 def sources(page: Any) -> list[str]:
     """Where the pictures come from; another picture is another address."""
     return [str(image.get_attribute("src")) for image in page.locator("img").all()]
@@ -92,9 +83,9 @@ def test_every_hotkey_does_what_its_action_does(teaching: TeachViewer, page: Any
         wanted = after_action(before, action)
         page.keyboard.press("Space" if key == "space" else key.lower())
         if action in ("play", "next"):
-            until(lambda: teaching.state.playing, action)
+            wait_until(lambda: teaching.state.playing, action)
         else:
-            until(lambda wanted=wanted: teaching.state == wanted, action)
+            wait_until(lambda wanted=wanted: teaching.state == wanted, action)
     # Neither loop nor speed is left on for the next test.
     teaching.change(lambda state: TeachState(lessons=lessons).opened(None))
 
@@ -108,12 +99,12 @@ def test_a_slider_moves_scene_words_and_both_pictures(teaching: TeachViewer, pag
     fields = [f for f in field.all() if f.input_value() == f"{FREE_VECTOR[1]:g}"]
     fields[0].fill("-80")
     fields[0].press("Enter")
-    until(lambda: teaching.state.vector[1] == -80, "the number arrives")
+    wait_until(lambda: teaching.state.vector[1] == -80, "the number arrives")
     page.wait_for_selector(".v-now:has-text('Step 3 of 4: Swing about Y')")
     page.wait_for_selector(".v-now i:has-text('−80°')")
     page.wait_for_selector(f".v-refused:has-text('{texts.REFUSED}')")
-    until(lambda: "/target/refused" in teaching.scene_names, "the board is tinted")
-    until(lambda: changed(page, before) >= 2, "both pictures change")
+    wait_until(lambda: "/target/refused" in teaching.scene_names, "the board is tinted")
+    wait_until(lambda: changed(page, before) >= 2, "both pictures change")
     page.evaluate("document.activeElement.blur()")
 
 

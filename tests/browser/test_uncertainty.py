@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import re
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 
 from tests.scene.guided import guided_session
+from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.settings import Settings
@@ -32,15 +32,6 @@ Open = Callable[[], Any]
 def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
     """After five views."""
     return guided_session(paper_camera, default_board, Settings())
-
-
-def until(condition: Callable[[], bool], what: str) -> None:
-    """Wait for something that another thread does; fails after half a minute."""
-    for _ in range(300):
-        if condition():
-            return
-        time.sleep(0.1)
-    pytest.fail(f"did not happen: {what}")
 
 
 def decoded(source: str) -> np.ndarray:
@@ -94,7 +85,7 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
                 arg=",".join(before),
             )
     page.keyboard.press("V")
-    until(lambda: "/views/2/sheet" in viewer.scene_names, "the views stand in the scene")
+    wait_until(lambda: "/views/2/sheet" in viewer.scene_names, "the views stand in the scene")
     page.wait_for_timeout(1000)  # viser's picture follows its messages by a frame or two
     view = guided.views[1]
     for again in (True, False):
@@ -114,7 +105,7 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
     assert card.locator(".v-verdict").inner_text()
     page.locator(".mantine-Modal-content").get_by_text(texts.LEAVE_OUT).click()
     asked: list[intents.Intent] = []
-    until(lambda: bool(asked.extend(viewer.drain_intents()) or asked), "it is left out")
+    wait_until(lambda: bool(asked.extend(viewer.drain_intents()) or asked), "it is left out")
     assert asked == [intents.DropView(number)]
     page.wait_for_selector(".mantine-Modal-content", state="detached")
 
@@ -135,8 +126,8 @@ def test_views_by_keyboard_and_the_search_replayed(
     assert kept.shape == (180, 320, 3) and np.abs(kept.mean(axis=(0, 1)) - (40, 90, 160)).max() < 4
     assert "/views/2/sheet" in viewer.scene_names
     page.keyboard.press("Y")
-    until(lambda: "/search/places" in viewer.scene_names, "the search is shown")
-    until(lambda: "/target/board" not in viewer.scene_names, "the steps make room")
+    wait_until(lambda: "/search/places" in viewer.scene_names, "the search is shown")
+    wait_until(lambda: "/target/board" not in viewer.scene_names, "the steps make room")
     target = guided.target
     assert target is not None
     page.wait_for_function(
@@ -146,7 +137,7 @@ def test_views_by_keyboard_and_the_search_replayed(
     # Guidance goes on meanwhile.
     assert page.locator(".v-sentence").inner_text()
     page.keyboard.press("Y")
-    until(lambda: "/search/places" not in viewer.scene_names, "the replay ends")
+    wait_until(lambda: "/search/places" not in viewer.scene_names, "the replay ends")
     assert "/target/board" in viewer.scene_names
     # A parameter says what it does: Enter opens its row.
     page.get_by_role("tab", name=guide_texts.PARAMETERS_TAB).click()

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import socket
-import time
 
 import cv2
 import numpy as np
 import pytest
 
 from tests.ports import free_port
+from tests.waiting import wait_until
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
@@ -50,11 +50,7 @@ def test_port_that_is_none_is_one_sentence() -> None:
 def test_newest_snapshot_wins_and_any_thread_may_show(guiding: Snapshot, viewer: Viewer) -> None:
     for _ in range(200):
         viewer.show(guiding)
-    for _ in range(100):
-        if "/steps/3/arrow" in viewer.scene_names:
-            break
-        time.sleep(0.05)
-    assert "/steps/3/arrow" in viewer.scene_names
+    wait_until(lambda: "/steps/3/arrow" in viewer.scene_names)
 
 
 def test_animation_walks_the_four_steps_and_starts_again(guiding: Snapshot) -> None:

@@ -12,11 +12,11 @@ import subprocess
 import sys
 import termios
 import threading
-import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from tests.waiting import wait_until
 from venus3d.storage.camera_yaml import read_camera_yaml
 
 PATIENCE_S = 120
@@ -24,10 +24,7 @@ PATIENCE_S = 120
 
 def wait_until_there(path: Path) -> None:
     """Fails if such a file does not come."""
-    end = time.monotonic() + PATIENCE_S
-    while not path.exists():
-        assert time.monotonic() < end, f"{path} never came"
-        time.sleep(0.001)
+    wait_until(path.exists, f"{path} comes", PATIENCE_S)
 
 
 class Program:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 
 from tests.scene.guided import guided_session
+from tests.waiting import wait_until
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -49,10 +50,7 @@ class Disk:
         return f"{len(self.written)} written"
 
     def wait_for(self, count: int) -> None:
-        end = time.monotonic() + 30
-        while len(self.written) < count:
-            assert time.monotonic() < end
-            time.sleep(0.005)
+        wait_until(lambda: len(self.written) >= count)
 
 
 def test_every_calibration_is_written_once(guided: Snapshot) -> None:
@@ -75,8 +73,7 @@ def test_nobody_waits_for_a_slow_disk_and_the_newest_wins(guided: Snapshot) -> N
     keeper = Keeper(disk.write)
     views = [anew(guided) for _ in range(6)]
     keeper.put(views[0])
-    while not disk.threads:
-        time.sleep(0.001)
+    wait_until(lambda: disk.threads)
     started = time.perf_counter()
     for view in views[1:]:
         keeper.put(view)
@@ -113,8 +110,7 @@ def test_what_fails_is_told_and_the_next_view_is_tried(
     disk.error = error
     keeper = Keeper(disk.write, failed=told.append)
     keeper.put(anew(guided))
-    while not told:
-        time.sleep(0.005)
+    wait_until(lambda: told)
     why = ": The disk is full." if isinstance(error, StorageError) else "; the terminal tells why."
     assert told == [f"Not saved{why} The next view is tried again."]
     assert ("Odd." in caplog.text) == isinstance(error, ValueError)  # a mistake of ours, in full

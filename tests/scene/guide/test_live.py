@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 
 from tests.ports import free_port
+from tests.waiting import wait_until
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.errors import SourceError
 from venus3d.engine.geometry.board import Board
@@ -69,10 +69,7 @@ def in_background(live: LiveGuide) -> tuple[threading.Thread, list[BaseException
 
 
 def wait_for(condition: Callable[[], bool]) -> None:
-    end = time.monotonic() + _PATIENCE_S
-    while not condition():
-        assert time.monotonic() < end, "it never came"
-        time.sleep(0.05)
+    wait_until(condition, within_s=_PATIENCE_S)
 
 
 def guide(camera: Simulation, viewer: Viewer, results: list[Snapshot]) -> tuple[Session, LiveGuide]:

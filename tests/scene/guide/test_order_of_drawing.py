@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
+from tests.waiting import wait_until
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.viewer import Viewer
@@ -42,12 +42,12 @@ def test_a_replayed_search_ends_although_nothing_comes(guided: Snapshot) -> None
         known._replay = SearchReplay(clock=lambda: now[0])  # pyright: ignore[reportPrivateUsage]
         known._toggle_watching()  # pyright: ignore[reportPrivateUsage]
         viewer.show(guided)
-        assert soon(lambda: is_searching(viewer))
+        wait_until(lambda: is_searching(viewer))
         # Nothing else is to be drawn either: the map is on the page.
-        assert soon(lambda: MAP in known._map.content)  # pyright: ignore[reportPrivateUsage]
+        wait_until(lambda: MAP in known._map.content)  # pyright: ignore[reportPrivateUsage]
         time.sleep(0.1)
         now[0] += 1000
-        assert soon(lambda: not is_searching(viewer))
+        wait_until(lambda: not is_searching(viewer))
     finally:
         viewer.close()
 
@@ -78,13 +78,6 @@ def board_in(came: list[dict[str, Any]]) -> int:
 
 def is_searching(viewer: Viewer) -> bool:
     return any(name.startswith("/search") for name in viewer.scene_names)
-
-
-def soon(holds: Callable[[], bool]) -> bool:
-    until = time.monotonic() + 10
-    while not holds() and time.monotonic() < until:
-        time.sleep(0.01)
-    return holds()
 
 
 def place_of(text: str, came: list[dict[str, Any]]) -> int:

@@ -12,7 +12,7 @@ import logging
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from websockets.exceptions import ConnectionClosed
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
+from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -82,15 +83,6 @@ def viewer(painter: Offscreen) -> Iterator[Viewer]:
     viewer.close()
 
 
-def soon(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.02)
-    return False
-
-
 def page_of(port: int, *wanted: str) -> str:
     """What a new tab is sent until all this came, as one text; it comes back as a browser does."""
     end = time.monotonic() + 40
@@ -134,8 +126,8 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
             viewer.show_picture(FRAME)
             return fault.raised == count
 
-        assert soon(fed)
-        assert soon(lambda: viewer.server is not before)  # noqa: B023  # called in this round
+        wait_until(fed)
+        wait_until(lambda: viewer.server is not before)  # noqa: B023  # called in this round
         viewer.show_picture(FRAME)
         text = page_of(viewer.port, "/board/live", "/target/board", "GuiImageMessage", "/gizmo")
         assert count > 1 or common.DRAWN_ANEW in page_of(viewer.port, common.DRAWN_ANEW)
@@ -155,7 +147,7 @@ def test_a_trials_page_that_breaks_is_drawn_anew(
         before, fault.due = viewer.server, 1
         viewer.show(guided)
         viewer.show_picture(FRAME)
-        assert soon(lambda: viewer.server is not before)
+        wait_until(lambda: viewer.server is not before)
         page_of(viewer.port, "/board/live", "GuiImageMessage", common.DRAWN_ANEW)
     finally:
         viewer.close()
@@ -176,7 +168,7 @@ def test_a_page_that_cannot_be_drawn_anew_is_tried_again(
     again.before(module, "SceneView", monkeypatch)
     before, fault.due, again.due = viewer.server, 1, 1
     viewer.show(guided)
-    assert soon(lambda: again.raised == 1 and viewer.server is not before)
+    wait_until(lambda: again.raised == 1 and viewer.server is not before)
     page_of(viewer.port, "/board/live", common.DRAWN_ANEW)
     assert len(logged(caplog)) == 2
 
@@ -195,7 +187,7 @@ def test_two_pages_that_break_at_once_leave_the_terminal_alone(
     try:
         before, fault.due, theirs.due = (viewer.server, audience.server), 1, 1
         viewer.show(guided), audience.show(guided)
-        assert soon(lambda: viewer.server is not before[0] and audience.server is not before[1])
+        wait_until(lambda: viewer.server is not before[0] and audience.server is not before[1])
         assert sys.stdout is stdout and not rich.get_console().quiet
     finally:
         audience.close()
@@ -212,14 +204,14 @@ def test_a_page_that_is_closed_while_it_is_drawn_anew_leaves_no_server(
 
     def slow(*given: Any) -> Any:
         closing.start()
-        assert soon(viewer._threads.stop.is_set)  # pyright: ignore[reportPrivateUsage]
+        wait_until(viewer._threads.stop.is_set)  # pyright: ignore[reportPrivateUsage]
         return real(*given)
 
     monkeypatch.setattr(base, "serve_anew", slow)
     fault.before(module, "describe", monkeypatch)
     fault.due = 1
     viewer.show(guided)
-    assert soon(lambda: closing.ident is not None and not closing.is_alive())
+    wait_until(lambda: closing.ident is not None and not closing.is_alive())
     with pytest.raises(OSError):
         RawClient(viewer.port)
 
@@ -256,7 +248,7 @@ def test_what_the_page_was_given_by_others_is_there_again(
     fault.before(module, "describe", monkeypatch)
     before, fault.due = viewer.server, 1
     viewer.show(guided)
-    assert soon(lambda: viewer.server is not before)
+    wait_until(lambda: viewer.server is not before)
     page_of(viewer.port, "an addition")
 
 
@@ -292,7 +284,7 @@ def test_a_teaching_page_that_breaks_is_drawn_anew(
         page_of(teach.port, "/target/board")
         fault.due = 1
         teach.change(lambda state: state.posed((10.0, 20.0, 30.0, 0.0, 0.0, 400.0)))
-        assert soon(lambda: fault.raised == 1)
+        wait_until(lambda: fault.raised == 1)
         page_of(teach.port, common.DRAWN_ANEW, "/target/board", "GuiImageMessage")
         assert teach.state.vector[1] == 20.0
         assert not teach._threads.stop.is_set()  # pyright: ignore[reportPrivateUsage]
@@ -311,7 +303,7 @@ def test_a_second_page_that_breaks_is_drawn_anew_and_the_operator_is_told(
     try:
         before, fault.due = audience.server, 1
         audience.show(guided)
-        assert soon(lambda: audience.server is not before)
+        wait_until(lambda: audience.server is not before)
         audience.show(guided)
         page_of(audience.port, "v-is-step")
         assert len(told) == 1 and "Nothing is lost" in told[0]
@@ -342,14 +334,14 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
     try:
         with RawClient(server.get_port()) as one, RawClient(server.get_port()) as other:
             one.look(), other.look()
-            assert soon(lambda: len(hall.desks) == 2 and all(d.shown for d in hall.desks))
+            wait_until(lambda: len(hall.desks) == 2 and all(d.shown for d in hall.desks))
             first, second = hall.desks
             pages = first.page, second.page
             monkeypatch.setattr(PracticePage, "show", faulty)
             first.trainee.name = "Anna"
             fault.due = 1
             first.shown = None  # to be drawn again
-            assert soon(lambda: first.page is not pages[0] and first.shown is not None)
+            wait_until(lambda: first.page is not pages[0] and first.shown is not None)
             assert second.page is pages[1] and first.trainee.name == "Anna"
             tab, came = (one, other)[first.client.client_id], ""  # numbered as they came
             while common.DRAWN_ANEW_WHY.split("(")[0] not in came or "/board/live" not in came:

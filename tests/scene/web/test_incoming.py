@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -18,6 +17,7 @@ from viser import _messages as messages
 
 from tests.ports import free_port
 from tests.scene.raw_client import AHEAD, RawClient, instance
+from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.scene.pages.exercise.practice_run import Hall
@@ -277,9 +277,7 @@ def opened(
     with RawClient(server.get_port()) as tab:
         tab.look()
         tab.backlog()
-        deadline = time.monotonic() + 20
-        while not hall.desks:  # the page's last message may be read before its desk is there
-            assert time.monotonic() < deadline
-            time.sleep(0.02)
+        # The page's last message may be read before its desk is there.
+        wait_until(lambda: hall.desks)
         (desk,) = hall.desks
         return desk.client.gui, lambda: (hall.close(), server.stop())[0]

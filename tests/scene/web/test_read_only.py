@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ import viser
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient, every_message
+from tests.waiting import wait_until
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.audience.choices import AudienceChoices
@@ -65,15 +65,7 @@ def say_everything(port: int, clients: Any, operator: int = 0) -> None:
             client.send(message)
         # Messages are taken in order: once this one is known, so are all before it.
         client.look(width=4321)
-        settled(lambda: any(c.camera.image_width == 4321 for c in clients().values()))
-
-
-def settled(condition: Callable[[], bool]) -> None:
-    """Wait until it holds."""
-    deadline = time.monotonic() + 30
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+        wait_until(lambda: any(c.camera.image_width == 4321 for c in clients().values()))
 
 
 def drain(client: RawClient) -> None:
@@ -144,7 +136,7 @@ def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() ->
         with RawClient(audience.port) as other, RawClient(viewer.port) as operator:
             other.backlog(), operator.backlog()
             # Once the first sentence stands, nothing moves any more.
-            settled(lambda: texts.STARTING[2] in str(buffer_of(audience.server)))
+            wait_until(lambda: texts.STARTING[2] in str(buffer_of(audience.server)))
             drain(other), drain(operator)
             before = buffer_of(audience.server), buffer_of(viewer.server)
             # With the names of the operator's entities, too: nobody says that they are secret.
@@ -193,7 +185,7 @@ def test_a_browser_that_says_nonsense_stops_nobody() -> None:
         for talker in talkers:
             talker.close()
         with RawClient(audience.port) as client:
-            settled(lambda: texts.PAUSED[2] in str(buffer_of(audience.server)))
+            wait_until(lambda: texts.PAUSED[2] in str(buffer_of(audience.server)))
             assert client.backlog()
         assert failures == []
     finally:
