@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rich
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import WebSocketException
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
@@ -88,7 +88,7 @@ def page_of(port: int, *wanted: str) -> str:
     end = time.monotonic() + 40
     while time.monotonic() < end:
         came = ""
-        with contextlib.suppress(ConnectionClosed, OSError), RawClient(port) as tab:
+        with contextlib.suppress(WebSocketException, OSError), RawClient(port) as tab:
             tab.look()
             while not all(text in came for text in wanted):
                 came += str(tab.window(timeout=20))
