@@ -86,8 +86,6 @@ def test_the_engine_needs_no_screen() -> None:
 
 
 CLIENT = """
-from pathlib import Path
-
 from typing_extensions import assert_type
 
 import venus3d
@@ -102,7 +100,7 @@ session = venus3d.Session(board, camera.image_size, venus3d.Settings(max_views=5
 assert_type(session.snapshot(), venus3d.Snapshot)
 assert_type(session.snapshot().target, venus3d.Target | None)
 try:
-    assert_type(venus3d.read_camera_yaml(Path("camera.yaml")), venus3d.Camera)
+    assert_type(venus3d.read_camera_yaml("camera.yaml"), venus3d.Camera)
 except venus3d.VenusError:
     pass
 """

@@ -26,10 +26,7 @@ if TYPE_CHECKING:
     from venus3d.engine.calibration.detection import Detector
     from venus3d.engine.calibration.diagnosis import Diagnosis
     from venus3d.engine.calibration.observation import Observation, View
-    from venus3d.engine.calibration.projection_uncertainty import (
-        projection_diff_px,
-        projection_uncertainty_px,
-    )
+    from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
     from venus3d.engine.calibration.result import Calibration
     from venus3d.engine.errors import (
         BoardError,
@@ -53,6 +50,8 @@ if TYPE_CHECKING:
     from venus3d.sources.frame import Frame
     from venus3d.sources.sim import Simulation
     from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
+    from venus3d.storage.result import write_result
+    from venus3d.storage.result_reader import Result, read_result
 
 __version__ = "0.1.0"
 
@@ -68,7 +67,6 @@ __all__ = [  # noqa: RUF022
     "Calibration",
     "Diagnosis",
     "diagnose",
-    "projection_uncertainty_px",
     "projection_diff_px",
     "Target",
     "Limits",
@@ -84,6 +82,9 @@ __all__ = [  # noqa: RUF022
     "Frame",
     "read_camera_yaml",
     "write_camera_yaml",
+    "read_result",
+    "write_result",
+    "Result",
     "VenusError",
     "BoardError",
     "CalibrationError",
@@ -97,10 +98,7 @@ _NAMES_IN = {
     "engine.calibration.detection": ("Detector",),
     "engine.calibration.diagnosis": ("Diagnosis",),
     "engine.calibration.observation": ("Observation", "View"),
-    "engine.calibration.projection_uncertainty": (
-        "projection_diff_px",
-        "projection_uncertainty_px",
-    ),
+    "engine.calibration.projection_uncertainty": ("projection_diff_px",),
     "engine.calibration.result": ("Calibration",),
     "engine.errors": (
         "BoardError",
@@ -124,6 +122,8 @@ _NAMES_IN = {
     "sources.frame": ("Frame",),
     "sources.sim": ("Simulation",),
     "storage.camera_yaml": ("read_camera_yaml", "write_camera_yaml"),
+    "storage.result": ("write_result",),
+    "storage.result_reader": ("Result", "read_result"),
 }
 _MODULE_OF = {name: f"venus3d.{module}" for module, names in _NAMES_IN.items() for name in names}
 

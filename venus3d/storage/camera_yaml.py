@@ -47,18 +47,18 @@ def camera_yaml(calibration: Calibration) -> str:
     return file.releaseAndGetString()
 
 
-def write_camera_yaml(path: Path, calibration: Calibration) -> Path:
+def write_camera_yaml(path: Path | str, calibration: Calibration) -> Path:
     """Write camera.yaml. Raises `StorageError` if it cannot be written."""
-    return write_bytes(path, camera_yaml(calibration).encode())
+    return write_bytes(Path(path), camera_yaml(calibration).encode())
 
 
-def read_camera_yaml(path: Path) -> Camera:
+def read_camera_yaml(path: Path | str) -> Camera:
     """The camera of a camera.yaml, ours or one of OpenCV's calibration sample.
 
     Raises `StorageError` if there is no such file or no camera in it.
     """
     try:
-        text = path.read_text()
+        text = Path(path).read_text()
     except (OSError, UnicodeDecodeError) as error:
         raise StorageError(
             f"The camera file {path} cannot be read; give a camera.yaml that venus3d wrote."

@@ -121,7 +121,7 @@ def result_json(
 
 
 def write_result(
-    path: Path,
+    path: Path | str,
     calibration: Calibration,
     *,
     warnings: Sequence[str] = (),
@@ -129,7 +129,7 @@ def write_result(
 ) -> Path:
     """Write a calibration as a result.json. Raises `StorageError` if it cannot be written."""
     summary = summary_of(calibration, warnings=warnings, diagnoses=diagnoses)
-    return write_bytes(path, result_json(summary, calibration).encode())
+    return write_bytes(Path(path), result_json(summary, calibration).encode())
 
 
 def to_json(content: Mapping[str, Any], indent: int | None = None) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
@@ -33,3 +34,13 @@ class Calibration:
     def sigma(self) -> Array:
         """(9,) standard deviations of the `PARAMETERS`; 0 where a parameter was held fixed."""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def uncertainty_px(self) -> float:
+        """The projection uncertainty: expected rms error of a projected point over the image.
+
+        Common rotations of the camera are taken out. NaN unless all nine parameters were estimated.
+        """
+        if not all(self.free):
+            return float("nan")
+        return projection_uncertainty_px(self.camera, self.covariance)

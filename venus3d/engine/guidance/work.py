@@ -22,7 +22,6 @@ from venus3d.engine.geometry.camera import PARAMETERS, Camera, planning_camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress, judge
 from venus3d.engine.guidance.settings import Settings
-from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.engine.planning.forecast import Forecast, forecast
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
@@ -122,14 +121,13 @@ class Work:
         )
 
     def _progress(self, calibration: Calibration) -> Progress:
-        error = projection_uncertainty_px(calibration.camera, calibration.covariance)
         aim = self.last_target
         return Progress(
             len(self.observations),
             calibration.rms_px,
             calibration.camera.parameters,
             calibration.sigma,
-            error if all(calibration.free) else float("nan"),
+            calibration.uncertainty_px,
             np.full(9, np.nan) if aim is None else aim.predicted_sigma,
             float("nan") if aim is None else aim.predicted_uncertainty_px,
         )
