@@ -1,6 +1,8 @@
-"""From a frame to an observation: the detector, and where it looked last."""
+"""Detection from frame to frame: where the board was last, there it is searched first."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from venus3d.engine.calibration.detection import QUICK_FROM_PX, Detector, Region, search_region
 from venus3d.engine.calibration.observation import Observation
@@ -8,7 +10,7 @@ from venus3d.sources.frame import Frame
 
 # Fewer corners than this share of the last frame's: the board has left the region searched.
 _LOST = 0.9
-# A quick look that overlooked something was at squares that are too small for it in this light;
+# A quick search that overlooked something was at squares that are too small for it in this light;
 # what was learnt so fades with every frame, since it may have been chance.
 _LEARNT, _FADING = 1.25, 0.99
 
@@ -21,9 +23,12 @@ class BoardTracker:
         self._last: Observation | None = None
         self._quick_from_px = QUICK_FROM_PX
 
-    def look(self, frame: Frame) -> Observation:
-        """The board in this frame: quickly near its last place; fully if that sees less of it than
-        before; everywhere if it seems to have gone from there."""
+    def track(self, frame: Frame) -> Observation:
+        """The board in this frame, with its picture.
+
+        It is searched quickly near its last place, fully there if that finds less than the last
+        frame showed, and everywhere if it seems to have gone.
+        """
         region, before = None, 0
         if self._last is not None and self.detector.settled:
             region, before = search_region(self._last, frame.image_size), self._last.count
@@ -40,7 +45,7 @@ class BoardTracker:
         if quick and seen.count < before <= full.count:
             self._quick_from_px = max(self._quick_from_px, _LEARNT * self.detector.square_px)
         self._last = full if full.count else None
-        return full
+        return replace(full, image=frame.image)
 
     def _detect(self, frame: Frame, region: Region | None, quick: bool) -> Observation:
         return self.detector.detect(

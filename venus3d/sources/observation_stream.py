@@ -50,7 +50,6 @@ class ObservationStream:
         self._on_picture, self._reopen = on_picture, reopen
         self._frames: Latest[Frame] = Latest()
         self._observations: Latest[Observation] = Latest()
-        self._recent: tuple[tuple[Observation, Frame], ...] = ()
         self._stop = threading.Event()
         self._running = threading.Event()  # cleared while paused
         self._running.set()
@@ -67,10 +66,6 @@ class ObservationStream:
     def take(self, timeout: float) -> Observation | None:
         """The newest observation that was not taken yet; None after `timeout` seconds."""
         return self._observations.take(timeout)
-
-    def frame_of(self, observation: Observation) -> Frame | None:
-        """The frame of one of the last few observations; None for an older one."""
-        return next((frame for seen, frame in self._recent if seen is observation), None)
 
     @low_latency()
     def run(self, step: Callable[[], None], at_end: Callable[[], None] = lambda: None) -> None:
@@ -144,7 +139,4 @@ class ObservationStream:
     def _look(self) -> None:
         frame = self._frames.take(timeout=0.2)
         if frame is not None:
-            seen = self.tracker.look(frame)
-            # Replaced as a whole, since another thread looks up in it.
-            self._recent = (*self._recent[-2:], (seen, frame))
-            self._observations.put(seen)
+            self._observations.put(self.tracker.track(frame))

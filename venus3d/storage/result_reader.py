@@ -131,7 +131,11 @@ def _view_of(content: Mapping[str, Any], size: tuple[int, int], board: Board) ->
     return View(
         number=int(content["number"]),
         observation=Observation(
-            ids, _array(content["corners_px"]).reshape(ids.size, 2), size, name=content["name"]
+            ids,
+            _array(content["corners_px"]).reshape(ids.size, 2),
+            size,
+            name=content["name"],
+            board=board,
         ),
         pose=Pose.from_matrix(_array(content["T_camera_board"])),
         rms_px=float(content["rms_px"]),

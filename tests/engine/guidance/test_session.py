@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
@@ -407,8 +408,7 @@ def test_what_the_user_ended_stays_ended(paper_camera: Camera, default_board: Bo
     rig.session.finish()
     failed = rig.session.fail(rig.session.pending, CalibrationError("No camera."))
     assert failed.phase == "finished" and "No camera." in failed.warnings[0]
-    rig.session.use_board(other)
-    after = rig.session.observe(rig.look())
+    after = rig.session.observe(replace(rig.look(), board=other))
     assert after.phase == "finished" and after.board == default_board
     assert not rig.session.capture()
 
@@ -446,3 +446,31 @@ def test_the_forecast_counts_down_to_the_wanted_error(
         last = said[needed].forecast
         assert last is not None and last.views == 0
     assert told >= 12 and inside >= 0.75 * told
+
+
+def test_the_board_is_the_one_that_was_read(paper_camera: Camera, default_board: Board) -> None:
+    """Until a view is captured; then its corners' ids must go on to mean the same."""
+    other = replace(default_board, legacy=not default_board.legacy)
+    rig = Rig(paper_camera, default_board, Settings(auto_capture=False))
+    layout = Diagnosis("wrong-layout", "It is the old one.", "Say so.")
+    seen = replace(rig.look(), board=other, board_diagnoses=(layout,))
+    assert rig.session.observe(seen).board == other
+    assert rig.session.snapshot().diagnoses == (layout,)
+    assert rig.session.capture()
+    assert rig.session.observe(replace(rig.look(), board=default_board)).board == other
+    assert rig.session.snapshot().diagnoses == ()
+
+
+def test_a_captured_picture_is_handed_over_once_and_not_kept(rig: Rig) -> None:
+    session = rig.session
+    seen = replace(rig.look(), image=np.zeros((720, 1280), np.uint8))
+    session.observe(seen)
+    assert session.take_new_view() is None
+    assert session.capture() and not session.capture(), "this very observation is taken"
+    view = session.take_new_view()
+    assert view is not None and view.number == 1 and view.observation is seen
+    assert session.take_new_view() is None and session.pending is not None
+    assert [o.image for o in session.pending.observations] == [None]
+    session.observe(replace(rig.look(), image=seen.image))
+    assert session.capture() and session.undo()
+    assert session.take_new_view() is None, "it was taken back"

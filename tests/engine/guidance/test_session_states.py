@@ -62,7 +62,8 @@ class User:
             with suppress(VenusError):  # what does not go together
                 session.change(METHODS[rng.integers(len(METHODS))], cost)
         elif action == "board":
-            session.use_board(replace(self.board, legacy=bool(rng.random() < 0.5)))
+            other = replace(self.board, legacy=bool(rng.random() < 0.5))
+            self.follow(session.observe(replace(self.seen(), board=other)))
         elif action == "finish":
             session.finish()
             self.ended = True

@@ -75,8 +75,8 @@ def wait_for(condition: Callable[[], bool]) -> None:
 def guide(camera: Simulation, viewer: Viewer, results: list[Snapshot]) -> tuple[Session, LiveGuide]:
     session = Session(camera.board, camera.image_size, Settings(max_views=12))
 
-    eyes = BoardTracker(Detector(camera.board, find_layout=False))
-    return session, LiveGuide(session, camera, eyes, viewer, results.append, lambda: camera)
+    tracker = BoardTracker(Detector(camera.board, find_layout=False))
+    return session, LiveGuide(session, camera, tracker, viewer, results.append, lambda: camera)
 
 
 def test_a_camera_that_is_unplugged_leaves_what_was_captured(

@@ -141,11 +141,21 @@ class Detector:
         Raises:
             VenusError: the image is neither grey nor BGR, 8 or 16 bit.
         """
+        observation = self._observed(image, region, quick)
+        return replace(
+            observation,
+            time_s=time_s,
+            name=name,
+            board=self._board,
+            board_diagnoses=self.diagnoses,
+        )
+
+    def _observed(self, image: Any, region: Region | None, quick: bool) -> Observation:
         whole = _grey(image)
         size = (whole.shape[1], whole.shape[0])
         x0, y0, x1, y1 = _clipped(region, size)
         grey = whole[y0:y1, x0:x1]
-        nothing = Observation.nothing(size, time_s, name)
+        nothing = Observation.nothing(size)
         if grey.size == 0:
             return nothing
         ids, corners = self._read(grey, quick)
@@ -161,7 +171,7 @@ class Detector:
         squares = np.linalg.norm(scales, axis=1).min(axis=1) * self._board.square
         self.square_px = float(squares.min())
         sharpness = sharpness_of(grey, corners, squares)
-        return Observation(ids, corners + np.array([x0, y0]), size, sharpness, time_s, name)
+        return Observation(ids, corners + np.array([x0, y0]), size, sharpness)
 
     def _read(self, grey: Grey, quick: bool) -> tuple[NDArray[np.intp], Array]:
         """Ids (N,) and corners (N, 2) of the believed board; compares the readings if need be."""

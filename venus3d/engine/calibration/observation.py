@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
 
 
@@ -26,11 +28,21 @@ class Observation:
     """When the frame was taken, by the source's own clock."""
     name: str = ""
     """Where it came from: a file name, a frame number."""
+    board: Board | None = None
+    """The board as it was read, with the layout found so far; None: as it was asked for."""
+    board_diagnoses: tuple[Diagnosis, ...] = ()
+    """How the board in the pictures so far differs from the one asked for."""
+    image: NDArray[np.uint8] | None = field(default=None, repr=False)
+    """(H, W[, 3]) the picture that shows it, where it is kept."""
 
     @property
     def count(self) -> int:
         """How many corners were found."""
         return int(self.ids.size)
+
+    def without_image(self) -> Observation:
+        """The same without the picture, to be kept for long."""
+        return self if self.image is None else replace(self, image=None)
 
     @staticmethod
     def nothing(image_size: tuple[int, int], time_s: float = 0.0, name: str = "") -> Observation:

@@ -28,7 +28,7 @@ from venus3d.engine.guidance.prompts import said, said_at_startup
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.startup import Startup
 from venus3d.engine.guidance.tracking import Tracker
-from venus3d.engine.guidance.views import CapturedViews
+from venus3d.engine.guidance.views import CapturedView, CapturedViews
 from venus3d.engine.guidance.work import Outcome, Settings, Work, noise_of
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.method import Cost, Method
@@ -50,8 +50,7 @@ class Session:
         self._search_method = self.settings.way
         self._ending = False
         self._image_size = image_size
-        self.board_diagnoses: tuple[Diagnosis, ...] = ()
-        """What the detector says of the board it sees; set by whoever drives the session."""
+        self._board_diagnoses: tuple[Diagnosis, ...] = ()
         self._restart(board)
 
     def _restart(self, board: Board, captured: CapturedViews | None = None) -> None:
@@ -61,6 +60,7 @@ class Session:
         self._startup = Startup(board, self._image_size)
         self._phase: Phase = "finished" if self._ending else "startup"
         self._captured = captured or CapturedViews()
+        self._new_view: CapturedView | None = None
         self._next_target = 1
         self._target: Target | None = None
         self._calibration: Calibration | None = None
@@ -80,8 +80,13 @@ class Session:
     def observe(self, observation: Observation) -> Snapshot:
         """Take in what was seen in one frame; captures by itself where the settings say so.
 
+        Until the first view is captured, the session goes on with the board as it was read.
+
         Raises `CalibrationError` if the frame's size is not the session's.
         """
+        if observation.board is not None:
+            self._use_board(observation.board)
+        self._board_diagnoses = observation.board_diagnoses
         if self._phase == "startup":
             self._startup.observe(observation)
             self._target = self._startup.aimed(
@@ -106,10 +111,15 @@ class Session:
         if seen.pose is None or over or self._captured.has(seen.observation):
             return False
         at_target = seen.is_there and self._phase == "guiding"
-        self._captured.add(seen.observation, self._target if at_target else None)
+        self._new_view = self._captured.add(seen.observation, self._target if at_target else None)
         self._keep_going = self._keep_going or self._phase == "converged"
         self._recalibrate()
         return True
+
+    def take_new_view(self) -> CapturedView | None:
+        """The view captured last, with its picture, once; None if there is none since."""
+        view, self._new_view = self._new_view, None
+        return view
 
     def skip(self) -> bool:
         """Give up the present target for another one elsewhere. False if there is none."""
@@ -156,6 +166,7 @@ class Session:
         index = None if self._ending else self._captured.drop(number)
         if index is None:
             return False
+        self._forget_new_view(number)
         # What was judged with this view among the others does not hold any more.
         self._history = tuple(p for p in self._history if p.views <= index)
         self._go_on()
@@ -169,11 +180,6 @@ class Session:
         if self.pending is None:
             self._phase = "finished"
             self._diagnose()
-
-    def use_board(self, board: Board) -> None:
-        """Go on with a board whose layout turned out differently; only before the first view."""
-        if not (self._captured.views or self._ending) and board != self.board:
-            self._restart(board)
 
     def apply(self, outcome: Outcome) -> Snapshot:
         """Take the result of `pending` back; the result of an older work is ignored."""
@@ -203,7 +209,9 @@ class Session:
         if work is self.pending:
             self.pending = None
             self._lost = lost = f"The last view was not kept: {error}"
-            self._captured.drop(self._captured.views[-1].number)
+            number = self._captured.views[-1].number
+            self._captured.drop(number)
+            self._forget_new_view(number)
             if not self._go_on():
                 self._warnings = (lost,)
         return self.snapshot()
@@ -243,7 +251,7 @@ class Session:
             headline=headline,
             instruction=instruction,
             warnings=self._warnings,
-            diagnoses=worst_first((*self.board_diagnoses, *self._diagnoses)),
+            diagnoses=worst_first((*self._board_diagnoses, *self._diagnoses)),
             forecast=known and known.forecast,
             method=self.settings.method,
             cost=self._search_method.cost,
@@ -252,6 +260,11 @@ class Session:
         )
 
     # -- how it goes on --------------------------------------------------------------------------
+
+    def _use_board(self, board: Board) -> None:
+        """Go on with a board whose layout turned out differently; only before the first view."""
+        if not (self._captured.views or self._ending) and board != self.board:
+            self._restart(board)
 
     def _is_useful(self) -> bool:
         """Whether this observation tells enough although it is not the target (see settings)."""
@@ -276,6 +289,10 @@ class Session:
             return True
         self._restart(self.board, self._captured)  # which goes on counting
         return False
+
+    def _forget_new_view(self, number: int) -> None:
+        if self._new_view is not None and self._new_view.number == number:
+            self._new_view = None
 
     def _recalibrate(self) -> None:
         views = self._captured.views

@@ -110,6 +110,7 @@ class Startup:
         )
         if not usable:
             return False
+        observation = observation.without_image()
         better = self._improve(observation)
         complete = observation.count >= _COMPLETE * self._board.corner_count
         first = self._complete is None and complete

@@ -41,7 +41,7 @@ class Tracker:
                 f"A frame of {w} x {h} px came into a calibration of {width} x {height} px; "
                 "calibrate each image size by itself."
             )
-        self._before, self.observation = self.observation, observation
+        self._before, self.observation = self.observation.without_image(), observation
         self._compare(camera, target, self._before)
         self.held = self.held + 1 if self.match is not None and self.match.reached else 0
 

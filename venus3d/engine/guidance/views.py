@@ -25,10 +25,12 @@ class CapturedViews:
         self.views: list[CapturedView] = []
         self._next = 1
 
-    def add(self, observation: Observation, target: Target | None) -> None:
-        """One view more."""
-        self.views.append(CapturedView(self._next, observation, target))
+    def add(self, observation: Observation, target: Target | None) -> CapturedView:
+        """Add a view and return it. The list keeps it without its picture."""
+        view = CapturedView(self._next, observation, target)
+        self.views.append(replace(view, observation=observation.without_image()))
         self._next += 1
+        return view
 
     def drop(self, number: int) -> int | None:
         """Take the view of this number back; its place in the order, None if there is none."""
@@ -42,4 +44,4 @@ class CapturedViews:
 
     def has(self, observation: Observation) -> bool:
         """Whether the last view is this very observation."""
-        return bool(self.views) and self.views[-1].observation is observation
+        return bool(self.views) and self.views[-1].observation.corners is observation.corners

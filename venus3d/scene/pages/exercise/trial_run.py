@@ -49,12 +49,12 @@ class TrialGuide:
     """One trial with its viewer. `run` returns when `stop` was called or the source broke."""
 
     def __init__(
-        self, session: TrialSession, source: Source, eyes: BoardTracker, viewer: TrialViewer
+        self, session: TrialSession, source: Source, tracker: BoardTracker, viewer: TrialViewer
     ) -> None:
         """`source` is closed by `run`."""
         self._session, self._viewer = session, viewer
         self._stream = ObservationStream(
-            source, eyes, on_picture=lambda frame: viewer.show_picture(frame.image)
+            source, tracker, on_picture=lambda frame: viewer.show_picture(frame.image)
         )
 
     def stop(self) -> None:
@@ -77,7 +77,6 @@ class TrialGuide:
         for intent in asked:
             self._obey(intent)
         if observation is not None:
-            session.use_board(self._stream.tracker.detector.board)
             by_machine = isinstance(source, Simulation) and source.autopilot_on
             session.observe(observation, by_machine=by_machine)
         if not asked and observation is None:
@@ -135,18 +134,18 @@ def run_trial(
         session = TrialSession(
             board, camera, plan, targets, record, settings=settings, written=str(file.path)
         )
-        eyes = BoardTracker(Detector(board, find_layout=not isinstance(source, Simulation)))
+        tracker = BoardTracker(Detector(board, find_layout=not isinstance(source, Simulation)))
         if options.headless:
-            _run_headless(session, source, eyes)
+            _run_headless(session, source, tracker)
         else:
-            _run_on_a_page(session, source, eyes, options, rooms)
+            _run_on_a_page(session, source, tracker, options, rooms)
         return TrialResult(plan, session.times, file.path, session.stage == "over", (*file.rows,))
 
 
 def _run_on_a_page(
     session: TrialSession,
     source: Source,
-    eyes: BoardTracker,
+    tracker: BoardTracker,
     options: GuideOptions,
     rooms: ExitStack,
 ) -> None:
@@ -165,10 +164,10 @@ def _run_on_a_page(
     if isinstance(source, Simulation) and not options.autopilot:
         hint = "Drag the board by its handles in the scene, or press O for the simulated hand."
         viewer.say(hint, seconds=60)
-    TrialGuide(session, source, eyes, viewer).run()
+    TrialGuide(session, source, tracker, viewer).run()
 
 
-def _run_headless(session: TrialSession, source: Source, eyes: BoardTracker) -> None:
+def _run_headless(session: TrialSession, source: Source, tracker: BoardTracker) -> None:
     """The simulated hand does everything, in simulated time: a rehearsal."""
     assert isinstance(source, Simulation)
     since, done = 0.0, 0
@@ -176,7 +175,7 @@ def _run_headless(session: TrialSession, source: Source, eyes: BoardTracker) -> 
         frame = source.read()
         if frame is None:
             return
-        session.observe(eyes.look(frame), by_machine=True)
+        session.observe(tracker.track(frame), by_machine=True)
         session.begin()
         count = sum(len(times.ends_s) for times in session.times)
         since, done = (frame.time_s, count) if count != done else (since, done)

@@ -114,7 +114,7 @@ class TrialSession:
         """How the helps went so far."""
         return tuple(self._times)
 
-    def use_board(self, board: Board) -> None:
+    def _use_board(self, board: Board) -> None:
         """Go on with a board whose layout turned out differently."""
         if board != self.board:
             self.board = board
@@ -141,6 +141,8 @@ class TrialSession:
 
         Raises `CalibrationError` if the frame's size is not the camera's.
         """
+        if observation.board is not None:
+            self._use_board(observation.board)
         self._now = observation.time_s
         self._number += 1
         self._seen.see(observation, self._camera, self._target)

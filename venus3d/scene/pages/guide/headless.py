@@ -16,7 +16,7 @@ _PATIENCE_FRAMES = 400
 
 
 def run_headless(
-    session: Session, source: Source, eyes: BoardTracker, keep: Callable[[Snapshot], None]
+    session: Session, source: Source, tracker: BoardTracker, keep: Callable[[Snapshot], None]
 ) -> str:
     """Guide without a screen until convergence, enough views, or the recording's end.
 
@@ -34,10 +34,7 @@ def run_headless(
             frame = source.read()
             if frame is None:
                 break
-            observation = eyes.look(frame)
-            session.use_board(eyes.detector.board)
-            session.board_diagnoses = eyes.detector.diagnoses
-            session.observe(observation)
+            session.observe(tracker.track(frame))
             if session.pending is not None:
                 work_out(session)
                 keep(session.snapshot())

@@ -14,7 +14,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
-from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -36,7 +35,7 @@ class LiveGuide:
         self,
         session: Session,
         source: Source,
-        eyes: BoardTracker,
+        tracker: BoardTracker,
         viewer: Viewer,
         keep: Callable[[Snapshot], None],
         again: Callable[[], Source],
@@ -46,10 +45,11 @@ class LiveGuide:
         opens a recording anew when it has ended; `source` is closed by `run`."""
         self._session, self._keep = session, keep
         self._viewer, self._audience = viewer, audience
-        self._stream = ObservationStream(source, eyes, on_picture=self._show_picture, reopen=again)
+        self._stream = ObservationStream(
+            source, tracker, on_picture=self._show_picture, reopen=again
+        )
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
-        self._frame: tuple[Observation, Frame] | None = None
 
     def stop(self) -> None:
         """Ask for the end; from any thread."""
@@ -96,10 +96,8 @@ class LiveGuide:
         for intent in asked:
             self._obey(intent)
         if observation is not None:
-            session.use_board(self._stream.tracker.detector.board)
-            session.board_diagnoses = self._stream.tracker.detector.diagnoses
             session.observe(observation)
-        self._keep_picture(observation)
+        self._keep_picture()
         if asked or observation is not None:
             self._show()
         # Only now: a board that moved need not wait to be seen for what came of the search.
@@ -116,16 +114,11 @@ class LiveGuide:
             self._audience.show(snapshot)
         self._keep(snapshot)
 
-    def _keep_picture(self, observation: Observation | None) -> None:
+    def _keep_picture(self) -> None:
         """Hand on the picture of a view that was captured just now."""
-        work, before = self._session.pending, self._frame
-        if observation is not None:
-            frame = self._stream.frame_of(observation)
-            self._frame = None if frame is None else (observation, frame)
-        for pair in (before, self._frame):
-            if work is not None and pair is not None and work.observations[-1] is pair[0]:
-                self._viewer.keep_view(work.numbers[-1], pair[1].image)
-                self._frame = None
+        view = self._session.take_new_view()
+        if view is not None and view.observation.image is not None:
+            self._viewer.keep_view(view.number, view.observation.image)
 
     def _think(self) -> bool:
         """Hand pending work to its thread, take finished work back; whether any came back."""

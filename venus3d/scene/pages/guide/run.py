@@ -66,15 +66,15 @@ def run_guide(
     with ExitStack() as rooms:
         source = rooms.enter_context(closing(_opened(options, board)))
         truth = source.truth if isinstance(source, Simulation) else None
-        eyes = BoardTracker(Detector(board, find_layout=truth is None))
+        tracker = BoardTracker(Detector(board, find_layout=truth is None))
         session = Session(board, source.image_size, _settings(options, source))
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
-            said = (*source.notes, *eyes.detector.notes, *snapshot.warnings, *notes)
+            said = (*source.notes, *tracker.detector.notes, *snapshot.warnings, *notes)
             # No more views come, so the set is judged as it is.
             known = snapshot.calibration
-            found = eyes.detector.explain() if known is None else diagnose(known)
-            found = dict.fromkeys((*eyes.detector.diagnoses, *found))
+            found = tracker.detector.explain() if known is None else diagnose(known)
+            found = dict.fromkeys((*tracker.detector.diagnoses, *found))
             final = replace(snapshot, diagnoses=worst_first(found))
             return GuideResult(final, tuple(dict.fromkeys(said)), truth)
 
@@ -83,7 +83,7 @@ def run_guide(
 
         if options.headless:
             keeper = rooms.enter_context(closing(Keeper(kept)))
-            broken = run_headless(session, source, eyes, keeper.put)
+            broken = run_headless(session, source, tracker, keeper.put)
             return result(session.snapshot(), (broken,) if broken else ())
         # First: its port was promised to somebody, while the viewer may take another.
         audience = open_audience(options)
@@ -118,7 +118,7 @@ def run_guide(
             return _opened(options, board)
 
         keeper = rooms.enter_context(closing(Keeper(kept, viewer.saved, viewer.say)))
-        live = LiveGuide(session, source, eyes, viewer, keeper.put, again, audience)
+        live = LiveGuide(session, source, tracker, viewer, keeper.put, again, audience)
         return result(live.run(), viewer.notes)
 
 
