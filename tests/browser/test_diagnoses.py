@@ -30,22 +30,22 @@ def test_diagnoses_come_with_cause_and_cure_and_go(
     viewer.show(guiding)
     page = open_page()
     page.wait_for_selector(".v-big")
-    assert page.locator(".v-diagnoses").count() == 0
+    assert page.locator("[data-panel=diagnoses]").count() == 0
     viewer.show(replace(guiding, diagnoses=(PARALLEL, UNSEEN, DEPTH)))
     page.wait_for_selector("[data-kind='parallel-views']")
     assert page.locator(".v-diagnosis").count() == 2
-    told = page.inner_text(".v-diagnoses")
+    told = page.inner_text("[data-panel=diagnoses]")
     for diagnosis in (PARALLEL, UNSEEN):
         assert diagnosis.cause in told and diagnosis.cure in told
         assert DIAGNOSIS_TITLES[diagnosis.kind] in told
     assert "and 1 more" in told and DEPTH.cause not in told
-    box = page.locator(".v-diagnoses").bounding_box()
+    box = page.locator("[data-panel=diagnoses]").bounding_box()
     assert box["x"] >= 0 and box["y"] + box["height"] <= 720, "within the smallest screen"
     assert page.evaluate(
         "[...document.querySelectorAll('.v-diagnosis')].every(e => e.scrollWidth <= e.clientWidth)"
     ), "nothing is cut off"
     viewer.show(guiding)
-    page.wait_for_selector(".v-diagnoses", state="detached")
+    page.wait_for_selector("[data-panel=diagnoses]", state="detached")
 
 
 def test_how_bad_it_is_can_be_read_without_colours(

@@ -66,7 +66,7 @@ def shown(tab: Any, selector: str) -> bool:
 
 def test_each_help_shows_itself_and_nothing_of_the_others(page: Any, trial: Trial) -> None:
     """Nobody moves the board here, so every pose is given up; the page stops between helps."""
-    assert "Anna <A>" in page.inner_text(".v-who")
+    assert "Anna <A>" in page.inner_text(".v-participant")
     for help_, name in (("steps", "the axes"), ("axes", "the filled outline"), ("outline", "")):
         assert not shown(page, ".v-chips") and not shown(page, ".v-count")
         page.keyboard.press("Space")

@@ -71,16 +71,16 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
     page.get_by_role("tab", name=texts.TAB).click()
     known = guided.uncertainty
     assert known is not None
-    title = ".v-known:has(.v-map) h3"
+    title = "[data-panel=uncertainty]:has(.v-map) h3"
     page.wait_for_selector(f"{title}:has-text('{texts.ERROR_TITLE}')")
     picture = decoded(page.locator(".v-map img").get_attribute("src"))
     assert picture.shape == (360, 640, 3) and picture.std() > 20
     for wanted in (texts.CORNERS_TITLE, texts.LENS_TITLE, texts.MISFIT_TITLE, texts.ERROR_TITLE):
         while page.locator(title).count() == 0 or wanted not in page.locator(title).inner_text():
-            before = page.locator(".v-known h3").all_inner_texts()
+            before = page.locator("[data-panel=uncertainty] h3").all_inner_texts()
             page.keyboard.press("M")
             page.wait_for_function(
-                "old => [...document.querySelectorAll('.v-known h3')]"
+                "old => [...document.querySelectorAll('[data-panel=uncertainty] h3')]"
                 ".map(e => e.innerText).join() !== old",
                 arg=",".join(before),
             )

@@ -77,7 +77,7 @@ def test_the_green_band_ends_where_the_step_is_done(at, step: int, axis: str) ->
         abs(angle_of(hand(dial_html(at(**{axis: deg}), step)))) for deg in (limit, 10, 30, 89)
     ]
     assert angles == sorted(angles)
-    band = [p for p in svg(dial_html(at(x=10), step)).iter("path") if "right" in p.attrib["stroke"]]
+    band = [p for p in svg(dial_html(at(x=10), step)).iter("path") if "done" in p.attrib["stroke"]]
     x, y = (float(v) for v in band[0].attrib["d"].split(" ")[-2:])
     assert abs(angle_of((x, y))) == pytest.approx(angles[0], abs=0.2)
 

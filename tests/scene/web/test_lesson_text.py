@@ -25,7 +25,6 @@ from venus3d.scene.pages.teach.pose_words import lesson_html, question_html
 from venus3d.scene.pages.teach.run import PoseStudy
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.web.lesson_text import lesson_text_html
-from venus3d.scene.web.theme import Theme
 
 _POSE = (25.0, -30.0, 20.0, 40.0, -20.0, 520.0)
 _NASTY = (
@@ -133,7 +132,7 @@ def test_every_field_of_a_lesson_is_text_in_the_live_page(nasty: str) -> None:
         lesson = _lesson(words)
         state = TeachState(lessons=(lesson,)).opened(0).answered(1)
         page = lesson.pages[0]
-        return _Read(lesson_html(page.title, "", page.text) + question_html(state, Theme(True)))
+        return _Read(lesson_html(page.title, "", page.text) + question_html(state))
 
     assert told(nasty).tags == told("harmless").tags
     assert told(nasty).text.count(nasty) >= 3  # title, question, why

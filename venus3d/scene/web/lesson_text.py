@@ -14,26 +14,6 @@ from markdown_it.token import Token
 
 _LINKED = ("http://", "https://", "mailto:")
 
-LESSON_TEXT_SHEET = """
-.v-text{overflow-wrap:anywhere}
-.v-text :is(p,ul,ol,pre,table,blockquote){margin:0 0 .5em}
-div.v-text :is(h1,h2,h3,h4,h5,h6){margin:.7em 0 .25em;font-size:1.08em;line-height:1.2;
-font-weight:700;color:var(--text)}
-.v-text :is(ul,ol){padding-left:1.5em}.v-text li{margin:0 0 .2em}
-.v-text li>:is(ul,ol){margin:.2em 0 0}
-.v-text a{color:inherit;text-underline-offset:.15em}
-.v-text code{font-family:ui-monospace,Consolas,monospace;font-size:.9em;background:var(--tile);
-border:1px solid var(--line);border-radius:4px;padding:0 .25em}
-.v-text pre{white-space:pre-wrap;background:var(--tile);border:1px solid var(--line);
-border-radius:6px;padding:.4em .6em}
-.v-text pre code{border:0;padding:0}
-.v-text blockquote{border-left:4px solid var(--line);padding-left:.8em;color:var(--soft)}
-.v-text table{border-collapse:collapse}
-.v-text :is(th,td){border-bottom:1px solid var(--line);padding:.15em 1.4em .15em 0;text-align:left}
-.v-text hr{border:0;border-top:1px solid var(--line);margin:.7em 0}
-"""
-"""How that HTML looks; takes --text, --soft, --line and --tile from the page around it."""
-
 
 def lesson_text_html(text: str) -> str:
     """Markdown (CommonMark, tables and strikethrough) as HTML."""

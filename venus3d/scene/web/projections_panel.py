@@ -58,21 +58,17 @@ class ProjectionsPanel:
         if shown is None:
             self._head.content, self._tiles.content = _EMPTY, ""
             return
-        self._head.content = mark_html(step, theme)
+        self._head.content = mark_html(step)
         self._tiles.content = tiles_html(shown, theme, note)
 
 
 _EMPTY = f"<div class='v-steps'><h3>{say.TILES_EMPTY}</h3></div>"
 
 
-def mark_html(step: int, theme: Theme) -> str:
-    """The heading, and the style that marks the step's tile."""
-    colour = theme.steps[step - 1]
-    mark = f".v-tile[data-step='{step}']{{border-color:{colour};box-shadow:0 0 0 2px {colour}}}"
-    return (
-        f"<style>{mark}</style><div class='v-steps' data-marked='{step}'>"
-        f"<h3 title='{escape(say.TILES_HINT)}'>{say.TILES_TITLE}</h3></div>"
-    )
+def mark_html(step: int) -> str:
+    """The heading; the style sheet marks the tile of the step that it names."""
+    title = f"<h3 title='{escape(say.TILES_HINT)}'>{say.TILES_TITLE}</h3>"
+    return f"<div class='v-steps' data-marked='{step}'>{title}</div>"
 
 
 def tiles_html(shown: ShownSteps, theme: Theme, note: str = "") -> str:

@@ -30,7 +30,7 @@ class TourStep:
     title: str
     text: str
     marks: str = ""
-    """CSS selector of what is framed meanwhile; empty: nothing."""
+    """What the style sheet frames meanwhile ([data-marks] there); empty: nothing."""
 
 
 @dataclass
@@ -130,10 +130,9 @@ class Tour:
 
     def _html(self, index: int) -> str:
         step, count = self._steps[index], len(self._steps)
-        frame = f"outline:4px solid {self._theme.info};outline-offset:-4px;z-index:200"
-        mark = f"<style>{step.marks}{{{frame}}}</style>" if step.marks else ""
         return (
-            f"{self._theme.sheet}{mark}<div class='v-tour' data-step='{index + 1}'>"
+            f"{self._theme.sheet}<div class='v-tour' data-step='{index + 1}' "
+            f"data-marks='{step.marks}'>"
             f"<small>{say.TOUR_COUNT.format(number=index + 1, count=count)}</small>"
             f"<h2>{escape(step.title)}</h2><p>{escape(step.text)}</p></div>"
         )

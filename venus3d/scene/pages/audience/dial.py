@@ -38,15 +38,15 @@ def share(value: float, largest: float) -> float:
 
 
 def dial_html(match: Match, step: int) -> str:
-    """The dial of step 1 ... 4. Its colours are CSS's: --step, --right, --text, --soft, --line."""
+    """The dial of step 1 ... 4. Its colours are CSS's: --step, --done, --text, --soft, --line."""
     return _move(match) if step == 1 else _turn(match, step)
 
 
 def tick_html() -> str:
     """What stands in the dial's place when it is right."""
     tick = (
-        "<circle cx='200' cy='200' r='150' fill='var(--right)'/>"
-        "<path d='M122 206l54 56 104-116' fill='none' stroke='var(--ink)' stroke-width='34' "
+        "<circle cx='200' cy='200' r='150' fill='var(--done)'/>"
+        "<path d='M122 206l54 56 104-116' fill='none' stroke='var(--ground)' stroke-width='34' "
         "stroke-linecap='round' stroke-linejoin='round'/>"
     )
     return _svg(tick, texts.RIGHT)
@@ -67,7 +67,7 @@ def _turn(match: Match, step: int) -> str:
     hand, way = at * _REACH_DEG, np.sign(at) * band * _REACH_DEG
     parts = [
         _arc(-_REACH_DEG, _REACH_DEG, _RADIUS, "var(--line)", 30),
-        _arc(-band * _REACH_DEG, band * _REACH_DEG, _RADIUS, "var(--right)", 30),
+        _arc(-band * _REACH_DEG, band * _REACH_DEG, _RADIUS, "var(--done)", 30),
         *(_mark(side * share(deg, LARGEST_DEG)) for deg in (10, 30, 90) for side in (-1, 1)),
         _hand(hand),
     ]
@@ -112,7 +112,7 @@ def _scale(
     at, right, middle = place(-towards), abs(towards) <= band, y + 34
     second = towards > 0
     text = f"✓ {texts.RIGHT}" if right else words[second].format(mm=f"{abs(towards):.0f}")
-    colour = "var(--right)" if right else "var(--step)"
+    colour = "var(--done)" if right else "var(--step)"
     rest = "" if right else _line(at, middle, place(-np.sign(towards) * band), middle, 9)
     first_end, second_end = (
         f"<text x='{x:.0f}' y='{y:.0f}' class='v-end{' v-way' if way else ''}' "
@@ -128,8 +128,8 @@ def _scale(
         f"<rect x='{_LEFT:.0f}' y='{middle - 11:.0f}' width='{2 * half:.0f}' height='22' rx='11' "
         "fill='var(--line)'/>"
         f"<rect x='{place(-band):.1f}' y='{middle - 20:.0f}' width='{2 * (place(band) - 200):.1f}' "
-        f"height='40' rx='6' fill='var(--right)'/>{rest}"
-        f"<circle cx='{at:.1f}' cy='{middle:.0f}' r='17' fill='{colour}' stroke='var(--ink)' "
+        f"height='40' rx='6' fill='var(--done)'/>{rest}"
+        f"<circle cx='{at:.1f}' cy='{middle:.0f}' r='17' fill='{colour}' stroke='var(--ground)' "
         "stroke-width='4'/>"
     )
 
@@ -161,7 +161,7 @@ def _arc_arrow(start: float, end: float) -> str:
 def _hand(angle_deg: float) -> str:
     (x, y), (u, v) = _point(angle_deg, 96), _point(angle_deg, 178)
     return (
-        _line(x, y, u, v, 22, "var(--ink)")
+        _line(x, y, u, v, 22, "var(--ground)")
         + _line(x, y, u, v, 14)
         + f"<circle cx='{u:.1f}' cy='{v:.1f}' r='13' fill='var(--step)'/>"
     )

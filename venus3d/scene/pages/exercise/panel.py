@@ -20,42 +20,6 @@ from venus3d.scene.web.theme import Theme
 
 _FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
 
-SHEET = """<style>
-.v-do{border-left:6px solid var(--step);background:var(--tile);border-radius:7px;
-padding:10px 12px 11px;margin:2px 0 4px}
-.v-do header{display:flex;align-items:center;gap:10px;line-height:1.15}
-.v-do .v-badge{width:36px;height:36px;font-size:22px}
-.v-do b{font-size:21px;font-weight:750;flex:1}
-.v-do em{font-style:normal;font-size:27px;font-weight:800;color:var(--step);white-space:nowrap}
-.v-do p{font-size:17px;line-height:1.3;margin:7px 0 0;font-weight:550}
-.v-do small{display:block;font-size:14px;line-height:1.35;color:var(--soft);margin-top:5px}
-.v-bar{display:grid;grid-template-columns:24px 1fr auto;column-gap:8px;align-items:center;
-padding:4px 0 5px;font-size:15px;line-height:1.2}
-.v-bar .v-badge{width:22px;height:22px;font-size:14px;background:var(--step)}
-.v-bar i{font-style:normal;font-weight:750;white-space:nowrap}
-.v-bar.v-done i{color:var(--yes)}
-.v-track{grid-column:2/4;position:relative;height:13px;border-radius:4px;margin-top:3px;
-background:var(--line);overflow:hidden}
-.v-track span{position:absolute;left:0;top:0;bottom:0;background:var(--step)}
-.v-bar.v-done .v-track span{background:var(--yes)}
-.v-track u{position:absolute;left:0;top:0;bottom:0;border-right:3px solid var(--text);
-background:linear-gradient(0deg,var(--yes) 0 5px,var(--ink) 5px 6px,transparent 6px)}
-.v-clock b{font-size:22px;white-space:nowrap}
-.v-list{border-collapse:collapse;width:100%;font-size:14px}
-.v-list td,.v-list th{padding:3px 6px 3px 0;border-bottom:1px solid var(--line);text-align:right;
-font-weight:600;white-space:nowrap}
-.v-list th{color:var(--soft);font-size:13px}
-.v-list td:nth-child(-n+2),.v-list th:nth-child(-n+2){text-align:left}
-.v-keylist{display:grid;grid-template-columns:auto 1fr 1fr;gap:4px 10px;font-size:14px;
-align-items:baseline}
-.v-keylist.v-two{grid-template-columns:auto 1fr;margin-top:8px}
-.v-keylist .v-key{font-size:13px;margin-right:2px}
-.v-keylist small{color:var(--soft);font-size:13px}
-.mantine-ScrollArea-root:has(.v-under) img{width:100%}
-.v-file{font-size:13px;color:var(--soft);overflow-wrap:anywhere;margin-top:6px}
-</style>"""
-"""What this page adds to the pages' own sheet; once for each panel."""
-
 
 def card_html(moment: PracticeMoment, theme: Theme) -> str:
     """What to do now, in large letters; below it which numbers change."""
@@ -132,10 +96,8 @@ def bars_html(moment: PracticeMoment, theme: Theme) -> str:
     free = moment.free
     asked = (any(free[3:]), *free[:3]) if moment.help == "steps" else (any(free[3:]), any(free[:3]))
     bars = "".join(_bar(*row) for row, on in zip(rows, asked, strict=True) if on)
-    return (
-        f"<div class='v-progress' style='--yes:{theme.reached}'>"
-        f"<h3>{say.BARS_TITLE}</h3>{bars}<div class='v-legend'>{say.BARS_LEGEND}</div></div>"
-    )
+    legend = f"<div class='v-legend'>{say.BARS_LEGEND}</div>"
+    return f"<div class='v-progress'><h3>{say.BARS_TITLE}</h3>{bars}{legend}</div>"
 
 
 def _share(value: float, far: float) -> float:

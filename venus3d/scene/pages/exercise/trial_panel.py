@@ -20,37 +20,6 @@ from venus3d.scene.web.theme import Theme
 _HELP_COLOURS: dict[Help, int] = {"steps": 3, "axes": 2, "outline": 4}
 """Each help's colour in the plot, by the step that has it elsewhere."""
 
-SHEET = """<style>
-.v-card{flex-direction:row!important;align-items:center;gap:var(--gap-l);--u:min(.55cqw,1vh);
-padding:var(--gap-s) var(--gap-l) var(--gap-m)}
-.mantine-ScrollArea-root:has(.v-card) img{width:100%}
-.v-card b{display:block;font-size:var(--size-say);line-height:1.1;font-weight:750}
-.v-card span.v-say{display:block;font-size:calc(.65*var(--size-say));line-height:1.25;
-margin-top:var(--gap-s)}
-.v-key-line{font-size:var(--size-lead);line-height:1.3;color:var(--soft);
-padding:var(--gap-s) var(--gap-l)!important}
-.v-key-line b{color:var(--text)}
-.v-who{font-size:var(--size-figure);font-weight:750;line-height:1.15;overflow-wrap:anywhere}
-.v-what{font-size:var(--size-lead);color:var(--soft);line-height:1.25;margin-bottom:8px}
-.v-count{display:grid;grid-template-columns:1fr 1fr;gap:8px;margin:8px 0}
-.v-count div{background:var(--tile);border-radius:7px;padding:6px 10px}
-.v-count b{display:block;font-size:calc(1.7*var(--size-figure));line-height:1.05;
-font-weight:780;white-space:nowrap}
-.v-count small{font-size:var(--size-lead);font-weight:600;color:var(--soft)}
-.v-count span{font-size:var(--size-note);color:var(--soft)}
-.v-remark{font-size:var(--size-lead);line-height:1.3;color:var(--info);margin-top:10px}
-.v-order{font-size:var(--size-text);line-height:1.55}
-.v-order div{padding:1px 8px;border-left:4px solid transparent;color:var(--soft)}
-.v-order .v-now{border-left-color:var(--info);color:var(--text);font-weight:700}
-.v-times{border-collapse:collapse;width:100%;font-size:var(--size-figure);margin:var(--gap-m) 0}
-.v-times td,.v-times th{padding:6px var(--gap-l);border-bottom:1px solid var(--line);
-text-align:right;font-weight:650;white-space:nowrap}
-.v-times th{color:var(--soft);font-size:var(--size-lead);font-weight:600;white-space:normal}
-.v-times td:first-child,.v-times th:first-child{text-align:left}
-.v-path{font-size:var(--size-lead);color:var(--soft);overflow-wrap:anywhere}
-.v-swatch{display:inline-block;width:1em;height:.75em;border-radius:2px;margin:0 .35em 0 .1em}
-</style>"""
-
 
 def side_html(moment: TrialMoment | None, note: str = "") -> str:
     """The left column: participant, help, pose, time; and a remark."""
@@ -62,7 +31,7 @@ def side_html(moment: TrialMoment | None, note: str = "") -> str:
         what = say.ALL_DONE
     rows = "".join(_order_row(moment, number) for number in range(1, helps + 1))
     return (
-        f"{SHEET}<div class='v-progress'><div class='v-who'>{escape(moment.participant)}</div>"
+        f"<div class='v-progress'><div class='v-participant'>{escape(moment.participant)}</div>"
         f"<div class='v-what'>{escape(what)}</div>{_counters(moment)}"
         f"<h3>{say.ORDER_TITLE}</h3><div class='v-order'>{rows}</div>"
         f"<div class='v-remark'>{escape(note)}</div></div>"
@@ -86,7 +55,7 @@ def _order_row(moment: TrialMoment, number: int) -> str:
     now = moment.stage != "over" and number == moment.place
     done = moment.stage == "over" or number < moment.place
     mark = "✓ " if done else f"{number} "
-    return f"<div class='{'v-now' if now else ''}'>{mark}{say.HELP_NAMES[help_]}</div>"
+    return f"<div class='{'v-current' if now else ''}'>{mark}{say.HELP_NAMES[help_]}</div>"
 
 
 def clock(seconds: float) -> str:
@@ -114,7 +83,7 @@ def card_html(moment: TrialMoment | None, theme: Theme, *, seen: bool) -> str:
 
 def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
     return (
-        f"{SHEET}<div class='v-wide'><div class='v-guide v-card' style='--step:{colour}'>"
+        f"<div class='v-wide'><div class='v-guide v-card' style='--step:{colour}'>"
         f"<span class='v-badge'>{badge}</span><div><b>{escape(headline)}</b>"
         f"<span class='v-say'>{escape(sentence)}</span></div></div></div>"
     )
@@ -143,7 +112,7 @@ def result_html(moment: TrialMoment, theme: Theme) -> str:
     rows = "".join(_time_row(times, theme) for times in moment.times)
     written = escape(say.WRITTEN.format(path=moment.written))
     return (
-        f"{SHEET}<div class='v-wide'><div class='v-progress'><table class='v-times'>{head}{rows}"
+        f"<div class='v-wide'><div class='v-progress'><table class='v-times'>{head}{rows}"
         f"</table><div class='v-path'>{written}</div></div></div>"
     )
 

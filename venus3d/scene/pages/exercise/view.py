@@ -21,7 +21,6 @@ from venus3d.scene.pages.exercise.board_drag import BoardDrag
 from venus3d.scene.pages.exercise.choices import ChoicePanel
 from venus3d.scene.pages.exercise.keys import practice_commands
 from venus3d.scene.pages.exercise.panel import (
-    SHEET,
     bars_html,
     card_html,
     clock_html,
@@ -168,7 +167,6 @@ class PracticePage:
         self._left = gui.add_panel()
         with self._left.add_tab(say.TITLE, viser.Icon.TARGET_ARROW):
             self._dressing.add()
-            gui.add_html(SHEET)
             self._card = gui.add_html("")
             self._bars = gui.add_html("")
             self._clock = gui.add_html("")
@@ -182,7 +180,6 @@ class PracticePage:
         gui.main_panel.dock_right()
         gui.set_panel_label(say.PICTURE_TITLE)
         self._dressing.add()
-        gui.add_html(SHEET)
         self._first_card = gui.add_html("", visible=False)
         blank = np.full((270, 480, 3), 128, np.uint8)
         self._picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)

@@ -41,7 +41,8 @@ def diagnoses_html(snapshot: Snapshot | None) -> str:
     more = len(snapshot.diagnoses) - SHOWN
     rest = say.DIAGNOSES_MORE.format(count=more) if more > 0 else ""
     rest = f"<div class='v-more'>{rest}</div>" if rest else ""
-    return f"<div class='v-progress v-diagnoses'><h3>{say.DIAGNOSES_TITLE}</h3>{items}{rest}</div>"
+    title = f"<h3>{say.DIAGNOSES_TITLE}</h3>"
+    return f"<div class='v-progress' data-panel='diagnoses'>{title}{items}{rest}</div>"
 
 
 def another_board(snapshot: Snapshot) -> Diagnosis | None:

@@ -40,13 +40,7 @@ from venus3d.scene.web.windows import fit_width
 LEFT_WIDTH, _RIGHT_WIDTH = 480, 510
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
 JPEG_QUALITY = 75
-_MARKS = (
-    "",
-    "[data-dock-leaf]:has(.v-guide)",
-    "[data-dock-leaf]:has(.v-grid)",
-    "div:has(>canvas)",
-    "[data-dock-leaf]:has(.v-guide)",
-)
+_MARKS = ("", "guidance", "pictures", "scene", "guidance")
 """What each step of the tour frames."""
 TOUR_KEY = "tour-guide"
 

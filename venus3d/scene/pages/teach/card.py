@@ -15,33 +15,11 @@ from venus3d.scene.render.amounts import degrees
 from venus3d.scene.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web.theme import Theme
 
-SHEET = """<style>
-.v-wide{container-type:inline-size}
-.v-now{border-left:6px solid var(--step);padding:2px 0 2px 12px;margin:4px 0 2px;min-height:104px;
-display:flex;flex-direction:column;gap:5px}
-.v-now .v-top{display:flex;align-items:baseline;gap:10px}
-.v-now .v-top b{font-size:clamp(17px,4.3cqw,30px);font-weight:750;line-height:1.1;flex:1}
-.v-now .v-top i{font-style:normal;font-size:clamp(20px,5.4cqw,36px);line-height:1;font-weight:800;
-color:var(--step);white-space:nowrap}
-.v-now .v-top small{font-size:14px;font-weight:600;color:var(--soft);margin-left:6px}
-.v-now p{margin:0;font-size:clamp(16px,3.9cqw,27px);line-height:1.2;font-weight:550}
-.v-now .v-who{font-size:13px;color:var(--soft);line-height:1.25}
-.v-four{display:grid;grid-template-columns:repeat(4,1fr);gap:5px;margin-top:6px}
-.v-four div{border:2px solid var(--line);border-radius:7px;background:var(--tile);padding:3px 4px;
-font-size:12px;line-height:1.2;display:flex;align-items:center;gap:3px;white-space:nowrap}
-@container (max-width:430px){.v-four span{display:none}}
-.v-four div.v-on{border-color:var(--step)}
-.v-four b{flex:none;width:1.5em;height:1.5em;border-radius:50%;background:var(--step);
-color:var(--ink);display:grid;place-items:center;font-size:13px}
-.v-four i{font-style:normal;font-weight:700;margin-left:auto;white-space:nowrap}
-.v-head2{font-size:13px;font-weight:700;color:var(--soft);margin:2px 0 0}
-</style>"""
-
 
 def card_html(moment: TeachMoment, state: TeachState, theme: Theme) -> str:
     """Headline, amount, sentence and the four steps in one row."""
     body = _comparison(moment, state, theme) if state.compares else _steps(moment, state, theme)
-    return f"{SHEET}<div class='v-progress v-wide'>{body}</div>"
+    return f"<div class='v-progress v-wide'>{body}</div>"
 
 
 def _steps(moment: TeachMoment, state: TeachState, theme: Theme) -> str:

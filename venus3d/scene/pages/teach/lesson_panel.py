@@ -74,7 +74,7 @@ class LessonPanel:
     def show(self, moment: TeachMoment, state: TeachState, theme: Theme) -> None:
         """Put one moment into the column; what is the same is not touched."""
         self._show_lesson(state)
-        self._put(self._question, question_html(state, theme))
+        self._put(self._question, question_html(state))
         self._show_answers(state)
         self._put(self._why, why_html(moment, state))
         page = state.current_page

@@ -18,7 +18,6 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.intents import DropView, Intent
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.ghosts import ghost_shapes, misfit_end_px, view_of
-from venus3d.scene.pages.guide.uncertainty.look import SHEET
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.uncertainty.topics import (
     TOPICS,
@@ -153,7 +152,6 @@ class KnowledgePanel:
     # -- the tab ---------------------------------------------------------------------------------
 
     def _make(self, gui: viser.GuiApi) -> None:
-        gui.add_html(SHEET)
         self._window = ViewWindow()
         self._topics = gui.add_button_group(
             texts.TOPICS_LABEL, _topic_labels("error"), hint=texts.TOPICS_HINT
@@ -235,7 +233,7 @@ class KnowledgePanel:
         if not html:
             return
         drop = partial(self._leave_out, number) if len(snapshot.views) > 1 else None
-        self._window.open(client, number, self._theme.sheet + SHEET + html, drop)
+        self._window.open(client, number, self._theme.sheet + html, drop)
 
     # -- what people do; on viser's threads ------------------------------------------------------
 
@@ -290,7 +288,7 @@ def _legend(snapshot: Snapshot, state: KnowledgeState, theme: Theme) -> str:
     if state.watching:
         dots = texts.SEARCH_LEGEND_DARK if theme.dark else texts.SEARCH_LEGEND_LIGHT
         told += f"<h3>{dots}</h3>"
-    return f"<div class='v-progress v-known'>{told}</div>" if told else ""
+    return f"<div class='v-progress' data-panel='uncertainty'>{told}</div>" if told else ""
 
 
 def _topic_labels(shown: Topic) -> tuple[str, ...]:

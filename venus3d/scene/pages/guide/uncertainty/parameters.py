@@ -16,7 +16,6 @@ from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.prompts import PARAMETER_WORDS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.uncertainty import texts
-from venus3d.scene.pages.guide.uncertainty.look import SHEET
 
 _IN_PIXELS = 4
 """The first four parameters are in pixels, the others have no unit."""
@@ -31,7 +30,7 @@ def parameters_html(snapshot: Snapshot | None) -> str:
     rows = "".join(_row(snapshot, index) for index in range(len(PARAMETERS)))
     hint = f"<div class='v-more'>{escape(texts.PARAMETERS_HINT)}</div>"
     title = f"<h3 title='{escape(texts.SIGMA_HINT)}'>{escape(texts.PARAMETERS_TITLE)}</h3>"
-    return f"{SHEET}<div class='v-progress'>{title}{rows}{hint}</div>"
+    return f"<div class='v-progress'>{title}{rows}{hint}</div>"
 
 
 def value_text(value: float, sigma: float, index: int) -> str:

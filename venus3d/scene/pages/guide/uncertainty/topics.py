@@ -79,12 +79,12 @@ def map_html(shown: Map) -> str:
     title = f"<h3>{escape(shown.title)}</h3>"
     sentence = f"<div class='v-line'>{escape(shown.sentence)}</div>"
     if shown.picture is None:
-        return f"<div class='v-progress v-known'>{title}{sentence}</div>"
+        return f"<div class='v-progress' data-panel='uncertainty'>{title}{sentence}</div>"
     alt = escape(texts.PICTURE_ALT.format(title=shown.title))
     image = f"<img alt='{alt}' src='{encoded(shown.picture)}'>"
     legend = scale_html(shown.ticks, shown.unit) if shown.ticks else ""
     return (
-        f"<div class='v-progress v-known'>{title}<div class='v-map'>{image}"
+        f"<div class='v-progress' data-panel='uncertainty'>{title}<div class='v-map'>{image}"
         f"{_figures(shown)}</div>{legend}{sentence}</div>"
     )
 
@@ -199,6 +199,6 @@ def _figures(shown: Map) -> str:
     spots = ((0, 0, "tl"), (0, columns, "tr"), (rows // 2, columns // 2, "mid"))
     spots = (*spots, (rows, 0, "bl"), (rows, columns, "br"))
     return "".join(
-        f"<b class='v-{place}'>{figure(float(shown.figures[row, column]))}</b>"
+        f"<b data-at='{place}'>{figure(float(shown.figures[row, column]))}</b>"
         for row, column, place in spots
     )

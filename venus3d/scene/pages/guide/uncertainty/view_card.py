@@ -124,4 +124,6 @@ def _what_if(snapshot: Snapshot, calibration: Calibration, left: Influence | Non
     )
     head = f"<tr><th></th><th>{texts.WITHOUT_NOW}</th><th>{texts.WITHOUT_THEN}</th></tr>"
     said = escape(verdict(known.uncertainty_px, left.uncertainty_px))
-    return f"{title}<table class='v-what'>{head}{rows}</table><div class='v-verdict'>{said}</div>"
+    return (
+        f"{title}<table class='v-without'>{head}{rows}</table><div class='v-verdict'>{said}</div>"
+    )

@@ -27,10 +27,11 @@ from venus3d.scene.pages.teach.pose_words import fit_html, lens_html, sigma_html
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TeachMoment
 from venus3d.scene.render.maps import distortion_magnification, distortion_picture, largest_shift_px
-from venus3d.scene.render.palette import ground, hex_of, mixed, step_style, text_on
+from venus3d.scene.render.palette import hex_of, step_style, text_on
 from venus3d.scene.render.projections import Picture
-from venus3d.scene.web.lesson_text import LESSON_TEXT_SHEET, lesson_text_html
+from venus3d.scene.web.lesson_text import lesson_text_html
 from venus3d.scene.web.projections_panel import encoded
+from venus3d.scene.web.theme import Theme, style_sheet
 
 _LENS_WIDTH = 640
 _PLAYER_BAR_PX = 32
@@ -59,9 +60,10 @@ def document(
         for number, (page, content) in enumerate(zip(lesson.pages, contents, strict=True))
     )
     recordings = [content.recording for content in contents]
-    sheet = _SHEET.replace("ASPECT", f"{ASPECT}").replace("BAR", f"{_PLAYER_BAR_PX}")
+    places = f":root{{--aspect:{ASPECT};--player-bar:{_PLAYER_BAR_PX}px}}"
     given = _GIVEN.replace("DARK", json.dumps(dark))
     script = _SCRIPT.replace("GIVEN", json.dumps(given))
+    script = script.replace("STYLE", json.dumps(style_sheet("player")))
     players = player_scripts(player)
     policy = _policy((script, given, *players) if players else None)
     return (
@@ -69,9 +71,9 @@ def document(
         f"<meta http-equiv='Content-Security-Policy' content=\"{policy}\">"
         "<meta name='viewport' content='width=device-width,initial-scale=1'>"
         f"<title>{escape(lesson.title)}</title>"
-        f"<style>{_root(dark)}{sheet}{LESSON_TEXT_SHEET}</style></head><body>"
+        f"<style>{Theme(dark).variables}{style_sheet('style')}{style_sheet('document')}{places}</style></head><body>"
         f"<header><h1>{escape(lesson.title)}</h1><p>{escape(lesson.summary)}</p></header>"
-        f"<main><div class='words'>{pages}</div><section class='scene'>"
+        f"<main><div>{pages}</div><section class='scene'>"
         f"<h3>{texts.SCENE_TITLE}</h3><iframe id='scene' title='{texts.SCENE_TITLE}'></iframe>"
         f"<p class='hint'>{texts.SCENE_HINT}</p><noscript>{texts.NO_SCRIPT}</noscript></section>"
         f"</main><footer>{texts.MADE_WITH}</footer>"
@@ -170,54 +172,6 @@ def _question(question: Question | None) -> str:
     )
 
 
-def _root(dark: bool) -> str:
-    colours = ground(dark)
-    line = hex_of(mixed(colours.background, colours.text, 0.2))
-    tile = hex_of(mixed(colours.background, colours.text, 0.05))
-    return (
-        f":root{{--bg:{hex_of(colours.background)};--text:{hex_of(colours.text)};"
-        f"--soft:{hex_of(colours.quiet_text)};--info:{hex_of(colours.warning)};"
-        f"--line:{line};--tile:{tile}}}"
-    )
-
-
-_SHEET = """
-*{box-sizing:border-box}[hidden]{display:none!important}
-body{margin:0;background:var(--bg);color:var(--text);font:17px/1.45 Inter,"Segoe UI",Roboto,
-"Helvetica Neue",Arial,sans-serif;min-height:100vh;display:flex;flex-direction:column;
-overflow-wrap:break-word}
-header{padding:14px 24px 4px}header h1{margin:0;font-size:28px;line-height:1.2}
-header p{margin:2px 0 0;color:var(--soft)}
-main{flex:1;display:grid;grid-template-columns:minmax(380px,5fr) 7fr;gap:24px;padding:10px 24px}
-h2{font-size:24px;line-height:1.2;margin:12px 0 6px}h3{font-size:15px;color:var(--soft);
-margin:14px 0 6px}p{margin:0 0 10px}
-nav{display:flex;align-items:center;justify-content:space-between;gap:12px;color:var(--soft)}
-button{font:inherit;color:var(--text);background:var(--tile);border:1px solid var(--soft);
-border-radius:7px;padding:5px 14px;cursor:pointer}button:disabled{opacity:.45;cursor:default}
-button:focus-visible{outline:3px solid var(--info)}
-.lens{width:100%;display:block;border-radius:8px}small,.v-legend{color:var(--soft)}
-.v-legend{font-size:14px;margin-top:4px}
-.question{border-left:4px solid var(--info);padding:0 0 4px 14px}
-.question button{display:block;width:100%;text-align:left;margin:0 0 6px}
-.steps{display:grid;grid-template-columns:1fr 1fr;gap:10px}
-figure{margin:0;border:2px solid var(--step);border-radius:8px;overflow:hidden;
-background:var(--tile);display:flex;flex-direction:column}
-figcaption{flex:1;display:flex;gap:9px;font-size:14px;line-height:1.3;padding:7px 9px}
-figcaption b{flex:none;width:28px;height:28px;border-radius:50%;background:var(--step);
-color:var(--on);display:grid;place-items:center}figcaption strong{font-size:15px}
-figcaption small{font-size:13px}
-figure img{width:100%;display:block}
-.scene{position:sticky;top:10px;align-self:start;container-type:inline-size}
-.scene h3{margin-top:0}
-iframe{display:block;width:100%;
-height:clamp(260px,calc(100vh - 190px),calc(100cqw/ASPECT + BARpx));
-border:1px solid var(--line);border-radius:8px;background:var(--tile)}
-.hint,footer{color:var(--soft);font-size:14px}.hint{margin:6px 0 0}
-footer{padding:4px 24px 12px}
-@media(max-width:900px){main{grid-template-columns:1fr;padding:8px 14px}
-header{padding:12px 14px 2px}
-.scene{position:static;order:-1}.steps{grid-template-columns:1fr}}
-"""
 # The player reads its recording from a global when it starts, so each page gets a fresh frame.
 _GIVEN = (
     "window.__VISER_EMBED_DATA__=parent.recording;window.__VISER_EMBED_CONFIG__={darkMode:DARK};"
@@ -232,9 +186,7 @@ function show(page) {
   shown = page;
   pages.forEach((element, i) => { element.hidden = i !== page; });
   window.recording = recordings[page];
-  const given = '<script>' + GIVEN + '<' + '/script><style>' +
-    // Orange is only that no graphics card helps. Errors are red and stay.
-    '.mantine-Notification-root[style*="orange"]{display:none}</style>';
+  const given = '<script>' + GIVEN + '<' + '/script><style>' + STYLE + '</style>';
   const at = player.indexOf('</head>');
   frame.srcdoc = player.slice(0, at) + given + player.slice(at);
   document.querySelectorAll('button[data-go]').forEach(button => {
