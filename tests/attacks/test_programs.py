@@ -217,8 +217,8 @@ def test_forged_messages_change_nothing(program: Program) -> None:
         for camera in CAMERAS:
             tab.look(**camera)
         for raw in BYTES:
-            tab._socket.send(raw)  # pyright: ignore[reportPrivateUsage]
-        tab._socket.send("a text")  # pyright: ignore[reportPrivateUsage]
+            tab.send_raw(raw)
+        tab.send_raw("a text")
         tab.look(position=(0.0, 0.0, -1.0))
         assert program.goes_on()
         time.sleep(1.0)  # what is raised in a thread of ours comes a moment later
@@ -233,7 +233,7 @@ def read_all(tab: RawClient) -> None:
 
 def test_a_large_message_ends_that_connection_only(program: Program) -> None:
     with RawClient(program.port) as tab, pytest.raises(ConnectionClosed):
-        tab._socket.send(b"x" * 20_000_000)  # pyright: ignore[reportPrivateUsage]
+        tab.send_raw(b"x" * 20_000_000)
         read_large(tab)
     assert program.goes_on()
 

@@ -48,7 +48,11 @@ class RawClient:
         self._socket.close()
 
     def send(self, message: dict[str, Any]) -> None:
-        self._socket.send(msgspec.msgpack.encode(message))
+        self.send_raw(msgspec.msgpack.encode(message))
+
+    def send_raw(self, said: bytes | str) -> None:
+        """Send what need not be a message."""
+        self._socket.send(said)
 
     def window(self, timeout: float | None = None) -> list[dict[str, Any]]:
         """The next messages that come together; raises `TimeoutError`."""

@@ -8,11 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from viser import transforms as viser_tf
 
 from venus3d.engine.errors import PoseError
 from venus3d.engine.geometry.pose import Pose, interpolate, rotations_of, turn
-
-viser_tf = pytest.importorskip("viser.transforms")
 
 ANGLE = st.floats(-180, 180)
 NEAR_LOCK = st.one_of(

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import time
 from contextlib import suppress
+from functools import partial
 from typing import Any
+
+import pytest
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.uncertainty import panel, texts
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.render.offscreen import Offscreen
@@ -33,19 +37,25 @@ def test_the_map_comes_by_itself(guided: Snapshot) -> None:
     assert 0 <= board_in(came) < place_of(MAP, came)
 
 
-def test_a_replayed_search_ends_although_nothing_comes(guided: Snapshot) -> None:
+def test_a_replayed_search_ends_although_nothing_comes(
+    guided: Snapshot, monkeypatch: pytest.MonkeyPatch
+) -> None:
     now = [100.0]
-    viewer = Viewer("127.0.0.1", free_port())
+    monkeypatch.setattr(panel, "SearchReplay", partial(SearchReplay, clock=lambda: now[0]))
+    viewer, came = Viewer("127.0.0.1", free_port()), list[dict[str, Any]]()
     try:
         known = viewer.view.uncertainty
         assert known is not None and guided.search_trace is not None
-        known._replay = SearchReplay(clock=lambda: now[0])  # pyright: ignore[reportPrivateUsage]
-        known._toggle_watching()  # pyright: ignore[reportPrivateUsage]
-        viewer.show(guided)
+        next(command for command in known.commands if command.label == texts.WATCH).do()
+        with RawClient(viewer.port) as tab:
+            tab.look()
+            viewer.show(guided)
+            # Until nothing else is to be drawn either: the map is on the page.
+            while place_of(MAP, came) < 0:
+                came += tab.window(timeout=20)
         wait_until(lambda: is_searching(viewer))
-        # Nothing else is to be drawn either: the map is on the page.
-        wait_until(lambda: MAP in known._map.content)  # pyright: ignore[reportPrivateUsage]
         time.sleep(0.1)
+        assert is_searching(viewer)
         now[0] += 1000
         wait_until(lambda: not is_searching(viewer))
     finally:

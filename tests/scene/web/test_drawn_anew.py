@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -204,7 +205,7 @@ def test_a_page_that_is_closed_while_it_is_drawn_anew_leaves_no_server(
 
     def slow(*given: Any) -> Any:
         closing.start()
-        wait_until(viewer._threads.stop.is_set)  # pyright: ignore[reportPrivateUsage]
+        viewer.wait(30)  # until it is being closed
         return real(*given)
 
     monkeypatch.setattr(base, "serve_anew", slow)
@@ -257,7 +258,9 @@ def test_pictures_of_steps_that_fail_leave_the_page_alone(
 ) -> None:
     class Broken(Projections):
         def of_step(self, *args: Any, **options: Any) -> Any:
-            return painter._thread.submit(lambda: 1 / 0)  # pyright: ignore[reportPrivateUsage]
+            failed = Future[Any]()
+            failed.set_exception(ZeroDivisionError())
+            return failed
 
     viewer = Viewer(port=free_port(), projections=Broken(painter))
     try:
@@ -287,7 +290,6 @@ def test_a_teaching_page_that_breaks_is_drawn_anew(
         wait_until(lambda: fault.raised == 1)
         page_of(teach.port, common.DRAWN_ANEW, "/target/board", "GuiImageMessage")
         assert teach.state.vector[1] == 20.0
-        assert not teach._threads.stop.is_set()  # pyright: ignore[reportPrivateUsage]
     finally:
         teach.close()
 
