@@ -77,12 +77,28 @@ def test_a_row_shows_what_makes_sense_and_goes_with_its_last_button(server: Loca
     assert row.visible
 
 
+def test_labels_that_nobody_shares_stay_as_they_are(server: LocalServer) -> None:
+    row, widget, _ = row_of(server)
+    row.show({"a": "One", "b": "Two"})
+    assert widget.options == ("One", "Two")
+    row.show({"a": "Two", "b": "One"})
+    assert [label.rstrip("\u200b") for label in widget.options] == ["Two", "One"]
+    assert set(widget.options).isdisjoint(("One", "Two"))
+
+
 def test_a_list_tells_what_a_person_chose_only(server: LocalServer) -> None:
     chosen: list[int] = []
-    choices = ChoiceList(server.gui, "d", {1: "One", 2: "Same", 3: "Same"}, chosen.append, chosen=2)
+    labels = {1: "One", 2: "Same", 3: "Same"}
+    choices = ChoiceList(server.gui, "d", labels, chosen.append, chosen=2)
     widget = widgets(server)[-1]
     assert choices.chosen == 2
-    choices.chosen = 3
+    choices.show(labels, 3)
     assert choices.chosen == 3 and not chosen
     choose(widget, widget.options[0])
     assert chosen == [1] and choices.chosen == 1
+    choices.show(labels, 3)
+    assert choices.chosen == 1, "shown before: what was picked is on its way"
+    choices.show(labels, 3, again=True)
+    assert choices.chosen == 3
+    choices.show({1: "Uno", 3: "Tres"}, 1)
+    assert choices.chosen == 1 and widget.options == ("Uno", "Tres")

@@ -3,8 +3,8 @@
     ButtonRow(gui, "Step", {"back": "Back P", "on": "Next N"}, lambda action, tab: ..., hint="...")
 
 viser tells a click by the label of what was clicked. So that labels can be translated, changed
-while a click is on its way, and be equal to each other, each label gets an invisible ending that is
-its own, and what comes back is looked up.
+while a click is on its way, and be equal to each other, a label that another action has or had gets
+an invisible ending, and what comes back is looked up.
 """
 
 from __future__ import annotations
@@ -21,14 +21,13 @@ _INVISIBLE = "\u200b"  # a zero-width space
 class _Labels(Generic[Action]):
     """The labels as viser gets them, and which action each has stood for."""
 
-    def __init__(self, actions: Mapping[Action, str]) -> None:
-        self._endings = {action: _INVISIBLE * index for index, action in enumerate(actions)}
+    def __init__(self) -> None:
         self._actions: dict[str, Action] = {}
 
     def label(self, action: Action, text: str) -> str:
-        label = text.rstrip(_INVISIBLE) + self._endings[action]
-        self._actions[label] = action
-        return label
+        while self._actions.setdefault(text, action) != action:
+            text += _INVISIBLE
+        return text
 
     def labels(self, shown: Mapping[Action, str]) -> tuple[str, ...]:
         return tuple(self.label(action, text) for action, text in shown.items())
@@ -57,7 +56,7 @@ class ButtonRow(Generic[Action]):
             on_press: called on viser's threads with the action and the tab it was pressed in.
             hint: what the row is for.
         """
-        self._labels = _Labels(labels)
+        self._labels: _Labels[Action] = _Labels()
         self._group: Any = gui.add_button_group(title, self._labels.labels(labels), hint=hint)
 
         def clicked(event: Any) -> None:
@@ -96,19 +95,24 @@ class ChoiceList(Generic[Action]):
         *,
         chosen: Action | None = None,
         hint: str | None = None,
+        visible: bool = True,
     ) -> None:
         """Make the list.
 
         Args:
             labels: what stands for each entry, in order.
-            on_choice: called on viser's threads when a person has chosen, not when `chosen` is set.
+            on_choice: called on viser's threads when a person has chosen, not at `show`.
             chosen: the entry chosen at first; by default the first.
         """
-        self._labels, self._texts = _Labels(labels), dict(labels)
-        options = self._labels.labels(labels)
+        self._labels: _Labels[Action] = _Labels()
+        self._shown: tuple[tuple[str, ...], str] = (self._labels.labels(labels), "")
         first = next(iter(labels)) if chosen is None else chosen
         self._list: Any = gui.add_dropdown(
-            title, options, initial_value=self._labels.label(first, self._texts[first]), hint=hint
+            title,
+            self._shown[0],
+            initial_value=self._labels.label(first, labels[first]),
+            hint=hint,
+            visible=visible,
         )
 
         def updated(event: Any) -> None:
@@ -123,8 +127,25 @@ class ChoiceList(Generic[Action]):
         """The entry that is chosen."""
         return self._labels.action(self._list.value)
 
-    @chosen.setter
-    def chosen(self, entry: Action) -> None:
-        label = self._labels.label(entry, self._texts[entry])
-        if self._list.value != label:
-            self._list.value = label
+    @property
+    def visible(self) -> bool:
+        """Whether the list is shown."""
+        return bool(self._list.visible)
+
+    @visible.setter
+    def visible(self, on: bool) -> None:
+        self._list.visible = on
+
+    def show(self, labels: Mapping[Action, str], chosen: Action, *, again: bool = False) -> None:
+        """Show these entries, and this one as chosen, unless that is what was shown last.
+
+        What a person has just picked is in the list before `on_choice` hears of it, and is not put
+        back by showing the same again; `again` does put it back.
+        """
+        options, value = self._labels.labels(labels), self._labels.label(chosen, labels[chosen])
+        if (options, value) != self._shown or again:
+            if options != self._list.options:
+                self._list.options = options
+            if value != self._list.value:
+                self._list.value = value
+            self._shown = (options, value)

@@ -70,10 +70,12 @@ class Page(ABC, Generic[State]):
         return self._state
 
     def change(self, change: Callable[[State], State]) -> State:
-        """Show something else; the new state."""
+        """Show something else; the new state. Nothing is drawn for the very same state."""
         with self._lock:
-            self._state, self._changed = change(self._state), True
-            self._lock.notify_all()
+            before, self._state = self._state, change(self._state)
+            if self._state is not before:
+                self._changed = True
+                self._lock.notify_all()
             return self._state
 
     def wake(self) -> None:

@@ -94,9 +94,10 @@ class TrialGuide:
             case intents.SkipTarget():
                 self._session.give_up()
             case intents.DragBoard(pose) if isinstance(source, Simulation):
+                source.autopilot_on = False
                 source.move_to(pose)
-            case intents.Autopilot(on) if isinstance(source, Simulation):
-                source.autopilot_on = on
+            case intents.Toggle("autopilot") if isinstance(source, Simulation):
+                source.autopilot_on = self._viewer.state.autopilot
             case _:
                 pass
 

@@ -32,7 +32,7 @@ from venus3d.scene.pages.exercise.trial_panel import (
 )
 from venus3d.scene.pages.exercise.trial_view_model import HELPS, Help, TrialMoment, TrialSnapshot
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
-from venus3d.scene.pages.guide.intents import Begin
+from venus3d.scene.pages.guide.intents import Begin, Intent, SkipTarget, Toggle
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.view import JPEG_QUALITY, LEFT_WIDTH, GuideView
 from venus3d.scene.pages.guide.viewer import Viewer
@@ -61,9 +61,7 @@ class TrialViewer(Viewer):
 
     def _make_view(self, *, dark: bool, simulated: bool, tour: bool) -> GuideView:
         # Nobody is shown around in front of a clock.
-        return TrialPage(
-            self.server, self._act, self._ask, dark=dark, simulated=simulated, tour=False
-        )
+        return TrialPage(self.server, self._ask, dark=dark, simulated=simulated, tour=False)
 
     def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is not None and layout_of(snapshot) != "steps":
@@ -211,27 +209,22 @@ class TrialPage(GuideView):
                 visible=False,
                 hint=say.GIVE_UP_HINT,
             )
-            self._give_up.on_click(lambda _: self._act("skip"))
+            self._give_up.on_click(lambda _: self._ask(SkipTarget()))
         panel.dock_left()
         panel.set_width(_SIDE_WIDTH)
 
     def _make_commands(self, tour: bool) -> None:
-        commands = [
-            Command(
-                say.START_COMMAND[0], "space", say.START_COMMAND[1], lambda: self._ask(Begin())
-            ),
-            Command(say.GIVE_UP_COMMAND[0], "K", say.GIVE_UP_COMMAND[1], lambda: self._act("skip")),
-            Command(say.THEME_COMMAND[0], "B", say.THEME_COMMAND[1], lambda: self._act("theme")),
+        asks: list[tuple[tuple[str, str], str, Intent]] = [
+            (say.START_COMMAND, "space", Begin()),
+            (say.GIVE_UP_COMMAND, "K", SkipTarget()),
+            (say.THEME_COMMAND, "B", Toggle("dark")),
         ]
         if self._simulated:
-            commands.append(
-                Command(
-                    say.AUTOPILOT_COMMAND[0],
-                    "O",
-                    say.AUTOPILOT_COMMAND[1],
-                    lambda: self._act("autopilot"),
-                )
-            )
+            asks.append((say.AUTOPILOT_COMMAND, "O", Toggle("autopilot")))
+        commands = [
+            Command(texts[0], key, texts[1], lambda intent=intent: self._ask(intent))
+            for texts, key, intent in asks
+        ]
         add_commands(self._server, commands)
         self.help = HelpOverlay(self._server, commands)
 

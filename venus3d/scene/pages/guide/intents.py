@@ -1,8 +1,13 @@
-"""What a person asks for in the browser. The viewer queues these, the guidance loop obeys them."""
+"""What a person asks for in the browser, by button, key or command.
+
+The page's state follows each of them (`ViewState.after`), then they are queued for the guidance
+loop, which obeys those that are the session's or the source's.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.method import Cost, Method
@@ -55,11 +60,23 @@ class Finish:
     """End the calibration and keep what is known."""
 
 
-@dataclass(frozen=True)
-class Pause:
-    """Stop taking frames, or go on."""
+Option = Literal["playing", "follow", "strip", "dark", "paused", "autopilot"]
+"""What can be switched, as in `ViewState`."""
 
-    on: bool
+
+@dataclass(frozen=True)
+class Toggle:
+    """Switch an option on or off; `Viewer.state` says which it is then."""
+
+    option: Option
+
+
+@dataclass(frozen=True)
+class TurnStep:
+    """Look at another step."""
+
+    by: int
+    """1: the next one, -1: the one before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +85,6 @@ class DragBoard:
 
     pose: Pose
     """`T_camera_board`."""
-
-
-@dataclass(frozen=True)
-class Autopilot:
-    """Let the simulated hand move the board by itself, or not."""
-
-    on: bool
 
 
 @dataclass(frozen=True)
@@ -90,8 +100,8 @@ Intent = (
     | ChangeMethod
     | ChooseAlternative
     | Finish
-    | Pause
+    | Toggle
+    | TurnStep
     | DragBoard
-    | Autopilot
     | Begin
 )

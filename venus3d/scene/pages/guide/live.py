@@ -166,14 +166,15 @@ class LiveGuide:
                     self._viewer.say(str(error))
             case intents.Finish():
                 session.finish()
-            case intents.Pause(on):
-                self._stream.pause(on)
+            case intents.Toggle("paused"):
+                self._stream.pause(self._viewer.state.paused)
                 if self._audience is not None:
-                    self._audience.pause(on)
+                    self._audience.pause(self._viewer.state.paused)
+            case intents.Toggle("autopilot") if isinstance(source, Simulation):
+                source.autopilot_on = self._viewer.state.autopilot
             case intents.DragBoard(pose) if isinstance(source, Simulation):
+                source.autopilot_on = False
                 source.move_to(pose)
-            case intents.Autopilot(on) if isinstance(source, Simulation):
-                source.autopilot_on = on
             case _:
                 pass
 

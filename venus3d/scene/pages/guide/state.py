@@ -5,6 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide.intents import (
+    ChooseAlternative,
+    DragBoard,
+    Intent,
+    Toggle,
+    TurnStep,
+)
 
 SECONDS_PER_STEP = 1.2
 """How long the animation spends on one step."""
@@ -54,7 +61,25 @@ class ViewState:
             return replace(self, playing=True, step=1, sweep=0.0)
         return replace(self, playing=False, sweep=1.0)
 
-    def after(self, seconds: float) -> ViewState:
+    def after(self, intent: Intent) -> ViewState:
+        """What is shown once that was asked for."""
+        match intent:
+            case TurnStep(by):
+                return self.turned_to(self.step + by)
+            case Toggle("playing"):
+                return self.play(not self.playing)
+            case Toggle("follow"):
+                return self.following(not self.follow)
+            case Toggle(option):
+                return replace(self, **{option: not getattr(self, option)})
+            case ChooseAlternative():
+                return self.following(True)  # from step 1 of another pose
+            case DragBoard() if self.autopilot:
+                return replace(self, autopilot=False)
+            case _:
+                return self
+
+    def later(self, seconds: float) -> ViewState:
         """The animation, `seconds` later; it goes round and round."""
         if not self.playing:
             return self

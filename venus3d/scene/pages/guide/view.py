@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.alternatives_panel import AlternativesPanel
-from venus3d.scene.pages.guide.control_panel import Action, ControlPanel
+from venus3d.scene.pages.guide.control_panel import ControlPanel
 from venus3d.scene.pages.guide.diagnosis_panel import diagnoses_html
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import Intent
@@ -46,7 +46,7 @@ TOUR_KEY = "tour-guide"
 
 
 class GuideView:
-    """All panels of one server. `act` and `ask` are called on viser's threads."""
+    """All panels of one server. `ask` is called on viser's threads."""
 
     uncertainty: KnowledgePanel | None = None
     """What is known, in a tab and in the scene; None where nobody asks."""
@@ -54,7 +54,6 @@ class GuideView:
     def __init__(
         self,
         server: viser.ViserServer,
-        act: Callable[[Action], None],
         ask: Callable[[Intent], None],
         *,
         dark: bool,
@@ -64,7 +63,7 @@ class GuideView:
         """Lay everything out; with `tour`, a browser that is new here is shown around."""
         self._server, self._gui = server, server.gui
         self._dressing = Dressing(server.gui)
-        self._act, self._ask, self._simulated = act, ask, simulated
+        self._ask, self._simulated = ask, simulated
         theme = Theme(dark)
         self._make_guidance()
         self._make_left(theme)
@@ -143,7 +142,7 @@ class GuideView:
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
         self._legend = gui.add_html(PICTURE_LEGEND_HTML)
         self.projections = ProjectionsPanel(gui)
-        self.controls = ControlPanel(gui, self._act, simulated=self._simulated)
+        self.controls = ControlPanel(gui, self._ask, simulated=self._simulated)
         title, hint = say.ROWS["page"]
         labels = {name: say.BUTTONS[name][0] for name in ("help", "tour")}
         ButtonRow(gui, title, labels, self._asked_about_page, hint=hint)

@@ -10,13 +10,11 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import intents
-from venus3d.scene.pages.guide.control_panel import Action, after_action
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.view import GuideView
 from venus3d.scene.pages.guide.viewpoint import guide_view
@@ -137,9 +135,7 @@ class Viewer(Page[ViewState]):
     # -- what a subclass may show otherwise ------------------------------------------------------
 
     def _make_view(self, *, dark: bool, simulated: bool, tour: bool) -> GuideView:
-        return GuideView(
-            self.server, self._act, self._ask, dark=dark, simulated=simulated, tour=tour
-        )
+        return GuideView(self.server, self._ask, dark=dark, simulated=simulated, tour=tour)
 
     def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
         newest = self._pictures.newest
@@ -148,32 +144,12 @@ class Viewer(Page[ViewState]):
 
     # -- what people do; on viser's threads ------------------------------------------------------
 
-    def _act(self, action: Action) -> None:
-        plain: dict[str, intents.Intent] = {
-            "capture": intents.Capture(),
-            "skip": intents.SkipTarget(),
-            "undo": intents.UndoView(),
-            "finish": intents.Finish(),
-        }
-        if action in plain:
-            self._intents.put(plain[action])
-            return
-        state = self.change(lambda state: after_action(state, action))
-        if action == "pause":
-            self._intents.put(intents.Pause(state.paused))
-        elif action == "autopilot":
-            self._intents.put(intents.Autopilot(state.autopilot))
+    def _dragged(self, pose: Pose) -> None:
+        self._ask(intents.DragBoard(pose))
 
     def _ask(self, intent: intents.Intent) -> None:
-        if isinstance(intent, intents.ChooseAlternative):
-            self.change(lambda state: state.following(True))  # from step 1 of another pose
+        self.change(lambda state: state.after(intent))
         self._intents.put(intent)
-
-    def _dragged(self, pose: Pose) -> None:
-        if self._state.autopilot:
-            self.change(lambda state: replace(state, autopilot=False))
-            self._intents.put(intents.Autopilot(False))
-        self._intents.put(intents.DragBoard(pose))
 
     # -- drawing ---------------------------------------------------------------------------------
 
@@ -212,7 +188,7 @@ class Viewer(Page[ViewState]):
         snapshot = self._snapshot
 
         def advanced(state: ViewState) -> ViewState:
-            state = state.after(seconds)
+            state = state.later(seconds)
             return state if snapshot is None else state.seeing(snapshot)
 
         state, moves = self._advance(advanced), self._moves_now
