@@ -141,8 +141,7 @@ def guiding(paper_camera: Camera, default_board: Board) -> Snapshot:
     for distance in (0.45, 0.5, 0.55):
         look(Pose.from_vector([30, 5, 0, 0, 0, distance]))
     assert session.capture() or session.phase != "startup"
-    while (work := session.pending) is not None:
-        session.apply(work.run())
+    session.run_pending()
     target = session.snapshot().target
     assert target is not None
     steps = target.steps

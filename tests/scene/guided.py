@@ -30,6 +30,5 @@ def guided_session(camera: Camera, board: Board, settings: Settings) -> Snapshot
         seen = Observation(np.flatnonzero(inside), pixels[inside], camera.image_size)
         session.observe(seen)
         session.capture()
-        while (work := session.pending) is not None:
-            session.apply(work.run())
+        session.run_pending()
     return session.snapshot()

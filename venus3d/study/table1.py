@@ -147,7 +147,7 @@ def guide_through(
         session.observe(pool.observations[index])
         if not session.capture():
             continue  # no pose of the board in it under the present camera
-        _settle(session)
+        session.run_pending()
         snapshot = session.snapshot()
         wanted = None if snapshot.target is None else snapshot.target.pose
         if snapshot.calibration is not None:
@@ -202,15 +202,6 @@ def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
     if session.phase == "finished":
         return "enough views"
     return "no pose fits" if wanted is None and arm in _ASKING else "pool empty"
-
-
-def _settle(session: Session) -> None:
-    """Run what the session has to do; a view that cannot be used is dropped by it."""
-    while (work := session.pending) is not None:
-        try:
-            session.apply(work.run())
-        except CalibrationError as error:
-            session.fail(work, error)
 
 
 def rms_of_views_px(camera: Camera, pool: Pool, indices: Sequence[int]) -> float:

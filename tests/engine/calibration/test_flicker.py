@@ -29,8 +29,7 @@ def guided(paper_camera: Camera, default_board: Board) -> Session:
         pose = Pose.from_vector([30, 5, 0, 0, 0, distance])
         session.observe(seen(paper_camera, default_board, pose, noise))
     assert session.capture()
-    while (work := session.pending) is not None:
-        session.apply(work.run())
+    session.run_pending()
     return session
 
 

@@ -6,6 +6,7 @@ The observations are projections of the board by the paper's camera (checked aga
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -21,7 +22,7 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import ENOUGH, FINISHED
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.guidance.work import Settings
+from venus3d.engine.guidance.work import Outcome, Settings, Work
 from venus3d.engine.planning.costs import projection_diff_px
 
 NOISE_PX = float(np.sqrt(0.1))  # 4.1.2 of the paper: variance 0.1
@@ -397,6 +398,27 @@ def test_settings_that_do_not_go_together_are_told_at_once(
 ) -> None:
     with pytest.raises(VenusError, match="random does not search"):
         Rig(paper_camera, default_board, Settings(method="random", cost="trace"))
+
+
+def test_pending_work_that_cannot_be_done_drops_its_view_and_says_so(
+    paper_camera: Camera, default_board: Board, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig(paper_camera, default_board, Settings(auto_capture=False))
+    rig.session.observe(rig.look())
+    assert rig.session.capture() and rig.session.run_pending().views
+    assert rig.session.pending is None
+    rig.session.observe(rig.look())
+    assert rig.session.capture() and rig.session.pending is not None
+    calibrated = type(rig.session.pending).run
+
+    def run(work: Work, stop: Callable[[], bool] | None = None) -> Outcome:
+        if len(work.observations) > 1:
+            raise CalibrationError("No camera.")
+        return calibrated(work, stop)
+
+    monkeypatch.setattr(Work, "run", run)
+    snapshot = rig.session.run_pending()
+    assert len(snapshot.views) == 1 and "The last view was not kept" in " ".join(snapshot.warnings)
 
 
 def test_what_the_user_ended_stays_ended(paper_camera: Camera, default_board: Board) -> None:

@@ -165,8 +165,7 @@ def session_after(
     for seen in observations:
         session.observe(seen)
         session.capture()
-        while (work := session.pending) is not None:
-            session.apply(work.run())
+        session.run_pending()
     return session.snapshot()
 
 

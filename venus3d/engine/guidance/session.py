@@ -4,12 +4,13 @@
                                                                              `-----> finished
 
 Live and replayed sessions run the same code. What takes time (calibrating, searching) is handed
-out as a frozen `Work` in `pending`; whoever drives the session runs it, on any thread or on the
-spot, and gives the result back with `apply`. Meanwhile observations go on being taken in.
+out as a frozen `Work` in `pending`. `run_pending` does it on the spot; to go on observing
+meanwhile, run it on any thread and give the outcome back with `apply`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -214,6 +215,19 @@ class Session:
             self._forget_new_view(number)
             if not self._go_on():
                 self._warnings = (lost,)
+        return self.snapshot()
+
+    def run_pending(self, stop: Callable[[], bool] | None = None) -> Snapshot:
+        """Do the `pending` work on the spot, until there is none; takes up to some seconds.
+
+        `stop` ends a search early, with the best pose so far. A view that cannot be used is
+        dropped, and the snapshot's warnings say why.
+        """
+        while (work := self.pending) is not None:
+            try:
+                self.apply(work.run(stop))
+            except CalibrationError as error:
+                self.fail(work, error)
         return self.snapshot()
 
     # -- what is known ---------------------------------------------------------------------------

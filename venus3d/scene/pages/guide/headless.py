@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from venus3d.engine.errors import CalibrationError, SourceError
+from venus3d.engine.errors import SourceError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.sources.board_tracker import BoardTracker
@@ -36,8 +36,7 @@ def run_headless(
                 break
             session.observe(tracker.track(frame))
             if session.pending is not None:
-                work_out(session)
-                keep(session.snapshot())
+                keep(session.run_pending())
             if isinstance(source, Simulation):
                 snapshot = session.snapshot()
                 source.follow(snapshot.target, snapshot.pose)
@@ -45,19 +44,9 @@ def run_headless(
                 views = len(snapshot.views)
     except KeyboardInterrupt:
         # What was captured until then is a result, too.
-        work_out(session, stop=lambda: True)
+        session.run_pending(stop=lambda: True)
     except SourceError as error:
         if session.snapshot().calibration is None:
             raise
         return f"The source broke: {error}"
     return ""
-
-
-def work_out(session: Session, stop: Callable[[], bool] | None = None) -> None:
-    """Run the session's pending work on the spot, until there is none."""
-    while session.pending is not None:
-        work = session.pending
-        try:
-            session.apply(work.run(stop))
-        except CalibrationError as error:
-            session.fail(work, error)

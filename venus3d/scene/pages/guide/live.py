@@ -20,7 +20,6 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.guide import intents
-from venus3d.scene.pages.guide.headless import work_out
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame, Source
@@ -72,8 +71,7 @@ class LiveGuide:
 
     def _concluded(self) -> Snapshot:
         # A view that was captured a moment ago counts; there is no next pose to search.
-        work_out(self._session, stop=lambda: True)
-        snapshot = self._session.snapshot()
+        snapshot = self._session.run_pending(stop=lambda: True)
         self._keep(snapshot)
         return snapshot
 
