@@ -13,7 +13,7 @@ from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.planning.costs import projection_uncertainty_px
-from venus3d.sources.opening import open_source
+from venus3d.sources.open_source import open_source
 
 
 def main(folder: str, *board_arguments: str) -> None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from venus3d.engine.errors import SourceError
 from venus3d.sources import live
 from venus3d.sources.live import Live
-from venus3d.sources.opening import open_source
+from venus3d.sources.open_source import open_source
 
 
 class ScriptedCapture:

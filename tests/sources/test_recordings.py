@@ -13,7 +13,7 @@ from venus3d.engine.errors import SourceError
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame
 from venus3d.sources.live import Live
-from venus3d.sources.opening import open_source
+from venus3d.sources.open_source import open_source
 from venus3d.sources.video import Video
 
 

@@ -1,4 +1,4 @@
-"""The out-of-focus room behind the simulated board: calm, but not one plain colour."""
+"""The out-of-focus interior behind the simulated board: calm, but not one plain colour."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def room(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.uint8]:
+def interior(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.uint8]:
     """BGR (H, W, 3) picture of a wall, a window, a shelf and a table, for an image of `size`."""
     width, height = 320, max(2, round(320 * size[1] / size[0]))
     across, down = np.meshgrid(np.linspace(0, 1, width), np.linspace(0, 1, height))

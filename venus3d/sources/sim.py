@@ -1,6 +1,6 @@
 """A simulated camera that looks at a simulated board: everything about it is known.
 
-The board is rendered through the true lens, then gets a room behind it, a dull light, blur and
+The board is rendered through the true lens, then gets a background, a dull light, blur and
 noise. Two hands can hold it: an autopilot that walks the four steps, and the user who drags it.
 The renderer is `scene.offscreen`, the hand's motion `autopilot`.
 """
@@ -24,12 +24,12 @@ from venus3d.engine.planning.target import Target
 from venus3d.scene.render.board_mesh import board_shape
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.sources.autopilot import Autopilot
-from venus3d.sources.background import room
+from venus3d.sources.background import interior
 from venus3d.sources.frame import Frame
 
 NEAREST, FARTHEST = 0.06, 3.0
 """How near to the lens's plane a corner, and how far the board's centre, may be moved; metres."""
-# A colour that no board has: what shines through it is the room (see `_cut_out`).
+# A colour that no board has: what shines through it is the background (see `_cut_out`).
 _KEY = (255, 0, 255)
 _NOISE_STRIDE = 64
 # A picture that has waited so long to be handed out is not shown any more.
@@ -76,12 +76,12 @@ class Simulation:
         Args:
             camera: the truth.
             board: what is held; the default board if None.
-            seed: for room, noise and autopilot.
+            seed: for background, noise and autopilot.
             fps: frames per simulated second.
             realtime: frames come at `fps` by the clock on the wall, instead of at once.
             noise_sigma: of a pixel, in grey values.
             blur_sigma: of the picture, pixels.
-            background: BGR picture behind the board, of the camera's size; a room if None.
+            background: BGR picture behind the board, of the camera's size; an interior if None.
             light: how bright white paper is, 0 ... 1.
             autopilot: whether the simulated hand holds the board from the start.
             speed, tremor, overshoot: of the simulated hand (see `Autopilot`).
@@ -93,9 +93,11 @@ class Simulation:
         self.autopilot_on = autopilot
         self._realtime, self._fps = realtime, fps
         self._noise_sigma, self._blur_sigma, self._light = noise_sigma, blur_sigma, light
-        room_rng, self._rng, hand_rng = np.random.default_rng(seed).spawn(3)
+        background_rng, self._rng, hand_rng = np.random.default_rng(seed).spawn(3)
         self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot)
-        self._background = room(camera.image_size, room_rng) if background is None else background
+        if background is None:
+            background = interior(camera.image_size, background_rng)
+        self._background = background
         self._empty = self._blurred(self._background)
         self._reach = 1 + math.ceil(4 * blur_sigma)
         self._noise = _noise_sheet(camera, noise_sigma, self._rng)
@@ -208,8 +210,8 @@ class Simulation:
         facing = float(np.clip(pose.R[:, 2] @ np.array([0.0, 0.45, 0.89]), 0.0, 1.0))
         light = self._light * (0.75 + 0.25 * facing)
         green, through = _cut_out(rendered)
-        # Only the board's part of the picture is made anew, with the room around it that the blur
-        # mixes in: a board that fills a quarter of the picture costs a quarter.
+        # Only the board's part of the picture is made anew, with the background that the blur mixes
+        # in: a board that fills a quarter of the picture costs a quarter.
         x, y, width, height = cv2.boundingRect(cv2.bitwise_not(through))
         inner = _grown((x, y, x + width, y + height), self._reach, self.image_size)
         left, top, right, bottom = _grown(inner, self._reach, self.image_size)
@@ -245,7 +247,7 @@ def _before_the_lens(pose: Pose, board: Board) -> Pose:
 
 
 def _cut_out(rendered: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """The board's grey times its coverage, and how much of the room is seen past it.
+    """The board's grey times its coverage, and how much of the background is seen past it.
 
     The board is grey, so red minus green is what the key (255, 0, 255) shows of itself, edges
     included: one rendering gives an exact cut-out.

@@ -16,8 +16,8 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.sources.observing import observe_recording
-from venus3d.sources.opening import open_source
+from venus3d.sources.open_source import open_source
+from venus3d.sources.recording import observe_recording
 
 Image = NDArray[np.uint8]
 PIXELS = 1280 * 720

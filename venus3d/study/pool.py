@@ -23,7 +23,7 @@ from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.sources.observing import observe_recording
+from venus3d.sources.recording import observe_recording
 from venus3d.sources.sim import Simulation
 
 FEWEST_TRAINING, FEWEST_TEST = 6, 4

@@ -30,7 +30,7 @@ from venus3d.scene.render.projections import Projections
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
-from venus3d.sources.opening import open_source
+from venus3d.sources.open_source import open_source
 from venus3d.sources.sim import Simulation
 from venus3d.threads.latency import limit_gl_threads
 

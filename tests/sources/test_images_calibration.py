@@ -1,0 +1,73 @@
+"""One call from pictures to a camera: the public `calibrate`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.engine.board_pictures import picture_of
+from venus3d.engine.errors import CalibrationError, SourceError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.sources.images_calibration import calibrate_images, calibrate_recording
+
+VECTORS = (
+    [35, 0, 0, 0, 0, 0.5],
+    [0, 35, 5, -0.1, 0.05, 0.45],
+    [-30, -20, 0, 0.1, 0, 0.5],
+    [20, -30, 9, 0, -0.05, 0.4],
+)
+
+
+@pytest.fixture(scope="module")
+def pictures(paper_camera: Camera, default_board: Board) -> list[NDArray[np.uint8]]:
+    """Of a board in the old layout, which nobody says."""
+    printed = replace(default_board, legacy=True)
+    return [picture_of(printed, paper_camera, Pose.from_vector(v)) for v in VECTORS]
+
+
+def test_a_folder_a_pattern_files_and_arrays(
+    tmp_path: Path,
+    pictures: list[NDArray[np.uint8]],
+    paper_camera: Camera,
+    default_board: Board,
+) -> None:
+    files = [tmp_path / f"{number}.png" for number in range(len(pictures))]
+    for file, picture in zip(files, pictures, strict=True):
+        cv2.imwrite(str(file), picture)
+    of_folder = calibrate_images(tmp_path, default_board)
+    assert of_folder.camera.fx == pytest.approx(paper_camera.fx, rel=0.01)
+    assert of_folder.board == replace(default_board, legacy=True)
+    assert [view.observation.name for view in of_folder.views] == [f.name for f in files]
+    assert all(view.observation.board == of_folder.board for view in of_folder.views)
+    for images in (f"{tmp_path}/*.png", files, [str(file) for file in files], pictures):
+        again = calibrate_images(images, default_board).camera
+        np.testing.assert_allclose(again.parameters, of_folder.camera.parameters, rtol=1e-5)
+
+
+def test_what_is_to_be_known_of_the_pictures(
+    pictures: list[NDArray[np.uint8]], default_board: Board
+) -> None:
+    empty = np.full((720, 1280), 90, np.uint8)
+    found = calibrate_recording([*pictures, empty], default_board)
+    assert found.warnings == ("The board was not found in image 5.",)
+    assert "wrong-layout" in [diagnosis.kind for diagnosis in found.diagnoses]
+
+
+def test_pictures_that_make_no_calibration(
+    pictures: list[NDArray[np.uint8]], default_board: Board
+) -> None:
+    with pytest.raises(SourceError, match="give at least one"):
+        calibrate_images([], default_board)
+    with pytest.raises(SourceError, match="all files or all arrays"):
+        calibrate_images([pictures[0], "a.png"], default_board)  # type: ignore[list-item]
+    with pytest.raises(CalibrationError, match="Only 2 pictures show the board"):
+        calibrate_images(pictures[:2], replace(default_board, legacy=True))
+    with pytest.raises(CalibrationError, match="differ in size"):
+        calibrate_images([*pictures, pictures[0][:-10]], default_board)

@@ -1,0 +1,43 @@
+"""Pictures that are in memory already, as a source."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.errors import SourceError
+from venus3d.sources.frame import Frame
+
+
+class Arrays:
+    """Arrays (H, W) grey or (H, W, 3) BGR, one after the other; `Frame.time_s` counts them.
+
+    Raises `SourceError` for an empty list.
+    """
+
+    is_live = False
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, images: Sequence[NDArray[np.uint8]]) -> None:
+        if not len(images):
+            raise SourceError("There are no images to read; give at least one.")
+        self._images = images
+        self._next = 0
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """(width, height) of the first image."""
+        return (self._images[0].shape[1], self._images[0].shape[0])
+
+    def read(self) -> Frame | None:
+        """The next image; None after the last."""
+        if self._next >= len(self._images):
+            return None
+        self._next += 1
+        return Frame(self._images[self._next - 1], self._next - 1.0, f"image {self._next}")
+
+    def close(self) -> None:
+        """Nothing is held open; reading ends."""
+        self._next = len(self._images)

@@ -1,0 +1,116 @@
+"""A calibration from pictures or a video that exist already, without guidance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.checks import diagnose
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.calibration.view_selection import choose_informative
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.sources.recording import Images, Recording, observe_recording
+
+FEWEST_VIEWS = 3
+"""Two views determine nine parameters on paper only; three can contradict each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImagesCalibration:
+    """A calibration with what a person should know of the pictures it was made from."""
+
+    calibration: Calibration
+    warnings: tuple[str, ...]
+    diagnoses: tuple[Diagnosis, ...]
+    """Of the board and of the set of views, worst first."""
+
+
+def calibrate_images(
+    images: Images, board: Board, *, max_frames: int = 40, every: int | None = None
+) -> Calibration:
+    """Find the board in pictures or in a video, and calibrate the camera that took them.
+
+    Args:
+        images: a folder, a pattern such as "shots/*.png", a video; or a list of image files, or
+            one of arrays (H, W) grey or (H, W, 3) BGR, 8 or 16 bit. One size, one camera.
+        board: as it was printed. That it is printed in the other layout, or white on black, is
+            found out: `Calibration.board` is the board as it was read.
+        max_frames: of a video, the most frames to take: those that say most, no near-duplicates.
+        every: of a video, take every n-th frame that shows the board instead.
+
+    Returns:
+        The calibration of all pictures that show the board. See `diagnose` for what may be wrong
+        with it.
+
+    Raises:
+        SourceError: images that cannot be read.
+        CalibrationError: fewer than three pictures show the board, or they do not determine the
+            camera.
+    """
+    return calibrate_recording(images, board, max_frames=max_frames, every=every).calibration
+
+
+def calibrate_recording(
+    images: Images,
+    board: Board,
+    *,
+    max_frames: int = 40,
+    every: int | None = None,
+    on_progress: Callable[[str], None] = lambda _: None,
+) -> ImagesCalibration:
+    """`calibrate_images`, with warnings and diagnoses; `on_progress` is called with sentences."""
+    detector = Detector(board)
+    recording = observe_recording(
+        images, detector, lambda count: on_progress(f"{count} frames looked at ...")
+    )
+    seen = [o for o in recording.observations if o.count]
+    warnings = [*recording.notes, *detector.notes]
+    if recording.is_video:
+        chosen = (
+            choose_informative(detector.board, seen, limit=max_frames)
+            if every is None
+            else range(0, len(seen), every)
+        )
+        on_progress(
+            f"Of {len(recording.observations)} frames {len(seen)} show the board; {len(chosen)} "
+            "are taken."
+        )
+        seen = [seen[index] for index in chosen]
+    else:
+        missed = [o.name for o in recording.observations if not o.count]
+        if missed and seen:
+            warnings.append(f"The board was not found in {_listed(missed)}.")
+    diagnoses = _board_diagnoses(detector, recording)
+    _check_count(seen, diagnoses)
+    calibration = calibrate(detector.board, seen)
+    found = worst_first(dict.fromkeys((*diagnoses, *diagnose(calibration))))
+    return ImagesCalibration(calibration, tuple(warnings), found)
+
+
+def _board_diagnoses(detector: Detector, recording: Recording) -> tuple[Diagnosis, ...]:
+    # Where most pictures lack the board, they may show another one.
+    if 2 * sum(o.count > 0 for o in recording.observations) < len(recording.observations):
+        return (*detector.explain(), *detector.diagnoses)
+    return detector.diagnoses
+
+
+def _check_count(seen: Sequence[Observation], diagnoses: Sequence[Diagnosis]) -> None:
+    if len(seen) < FEWEST_VIEWS and diagnoses:
+        raise CalibrationError(str(diagnoses[0]))
+    if 0 < len(seen) < FEWEST_VIEWS:
+        pictures = "picture shows" if len(seen) == 1 else "pictures show"
+        raise CalibrationError(
+            f"Only {len(seen)} {pictures} the board, and a calibration needs at least "
+            f"{FEWEST_VIEWS}, better 10 with the board tilted in different directions."
+        )
+
+
+def _listed(names: Sequence[str]) -> str:
+    if len(names) > 5:
+        return f"{', '.join(names[:4])} and {len(names) - 4} more"
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
