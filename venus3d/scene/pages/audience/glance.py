@@ -64,7 +64,7 @@ def sheet(look: AudienceChoices, aspect: float = _SCREEN) -> str:
     mirror."""
     wide, tall = picture_share(aspect)
     place = (
-        f":root{{--aspect:{aspect:.4f};--wide-screen:{100 * wide:.2f}vw;"
+        f":root{{--aspect:{aspect:.6f};--wide-screen:{100 * wide:.2f}vw;"
         f"--tall-screen:{100 * tall:.2f}vh}}"
     )
     mirrored = "<div class='v-mirrored'></div>" if look.mirror else ""
