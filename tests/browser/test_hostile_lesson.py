@@ -92,24 +92,27 @@ class Watched:
         assert self.wrong == []
 
 
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    file = tmp_path / "hostile.toml"
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("lesson") / "hostile.toml"
     file.write_text(_LESSON, "utf-8")
     return file
 
 
-@pytest.fixture
-def export(
-    chromium: Any, file: Path, paper_camera: Camera, default_board: Board
-) -> Iterator[Watched]:
-    """The hostile lesson as a web page, opened from the disk."""
+@pytest.fixture(scope="module")
+def exported_page(file: Path, paper_camera: Camera, default_board: Board) -> Path:
     with Offscreen("painter") as offscreen:
         study = PoseStudy(paper_camera, default_board)
         (content,) = exported(read_lesson(file), "html", study, offscreen)
     page = file.with_suffix(".html")
     page.write_bytes(content)
-    watched = Watched(chromium, page.as_uri())
+    return page
+
+
+@pytest.fixture
+def export(chromium: Any, exported_page: Path) -> Iterator[Watched]:
+    """The hostile lesson as a web page, opened from the disk."""
+    watched = Watched(chromium, exported_page.as_uri())
     watched.tab.query_selector("#scene").content_frame().wait_for_selector("canvas")
     yield watched
     watched.tab.close()

@@ -54,26 +54,32 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
     page.goto(simulated.url)
     wait_for_views(page, 1)  # the autopilot has walked the first four steps by itself
     page.keyboard.press("o")  # takes its hand off the board, which stays in sight
-    page.wait_for_timeout(1500)
+    page.wait_for_timeout(1500)  # it may have had the board in its place just then
+    page.wait_for_selector(".v-title:has-text('Step')", timeout=_PATIENCE_MS)
     before = views_on(page)
     page.keyboard.press("c")
-    wait_for_views(page, before + 1)
+    page.wait_for_function(
+        r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) > n",
+        arg=before,
+        timeout=_PATIENCE_MS,
+    )
+    taken = views_on(page)
 
     page.reload()
-    wait_for_views(page, before + 1)
+    wait_for_views(page, taken)
     second = chromium.new_page(viewport={"width": 1280, "height": 720})
     second.goto(simulated.url)
-    wait_for_views(second, before + 1)
+    wait_for_views(second, taken)
 
     second.keyboard.press("u")
-    wait_for_views(page, before)
+    wait_for_views(page, taken - 1)
     second.close()
     page.close()
 
     out, err = simulated.end()
     assert simulated.process.returncode in (0, 130) and "Traceback" not in err, err
     result = json.loads((tmp_path / "result.json").read_text())
-    assert result["views"] == before and f" in {before} view" in out
+    assert result["views"] == taken - 1 and f" in {taken - 1} view" in out
     saved = cv2.FileStorage(str(tmp_path / "camera.yaml"), cv2.FILE_STORAGE_READ)
     matrix = saved.getNode("camera_matrix").mat()
     assert matrix[0, 0] == pytest.approx(result["intrinsics"]["fx"])

@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from PIL import Image
 
 from tests.cli.conftest import Ran
 from tests.ports import free_port
+from tests.scene.raw_client import RawClient
 from venus3d import __version__
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.sources.frame import Frame
@@ -186,7 +186,8 @@ def test_interrupt_without_a_screen_keeps_what_was_captured(
 @pytest.mark.slow
 def test_ctrl_c_with_the_viewer_is_no_error(tmp_path: Path) -> None:
     """Stopped before anything was captured. (With views: `browser/test_program.py`.)"""
-    arguments = ["guide", "sim", "--port", str(free_port()), "--output", str(tmp_path)]
+    port = free_port()
+    arguments = ["guide", "sim", "--port", str(port), "--output", str(tmp_path)]
     with subprocess.Popen(
         [sys.executable, "-m", "venus3d", *arguments],
         stdout=subprocess.PIPE,
@@ -196,7 +197,9 @@ def test_ctrl_c_with_the_viewer_is_no_error(tmp_path: Path) -> None:
     ) as program:
         assert program.stdout is not None
         assert "http://" in program.stdout.readline()
-        time.sleep(1)
+        with RawClient(port) as tab:
+            tab.look()
+            tab.backlog()
         program.send_signal(signal.SIGINT)
         out, err = program.communicate(timeout=60)
     assert program.returncode in (0, 130) and "Traceback" not in err, err

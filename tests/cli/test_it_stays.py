@@ -15,6 +15,7 @@ import pytest
 from tests.cli.conftest import Ran
 from tests.cli.programs import PATIENCE_S, OnATerminal, Program, kept, wait_until_there
 from tests.ports import free_port
+from tests.scene.raw_client import RawClient
 from venus3d.storage.camera_yaml import read_camera_yaml
 
 pytestmark = pytest.mark.slow
@@ -218,8 +219,11 @@ def test_a_session_without_a_view_leaves_the_earlier_result(start: Start, tmp_pa
     (folder / "camera.yaml").write_text("earlier")
     # Nobody moves the board, and nothing is captured by itself.
     program = start("guide", "sim", "--no-auto-capture")
-    program.wait_for("http://")
-    time.sleep(1)
+    port = int(program.wait_for(r"http://\S+:(\d+)")[1])
+    with RawClient(port) as tab:
+        tab.look()
+        while "/board/live" not in str(tab.window(timeout=60)):
+            pass
     program.send(signal.SIGTERM)
     code, out, err = program.ended()
     assert code == 0 and "No view was captured" in out, err
