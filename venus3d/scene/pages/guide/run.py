@@ -21,9 +21,9 @@ from venus3d.scene.pages.audience.controls import AudienceControls
 from venus3d.scene.pages.audience.run import open_audience, said_of
 from venus3d.scene.pages.exercise.trial_run import TrialResult, run_trial
 from venus3d.scene.pages.guide.headless import run_headless
-from venus3d.scene.pages.guide.keeper import Keeper
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.guide.result_saver import ResultSaver
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
@@ -82,7 +82,7 @@ def run_guide(
             return keep(result(snapshot))
 
         if options.headless:
-            keeper = rooms.enter_context(closing(Keeper(kept)))
+            keeper = rooms.enter_context(closing(ResultSaver(kept)))
             broken = run_headless(session, source, tracker, keeper.put)
             return result(session.snapshot(), (broken,) if broken else ())
         # First: its port was promised to somebody, while the viewer may take another.
@@ -117,7 +117,7 @@ def run_guide(
         def again() -> Source:
             return _opened(options, board)
 
-        keeper = rooms.enter_context(closing(Keeper(kept, viewer.saved, viewer.say)))
+        keeper = rooms.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.say)))
         live = LiveGuide(session, source, tracker, viewer, keeper.put, again, audience)
         return result(live.run(), viewer.notes)
 

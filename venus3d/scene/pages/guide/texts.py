@@ -59,7 +59,6 @@ BUTTONS: dict[str, tuple[str, ...]] = {
     "tour": ("Tour",),
 }
 """What stands on a button; where there are two, the second while it is on."""
-SWITCHED_ON = "✓ {label}"
 COMMANDS: dict[str, tuple[str, str]] = {
     "capture": ("Capture this view", "Take the picture as it is now"),
     "skip": ("Skip this target", "Ask for another pose"),

@@ -8,7 +8,7 @@ right   live picture, the four steps as the camera sees them, controls, how pose
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import viser
@@ -25,12 +25,11 @@ from venus3d.scene.pages.guide.method_panel import MethodPanel
 from venus3d.scene.pages.guide.parameters_panel import ParametersPanel
 from venus3d.scene.pages.guide.progress_panel import progress_html
 from venus3d.scene.pages.guide.state import ViewState
-from venus3d.scene.pages.guide.uncertainty.panel import KnowledgePanel
-from venus3d.scene.pages.guide.uncertainty.texts import TAB as KNOWN_TAB
 from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.dressing import Dressing
 from venus3d.scene.web.help import HelpOverlay, add_commands
+from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
@@ -48,22 +47,25 @@ TOUR_KEY = "tour-guide"
 class GuideView:
     """All panels of one server. `ask` is called on viser's threads."""
 
-    uncertainty: KnowledgePanel | None = None
-    """What is known, in a tab and in the scene; None where nobody asks."""
-
     def __init__(
         self,
         server: viser.ViserServer,
         ask: Callable[[Intent], None],
+        layers: Sequence[Layer] = (),
         *,
         dark: bool,
         simulated: bool,
         tour: bool,
     ) -> None:
-        """Lay everything out; with `tour`, a browser that is new here is shown around."""
+        """Lay everything out, each layer in a tab of its own.
+
+        Args:
+            simulated: whether a simulated hand can have the board.
+            tour: show a browser that is new here around.
+        """
         self._server, self._gui = server, server.gui
         self._dressing = Dressing(server.gui)
-        self._ask, self._simulated = ask, simulated
+        self._ask, self._layers, self._simulated = ask, layers, simulated
         theme = Theme(dark)
         self._make_guidance()
         self._make_left(theme)
@@ -128,9 +130,10 @@ class GuideView:
         with panel.add_tab(say.PARAMETERS_TAB, viser.Icon.CAMERA_COG):
             self._dressing.add()
             self.parameters = ParametersPanel(gui, theme)
-        with panel.add_tab(KNOWN_TAB, viser.Icon.MAP_2):
-            self._dressing.add()
-            self.uncertainty = KnowledgePanel(gui, self._ask)
+        for layer in self._layers:
+            with panel.add_tab(layer.title, layer.icon):
+                self._dressing.add()
+                layer.lay_out(gui)
         panel.dock_below(self.guidance_panel)
 
     def _make_right(self) -> None:
@@ -149,8 +152,8 @@ class GuideView:
         self.method = MethodPanel(gui, self._ask)
 
     def _make_commands(self, tour: bool) -> None:
-        panels = (self.controls, self.alternatives, self.uncertainty, self.method)
-        commands = tuple(command for panel in panels if panel for command in panel.commands)
+        panels = (self.controls, self.alternatives, *self._layers, self.method)
+        commands = tuple(command for panel in panels for command in panel.commands)
         add_commands(self._server, commands)
         steps = [TourStep(*texts, marks) for texts, marks in zip(say.TOUR, _MARKS, strict=True)]
         self.tour = Tour(self._server, TOUR_KEY, steps, at_first=tour)

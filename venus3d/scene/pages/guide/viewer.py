@@ -16,6 +16,7 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
 from venus3d.scene.pages.guide.view import GuideView
 from venus3d.scene.pages.guide.viewpoint import guide_view
 from venus3d.scene.render.annotated_picture import (
@@ -30,6 +31,7 @@ from venus3d.scene.render.shapes import Shape
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.page import Page
 from venus3d.scene.web.picture_feed import PictureFeed, SeenPicture
 from venus3d.scene.web.projections_panel import Picture, Tiles
@@ -78,6 +80,7 @@ class Viewer(Page[ViewState]):
         self._projections, self._tiles = projections, Tiles()
         self._additions: list[Addition] = []
         self._draggable, self._tour = draggable_board, tour
+        self.layers = self._make_layers()
         self._pictures = PictureFeed(self._draw_picture)
         self._open(picture=self._pictures.loop)
 
@@ -100,8 +103,8 @@ class Viewer(Page[ViewState]):
 
     def keep_view(self, number: int, image: LivePicture) -> None:
         """Keep the picture (BGR or grey) of the captured view of this number, to be looked at."""
-        if self.view.uncertainty is not None:
-            self.view.uncertainty.keep(number, image)
+        for layer in self.layers:
+            layer.keep_picture(number, image)
 
     def say(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
         """Show a sentence for some seconds."""
@@ -135,7 +138,12 @@ class Viewer(Page[ViewState]):
     # -- what a subclass may show otherwise ------------------------------------------------------
 
     def _make_view(self, *, dark: bool, simulated: bool, tour: bool) -> GuideView:
-        return GuideView(self.server, self._ask, dark=dark, simulated=simulated, tour=tour)
+        return GuideView(
+            self.server, self._ask, self.layers, dark=dark, simulated=simulated, tour=tour
+        )
+
+    def _make_layers(self) -> tuple[Layer, ...]:
+        return (UncertaintyPanel(lambda number: self._ask(intents.DropView(number)), self.wake),)
 
     def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
         newest = self._pictures.newest
@@ -154,17 +162,13 @@ class Viewer(Page[ViewState]):
     # -- drawing ---------------------------------------------------------------------------------
 
     def _lay_out(self, server: LocalServer) -> None:
-        before: GuideView | None = getattr(self, "view", None)
         self._scene = SceneView(server)
         self._rig = CameraRig(server, wake=self.nudge, tolerance=0.15)
         self._looking_at, view_at_first = guide_view((), 0)
         self._rig.go(view_at_first, at_once=True)
-        view = self._make_view(dark=self._state.dark, simulated=self._draggable, tour=self._tour)
-        if view.uncertainty is not None:
-            view.uncertainty.on_change = self.wake
-            if before is not None and before.uncertainty is not None:
-                view.uncertainty.go_on_from(before.uncertainty)
-        self.view = view
+        self.view = self._make_view(
+            dark=self._state.dark, simulated=self._draggable, tour=self._tour
+        )
         self._gizmo = BoardGizmo(server, self._dragged) if self._draggable else None
         for addition in self._additions:
             self.view.help.explain(addition(server))
@@ -181,8 +185,7 @@ class Viewer(Page[ViewState]):
 
     @property
     def _moves_now(self) -> bool:
-        known = self.view.uncertainty
-        return self._state.playing or bool(known and known.is_moving)
+        return self._state.playing or any(layer.is_moving for layer in self.layers)
 
     def _draw(self, changed: bool, seconds: float) -> None:
         snapshot = self._snapshot
@@ -205,7 +208,7 @@ class Viewer(Page[ViewState]):
     def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is None or snapshot.target is None:
             self._tiles.forget()
-        tiles, known = self._tiles.shown(), self.view.uncertainty
+        tiles, theme = self._tiles.shown(), Theme(state.dark)
         drawn_by = "" if self._projections is None else self._projections.note
         with self.server.atomic():
             if snapshot is not None:
@@ -214,13 +217,15 @@ class Viewer(Page[ViewState]):
             self.view.show(snapshot, state, tiles, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
-            if known is not None and snapshot is not None:
-                known.show(snapshot, Theme(state.dark))
+            if snapshot is not None:
+                for layer in self.layers:
+                    layer.show(snapshot, theme)
         self.server.flush()
-        # Only now: the board that moved is to be seen before maps, and pictures of a new target.
-        if known is not None and snapshot is not None:
-            known.show_map(snapshot, Theme(state.dark))
-        self._order_steps(snapshot, state)
+        if snapshot is not None:
+            # Only now: the board that moved is to be seen before maps, and pictures of a target.
+            for layer in self.layers:
+                layer.show_late(snapshot, theme)
+            self._order_steps(snapshot, state)
 
     def _draw_scene(self, snapshot: Snapshot, state: ViewState) -> None:
         options = SceneOptions(
@@ -230,17 +235,19 @@ class Viewer(Page[ViewState]):
             sweep=state.sweep,
             show_live=not state.playing,
         )
-        shapes, known = describe(snapshot, options), self.view.uncertainty
-        with_known = shapes if known is None else known.put(snapshot, shapes, Theme(state.dark))
-        self._scene.draw(with_known, dark=state.dark)
+        shapes = with_layers = describe(snapshot, options)
+        for layer in self.layers:
+            with_layers = layer.put(snapshot, with_layers, Theme(state.dark))
+        self._scene.draw(with_layers, dark=state.dark)
         self._look(shapes, state)
-        if known is not None:
-            known.bind(self._scene)
+        for layer in self.layers:
+            layer.bind(self._scene)
 
     def _standing_note(self, snapshot: Snapshot) -> str:
         """What is said while nothing new is."""
-        if self.view.uncertainty is not None and self.view.uncertainty.caption:
-            return self.view.uncertainty.caption
+        caption = next((layer.caption for layer in self.layers if layer.caption), "")
+        if caption:
+            return caption
         if self._saved and snapshot.phase in ("converged", "finished"):
             return self._saved
         return snapshot.warnings[-1] if snapshot.warnings else ""
@@ -252,9 +259,9 @@ class Viewer(Page[ViewState]):
             self._looking_at = looking_at
             self._rig.go(view, at_once=True)
 
-    def _order_steps(self, snapshot: Snapshot | None, state: ViewState) -> None:
+    def _order_steps(self, snapshot: Snapshot, state: ViewState) -> None:
         """Have the target's four steps drawn as the camera sees them, if they are not yet."""
-        if snapshot is None or snapshot.target is None or self._projections is None:
+        if snapshot.target is None or self._projections is None:
             return
         target, key = snapshot.target, (id(snapshot.target), state.dark)
         if key != self._tiles.key:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.search_trace import SearchTrace
 from venus3d.scene.pages.guide.uncertainty import texts
-from venus3d.scene.pages.guide.uncertainty.replay import (
+from venus3d.scene.pages.guide.uncertainty.search_shapes import (
     REST_SECONDS,
     SECONDS,
     caption,

@@ -1,16 +1,19 @@
 """What the page says about how well the camera is known: maps, captured views, the search."""
 
+from typing import Literal
+
 TAB = "What is known"
-TOPICS = {
+MapKind = Literal["error", "after", "corners", "lens", "misfit"]
+MAPS: dict[MapKind, str] = {
     "error": "Now",
     "after": "Next",
     "corners": "Seen",
     "lens": "Lens",
     "misfit": "Misfit",
 }
-"""The maps' buttons, in order; their keys are those of the panel's topics."""
-TOPICS_LABEL = "Map"
-TOPICS_HINT = "Choose what is shown about the camera's picture. M goes through all five."
+"""What stands on the maps' buttons, in order."""
+MAPS_LABEL = "Map"
+MAPS_HINT = "Choose what is shown about the camera's picture. M goes through all five."
 NOTHING_YET = (
     "Nothing is known yet. After two views this shows where in the picture the camera can be "
     "trusted, and what each view gave."
@@ -85,8 +88,8 @@ CLOSE_VIEW = "Close (Esc)"
 CLOSE_VIEW_COMMAND = "Close the captured view"
 CLOSE_VIEW_HINT = "Back to the page. The view stays in."
 
-GHOSTS_LEGEND = "The views in the scene: their colour is their misfit. Click one to see it."
-GHOST_LABEL = "{number}"
+CAPTURED_VIEWS_LEGEND = "The views in the scene: their colour is their misfit. Click one to see it."
+CAPTURED_VIEW_LABEL = "{number}"
 
 SEARCH_TITLE = "The search for pose {number}"
 SEARCH_BATCH = "{looked} poses looked at, best so far: {best}"
@@ -105,14 +108,16 @@ SEARCH_AXES = ("turn about X", "turn about Y", "distance")
 SEARCH_LEGEND_DARK = "The search: a dot is a pose looked at; bright dots promise a small error."
 SEARCH_LEGEND_LIGHT = "The search: a dot is a pose looked at; dark dots promise a small error."
 
-NEXT_TOPIC = "Next map of what is known"
-NEXT_TOPIC_HINT = "Error now, error after the next pose, corners seen, lens, misfit"
+NEXT_MAP = "Next map of what is known"
+NEXT_MAP_HINT = "Error now, error after the next pose, corners seen, lens, misfit"
 TOGGLE_VIEWS = "Captured views in the scene"
 TOGGLE_VIEWS_HINT = "Show where the board was in each captured view, or hide it"
 NEXT_VIEW = "Look at the next captured view"
 NEXT_VIEW_HINT = "Its picture, its pose, what it gave, and what if it were left out"
-WATCH = "Watch the search"
-WATCH_HINT = "Replay slowly how the target was found, now and for each new target, or stop that"
+REPLAY_SEARCH = "Watch the search"
+REPLAY_SEARCH_HINT = (
+    "Replay slowly how the target was found, now and for each new target, or stop that"
+)
 
 NO_PARAMETERS = "After the first view the camera's nine numbers appear here."
 PARAMETERS_TITLE = "The camera's nine numbers, value ± one sigma"

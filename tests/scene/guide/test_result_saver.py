@@ -16,7 +16,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.phase import Phase
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.pages.guide.keeper import Keeper
+from venus3d.scene.pages.guide.result_saver import ResultSaver
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ class Disk:
 
 def test_every_calibration_is_written_once(guided: Snapshot) -> None:
     disk = Disk()
-    keeper = Keeper(disk.write)
+    keeper = ResultSaver(disk.write)
     views = [anew(guided) for _ in range(3)]
     for count, view in enumerate(views, start=1):
         for _ in range(5):  # a frame each
@@ -70,7 +70,7 @@ def test_every_calibration_is_written_once(guided: Snapshot) -> None:
 def test_nobody_waits_for_a_slow_disk_and_the_newest_wins(guided: Snapshot) -> None:
     disk = Disk()
     disk.free.clear()
-    keeper = Keeper(disk.write)
+    keeper = ResultSaver(disk.write)
     views = [anew(guided) for _ in range(6)]
     keeper.put(views[0])
     wait_until(lambda: disk.threads)
@@ -87,7 +87,7 @@ def test_nobody_waits_for_a_slow_disk_and_the_newest_wins(guided: Snapshot) -> N
 
 def test_the_place_is_said_when_it_is_over(guided: Snapshot) -> None:
     disk, said = Disk(), list[str]()
-    keeper = Keeper(disk.write, said.append)
+    keeper = ResultSaver(disk.write, said.append)
     view = anew(guided)
     keeper.put(view)
     disk.wait_for(1)
@@ -108,7 +108,7 @@ def test_what_fails_is_told_and_the_next_view_is_tried(
 ) -> None:
     disk, told = Disk(), list[str]()
     disk.error = error
-    keeper = Keeper(disk.write, failed=told.append)
+    keeper = ResultSaver(disk.write, failed=told.append)
     keeper.put(anew(guided))
     wait_until(lambda: told)
     why = ": The disk is full." if isinstance(error, StorageError) else "; the terminal tells why."
@@ -122,6 +122,6 @@ def test_what_fails_is_told_and_the_next_view_is_tried(
 
 def test_where_nothing_was_captured_there_is_no_thread() -> None:
     before = threading.active_count()
-    keeper = Keeper(Disk().write)
+    keeper = ResultSaver(Disk().write)
     assert threading.active_count() == before
     keeper.close()

@@ -28,7 +28,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.search_trace import SearchTrace
 from venus3d.scene.pages.guide.uncertainty import texts
-from venus3d.scene.pages.guide.uncertainty.topics import figure
+from venus3d.scene.pages.guide.uncertainty.maps import figure
 from venus3d.scene.pages.guide.viewpoint import steps_back
 from venus3d.scene.render.board_mesh import board_ghost, board_outline, outline_segments
 from venus3d.scene.render.colour_scale import colours_of

@@ -1,13 +1,12 @@
-"""The maps of what is known, a topic at a time: title, picture, figures on it, legend, a sentence.
+"""The maps of the camera's uncertainty, one at a time: title, picture, figures on it, legend.
 
-The pictures are drawn by `fields`; which topic is shown is the panel's.
+The pictures are drawn by `scene.render.maps`; which one is shown is the panel's.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from html import escape
-from typing import Literal
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.uncertainty import ProjectionUncertainty
 from venus3d.scene.pages.guide.uncertainty import texts
+from venus3d.scene.pages.guide.uncertainty.texts import MapKind
 from venus3d.scene.render.colour_scale import gradient_css, round_down, round_up
 from venus3d.scene.render.maps import (
     Picture,
@@ -29,15 +29,14 @@ from venus3d.scene.render.maps import (
 )
 from venus3d.scene.web.projections_panel import encoded
 
-Topic = Literal["error", "after", "corners", "lens", "misfit"]
-TOPICS: tuple[Topic, ...] = ("error", "after", "corners", "lens", "misfit")
+MAP_KINDS: tuple[MapKind, ...] = tuple(texts.MAPS)
 WIDTH = 640
 """Of the pictures, pixels."""
 
 
 @dataclass(frozen=True, eq=False)
-class Map:
-    """One topic as it stands on the page."""
+class ShownMap:
+    """One map as it stands on the page."""
 
     title: str
     sentence: str
@@ -50,22 +49,22 @@ class Map:
     """(rows, columns) numbers of the picture, to be written at its middle and corners."""
 
 
-def map_of(snapshot: Snapshot, topic: Topic, *, dark: bool, chosen: int | None = None) -> Map:
-    """The topic at this moment; `chosen` is the number of a view to be drawn strongly."""
+def map_of(snapshot: Snapshot, kind: MapKind, *, dark: bool, chosen: int | None = None) -> ShownMap:
+    """The map at this moment; `chosen` is the number of a view to be drawn strongly."""
     width, height = snapshot.camera.image_size
     size = (WIDTH, round(WIDTH * height / width))
-    if topic == "corners":
+    if kind == "corners":
         return _corners(snapshot, size, dark)
-    if topic == "lens":
+    if kind == "lens":
         return _lens(snapshot, size, dark)
-    if topic == "misfit":
+    if kind == "misfit":
         return _misfit(snapshot, size, dark, chosen)
     if snapshot.uncertainty is None:
-        return Map(texts.ERROR_TITLE, texts.NOTHING_YET)
-    if topic == "after":
+        return ShownMap(texts.ERROR_TITLE, texts.NOTHING_YET)
+    if kind == "after":
         return _after(snapshot, snapshot.uncertainty, size, dark)
     known, ticks = snapshot.uncertainty, error_ticks(snapshot)
-    return Map(
+    return ShownMap(
         texts.ERROR_TITLE,
         texts.ERROR_TEXT.format(error=figure(known.uncertainty_px)),
         error_picture(known.uncertainty_map, (ticks[0], ticks[-1]), size, dark=dark),
@@ -74,8 +73,8 @@ def map_of(snapshot: Snapshot, topic: Topic, *, dark: bool, chosen: int | None =
     )
 
 
-def map_html(shown: Map) -> str:
-    """The topic as HTML."""
+def map_html(shown: ShownMap) -> str:
+    """The map as HTML."""
     title = f"<h3>{escape(shown.title)}</h3>"
     sentence = f"<div class='v-line'>{escape(shown.sentence)}</div>"
     if shown.picture is None:
@@ -131,14 +130,14 @@ def error_ticks(snapshot: Snapshot) -> tuple[float, ...]:
 
 def _after(
     snapshot: Snapshot, known: ProjectionUncertainty, size: tuple[int, int], dark: bool
-) -> Map:
+) -> ShownMap:
     target = snapshot.target
     if target is None:
-        return Map(texts.AFTER_TITLE.format(number="–"), texts.AFTER_NONE)
+        return ShownMap(texts.AFTER_TITLE.format(number="–"), texts.AFTER_NONE)
     title = texts.AFTER_TITLE.format(number=target.number)
     errors = known.predicted_at(target.pose)
     if errors is None:
-        return Map(title, texts.AFTER_UNKNOWN)
+        return ShownMap(title, texts.AFTER_UNKNOWN)
     sentence = texts.AFTER_TEXT.format(
         number=target.number,
         before=figure(known.uncertainty_px),
@@ -146,15 +145,15 @@ def _after(
     )
     ticks = error_ticks(snapshot)
     picture = error_picture(errors, (ticks[0], ticks[-1]), size, dark=dark)
-    return Map(title, sentence, picture, ticks, figures=errors)
+    return ShownMap(title, sentence, picture, ticks, figures=errors)
 
 
-def _corners(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
+def _corners(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> ShownMap:
     views, image_size = snapshot.views, snapshot.camera.image_size
     if not views:
-        return Map(texts.CORNERS_TITLE, texts.NOTHING_YET)
+        return ShownMap(texts.CORNERS_TITLE, texts.NOTHING_YET)
     counts = coverage(views, image_size)
-    return Map(
+    return ShownMap(
         texts.CORNERS_TITLE,
         texts.CORNERS_TEXT if (counts == 0).any() else texts.CORNERS_FULL,
         coverage_picture(views, image_size, size, dark=dark),
@@ -163,14 +162,14 @@ def _corners(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
     )
 
 
-def _lens(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
+def _lens(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> ShownMap:
     calibration = snapshot.calibration
     if calibration is None or not calibration.camera.distortion.any():
-        return Map(texts.LENS_TITLE, texts.LENS_NONE)
+        return ShownMap(texts.LENS_TITLE, texts.LENS_NONE)
     camera = calibration.camera
     factor, largest = distortion_magnification(camera), largest_shift_px(camera)
     magnified = texts.MAGNIFIED.format(factor=f"{factor:g}") if factor > 1 else ""
-    return Map(
+    return ShownMap(
         texts.LENS_TITLE,
         texts.LENS_TEXT.format(magnified=magnified, largest=figure(largest)),
         distortion_picture(camera, size, dark),
@@ -178,20 +177,20 @@ def _lens(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> Map:
     )
 
 
-def _misfit(snapshot: Snapshot, size: tuple[int, int], dark: bool, chosen: int | None) -> Map:
+def _misfit(snapshot: Snapshot, size: tuple[int, int], dark: bool, chosen: int | None) -> ShownMap:
     views, image_size = snapshot.views, snapshot.camera.image_size
     if not views:
-        return Map(texts.MISFIT_TITLE, texts.NOTHING_YET)
+        return ShownMap(texts.MISFIT_TITLE, texts.NOTHING_YET)
     among = chosen if any(view.number == chosen for view in views) else None
     factor = residual_magnification(views, image_size)
     sentence = texts.MISFIT_TEXT.format(magnified=f"{factor:g}")
     if among is not None:
         sentence += texts.MISFIT_CHOSEN.format(number=among)
     picture = residual_picture(views, image_size, size, dark=dark, chosen=among)
-    return Map(texts.MISFIT_TITLE, sentence, picture)
+    return ShownMap(texts.MISFIT_TITLE, sentence, picture)
 
 
-def _figures(shown: Map) -> str:
+def _figures(shown: ShownMap) -> str:
     """The numbers at the picture's middle and its four corners."""
     if shown.figures is None:
         return ""

@@ -24,7 +24,7 @@ def misfit_end_px(views: tuple[View, ...]) -> float:
 
 
 @lru_cache(maxsize=4)
-def ghost_shapes(
+def captured_view_shapes(
     board: Board, views: tuple[View, ...], chosen: int | None, dark: bool
 ) -> tuple[Shape, ...]:
     """The board in each of the views; the one chosen stands out."""
@@ -37,7 +37,7 @@ def ghost_shapes(
         edge = colours.warning if marked else colour
         # Not all at the same corner: boards of many views overlap.
         corner = view.pose.apply(0.86 * board.outline[view.number % 4])
-        text = texts.GHOST_LABEL.format(number=view.number)
+        text = texts.CAPTURED_VIEW_LABEL.format(number=view.number)
         shapes += [
             board_ghost(board, view.pose, f"{name}/sheet", colour, opacity),
             board_outline(board, view.pose, f"{name}/outline", edge, 3.5 if marked else 1.5),

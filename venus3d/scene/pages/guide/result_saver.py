@@ -19,7 +19,7 @@ def is_over(snapshot: Snapshot) -> bool:
     return snapshot.phase in ("converged", "finished")
 
 
-class Keeper:
+class ResultSaver:
     """Has every new calibration written; the newest wins, and nobody waits for the disk."""
 
     def __init__(

@@ -1,0 +1,25 @@
+"""What a run shows its snapshots and pictures to, beside the page that it is operated from."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.render.annotated_picture import LivePicture
+
+
+class Monitor(Protocol):
+    """Any thread may call it; nothing comes back, and nothing waits."""
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show this moment; the newest wins."""
+        ...
+
+    def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
+        """Show this live picture (BGR or grey); the newest wins."""
+        ...
+
+    def pause(self, on: bool) -> None:
+        """No pictures are taken for now, or they are again."""
+        ...
