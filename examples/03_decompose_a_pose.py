@@ -1,7 +1,5 @@
 """Split a pose into four steps: from the upright board, and from where the board is held now."""
 
-from __future__ import annotations
-
 import venus3d
 
 

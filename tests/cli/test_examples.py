@@ -1,19 +1,25 @@
-"""The examples run as they stand, and stay short."""
+"""The examples run as they stand, stay short, and need nothing but the public names."""
 
 from __future__ import annotations
 
+import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
+import venus3d
 from venus3d.engine.geometry.pose import Pose
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
 def ran(name: str, *arguments: str) -> str:
+    """What the example printed."""
     done = subprocess.run(
         [sys.executable, str(EXAMPLES / name), *arguments],
         capture_output=True,
@@ -26,37 +32,64 @@ def ran(name: str, *arguments: str) -> str:
     return done.stdout
 
 
+def uncertainties(out: str) -> list[float]:
+    """The figures after the word, in pixels."""
+    return [float(number) for number in re.findall(r"uncertainty (\d+\.\d+) px", out)]
+
+
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.name)
-def test_example_is_short(path: Path) -> None:
-    assert len(path.read_text().splitlines()) < 60
+def test_example_is_short_and_uses_the_public_names(path: Path) -> None:
+    assert len(path.read_text().splitlines()) < 45
+    tree = ast.parse(path.read_text())
+    imported = {
+        alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import)
+        for alias in node.names
+    }
+    froms = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert "venus3d" in imported
+    assert not [name for name in {*imported, *froms} if name.startswith("venus3d.")]
 
 
-def test_calibrate_folder(tilted_pictures: Path) -> None:
-    out = ran("calibrate_folder.py", str(tilted_pictures))
+def test_calibrate_a_folder_and_undistort_a_picture(tilted_pictures: Path, tmp_path: Path) -> None:
+    out = ran("01_calibrate_a_folder.py", str(tilted_pictures), str(tmp_path))
     fx = next(line for line in out.splitlines() if line.startswith("fx = "))
     assert float(fx.split()[2]) == pytest.approx(1068, abs=3)
+    assert venus3d.read_camera_yaml(tmp_path / "camera.yaml").fx == pytest.approx(1068, abs=3)
+
+    picture = next(path for path in sorted(tilted_pictures.iterdir()) if path.suffix == ".png")
+    straight = tmp_path / "straight.png"
+    read = ran(
+        "06_undistort_a_picture.py", str(tmp_path / "result.json"), str(picture), str(straight)
+    )
+    assert uncertainties(read) == uncertainties(out)
+    before, after = cv2.imread(str(picture)), cv2.imread(str(straight))
+    assert before is not None and after is not None and before.shape == after.shape
+    assert np.mean(cv2.absdiff(before, after)) > 0.1
 
 
-def test_decompose_pose() -> None:
-    out = ran("decompose_pose.py")
+def test_suggest_the_next_pose() -> None:
+    out = ran("02_suggest_the_next_pose.py")
+    first, second, third = uncertainties(out)
+    assert third < second < first
+
+
+def test_decompose_a_pose() -> None:
+    out = ran("03_decompose_a_pose.py")
     assert "2. Tilt the top edge towards the camera by 25°." in out
     target = Pose.from_vector([25, -30, 20, 0, 0, 1])
     own = Pose.from_vector([25, -30, 20, 0, 0, 1], axes="own")
     assert f"{target.angle_to_deg(own):.1f}° away" in out
 
 
-def test_suggest_next_pose() -> None:
-    out = ran("suggest_next_pose.py")
-    errors = [float(line.split()[-2]) for line in out.splitlines() if "projected point" in line]
-    assert len(errors) == 3 and errors[2] < errors[1] < errors[0]
+@pytest.mark.slow
+def test_show_your_calibration() -> None:
+    """No browser need be open."""
+    assert "http://" in ran("04_show_your_calibration.py", "3")
 
 
 @pytest.mark.slow
-def test_simulated_session() -> None:
-    assert "finished after 2 views" in ran("simulated_session.py", "2")
-
-
-@pytest.mark.slow
-def test_feed_the_viewer() -> None:
-    """Another program shows its own snapshots; no browser need be open."""
-    assert "http://" in ran("feed_the_viewer.py", "3")
+def test_guide_your_own_camera() -> None:
+    out = ran("05_guide_your_own_camera.py", "2", "--no-window")
+    assert "http://" in out and "finished after 2 views" in out
