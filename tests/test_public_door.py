@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -34,12 +35,12 @@ def run_python(code: str) -> str:
     return done.stdout
 
 
-def imported_for_type_checkers() -> dict[str, str]:
-    """name: module, as written under `if TYPE_CHECKING`."""
+def imported_for_type_checkers() -> dict[str, tuple[str, str]]:
+    """name: the module and the name in it, as written under `if TYPE_CHECKING`."""
     tree = ast.parse(DOOR.read_text())
     block = next(node for node in tree.body if isinstance(node, ast.If))
     return {
-        alias.name: str(node.module)
+        alias.asname or alias.name: (str(node.module), alias.name)
         for node in block.body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
@@ -49,7 +50,8 @@ def imported_for_type_checkers() -> dict[str, str]:
 @pytest.mark.parametrize("name", venus3d.__all__)
 def test_every_public_name_is_there_and_says_what_it_is(name: str) -> None:
     value = getattr(venus3d, name)
-    assert value is getattr(importlib.import_module(imported_for_type_checkers()[name]), name)
+    module, name_there = imported_for_type_checkers()[name]
+    assert value is getattr(importlib.import_module(module), name_there)
     if callable(value):
         # A dataclass without a docstring gets its signature for one.
         assert value.__doc__ and not value.__doc__.startswith(f"{name}(")
@@ -66,7 +68,7 @@ def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
         venus3d.Bord  # pyright: ignore  # noqa: B018
 
 
-def test_the_import_loads_no_library(record_property: pytest.RecordProperty) -> None:
+def test_the_import_loads_no_library(record_property: Callable[[str, object], None]) -> None:
     began = time.perf_counter()
     run_python("pass")
     idle_s, began = time.perf_counter() - began, time.perf_counter()
@@ -99,6 +101,9 @@ assert_type(venus3d.step_words(steps[0]).holder, str)
 session = venus3d.Session(board, camera.image_size, venus3d.Settings(max_views=5))
 assert_type(session.snapshot(), venus3d.Snapshot)
 assert_type(session.snapshot().target, venus3d.Target | None)
+calibration = venus3d.calibrate("pictures", board)
+assert_type(venus3d.calibrate([venus3d.Observation.nothing((9, 9))], board), venus3d.Calibration)
+assert_type(calibration.uncertainty_px, float)
 try:
     assert_type(venus3d.read_camera_yaml("camera.yaml"), venus3d.Camera)
 except venus3d.VenusError:

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from venus3d.engine.planning.target import Target
     from venus3d.scene.pages.guide.viewer import Viewer
     from venus3d.sources.frame import Frame
+    from venus3d.sources.images_calibration import calibrate_images as calibrate
     from venus3d.sources.sim import Simulation
     from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
     from venus3d.storage.result import write_result
@@ -64,6 +65,7 @@ __all__ = [  # noqa: RUF022
     "Detector",
     "Observation",
     "View",
+    "calibrate",
     "Calibration",
     "Diagnosis",
     "diagnose",
@@ -120,11 +122,13 @@ _NAMES_IN = {
     "engine.planning.target": ("Target",),
     "scene.pages.guide.viewer": ("Viewer",),
     "sources.frame": ("Frame",),
+    "sources.images_calibration": ("calibrate",),
     "sources.sim": ("Simulation",),
     "storage.camera_yaml": ("read_camera_yaml", "write_camera_yaml"),
     "storage.result": ("write_result",),
     "storage.result_reader": ("Result", "read_result"),
 }
+_NAMED_THERE = {"calibrate": "calibrate_images"}
 _MODULE_OF = {name: f"venus3d.{module}" for module, names in _NAMES_IN.items() for name in names}
 
 if not TYPE_CHECKING:  # a type checker would take any name for one of this module's
@@ -133,7 +137,8 @@ if not TYPE_CHECKING:  # a type checker would take any name for one of this modu
         """A public name, loaded when it is first used (PEP 562)."""
         if name not in _MODULE_OF:
             raise AttributeError(f"module 'venus3d' has no attribute {name!r}")
-        value = globals()[name] = getattr(import_module(_MODULE_OF[name]), name)
+        value = getattr(import_module(_MODULE_OF[name]), _NAMED_THERE.get(name, name))
+        globals()[name] = value
         return value
 
 

@@ -11,6 +11,8 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.engine.board_pictures import picture_of
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError, SourceError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -49,6 +51,22 @@ def test_a_folder_a_pattern_files_and_arrays(
     for images in (f"{tmp_path}/*.png", files, [str(file) for file in files], pictures):
         again = calibrate_images(images, default_board).camera
         np.testing.assert_allclose(again.parameters, of_folder.camera.parameters, rtol=1e-5)
+
+
+def test_observations_of_an_own_detector(
+    pictures: list[NDArray[np.uint8]], paper_camera: Camera, default_board: Board
+) -> None:
+    detector = Detector(default_board)
+    unsettled = detector.detect(pictures[0])
+    board = detector.settle(pictures * 4)
+    empty = Observation.nothing(paper_camera.image_size)
+    calibration = calibrate_images([*map(detector.detect, pictures), empty], default_board)
+    assert calibration.board == board == replace(default_board, legacy=True)
+    assert calibration.camera.fx == pytest.approx(paper_camera.fx, rel=0.01)
+    assert len(calibration.views) == len(pictures)
+    misread = replace(unsettled, board=default_board)
+    with pytest.raises(CalibrationError, match="more than one layout"):
+        calibrate_images([misread, detector.detect(pictures[1])], default_board)
 
 
 def test_what_is_to_be_known_of_the_pictures(

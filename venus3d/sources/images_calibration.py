@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.checks import diagnose
@@ -31,13 +32,18 @@ class ImagesCalibration:
 
 
 def calibrate_images(
-    images: Images, board: Board, *, max_frames: int = 40, every: int | None = None
+    images: Images | Sequence[Observation],
+    board: Board,
+    *,
+    max_frames: int = 40,
+    every: int | None = None,
 ) -> Calibration:
     """Find the board in pictures or in a video, and calibrate the camera that took them.
 
     Args:
         images: a folder, a pattern such as "shots/*.png", a video; or a list of image files, or
-            one of arrays (H, W) grey or (H, W, 3) BGR, 8 or 16 bit. One size, one camera.
+            one of arrays (H, W) grey or (H, W, 3) BGR, 8 or 16 bit. One size, one camera. Or a
+            list of what a `Detector` has found already.
         board: as it was printed. That it is printed in the other layout, or white on black, is
             found out: `Calibration.board` is the board as it was read.
         max_frames: of a video, the most frames to take: those that say most, no near-duplicates.
@@ -52,7 +58,12 @@ def calibrate_images(
         CalibrationError: fewer than three pictures show the board, or they do not determine the
             camera.
     """
-    return calibrate_recording(images, board, max_frames=max_frames, every=every).calibration
+    listed = images if isinstance(images, Sequence) and not isinstance(images, str) else ()
+    observations = [image for image in listed if isinstance(image, Observation)]
+    if observations:
+        return calibrate(_board_of(observations, board), [o for o in observations if o.count])
+    recorded = cast(Images, images)
+    return calibrate_recording(recorded, board, max_frames=max_frames, every=every).calibration
 
 
 def calibrate_recording(
@@ -90,6 +101,17 @@ def calibrate_recording(
     calibration = calibrate(detector.board, seen)
     found = worst_first(dict.fromkeys((*diagnoses, *diagnose(calibration))))
     return ImagesCalibration(calibration, tuple(warnings), found)
+
+
+def _board_of(observations: Sequence[Observation], board: Board) -> Board:
+    """The board as it was read; as it was asked for, where an observation does not say."""
+    boards = {o.board or board for o in observations if o.count}
+    if len(boards) > 1:
+        raise CalibrationError(
+            "The board was read in more than one layout before it was settled; detect it again in "
+            "all images with the same detector."
+        )
+    return boards.pop() if boards else board
 
 
 def _board_diagnoses(detector: Detector, recording: Recording) -> tuple[Diagnosis, ...]:
