@@ -26,11 +26,16 @@ def test_a_pick_is_not_put_back_while_it_is_on_its_way(
     asked: list[Intent] = []
     panel = MethodPanel(server.gui, asked.append)
     panel.show(guided)
-    box: Any = panel._method  # pyright: ignore[reportPrivateUsage]
+    box: Any = next(iter(vars(server.gui)["_gui_input_handle_from_uuid"].values()))
+
+    def told() -> None:
+        for act in box._impl.update_cb:
+            act(SimpleNamespace(target=box, client="a browser"))
+
     assert box.value == METHOD_WORDS["global"]
     box.value = METHOD_WORDS["random"]  # as viser does when a browser says so
     panel.show(guided)
-    panel._pick(SimpleNamespace(client="a browser"), None)  # pyright: ignore[reportPrivateUsage]
+    told()
     assert asked == [ChangeMethod("random", None)]
     panel.show(guided)
     assert box.value == METHOD_WORDS["random"]
@@ -42,7 +47,7 @@ def test_a_pick_is_not_put_back_while_it_is_on_its_way(
     assert box.value == METHOD_WORDS["venus"]
 
     box.value = METHOD_WORDS["random"]
-    panel._pick(SimpleNamespace(client="a browser"), None)  # pyright: ignore[reportPrivateUsage]
+    told()
     now[0] += 2  # and the session refused it
     panel.show(replace(accepted, method="venus"))
     assert box.value == METHOD_WORDS["venus"]
