@@ -140,11 +140,11 @@ def test_board_too_coarse(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("pose", "limit"),
     [
-        ((80, 0, 0, 0, 0, 500), "One of the angles is 80°; the limit is 70°"),
-        ((0, 62, 0, 0, 0, 700), "The board is tilted by 62° away from the line of sight"),
-        ((0, 0, 0, 0, 0, 5000), "the farthest allowed is 1200 mm"),
-        ((0, 0, 0, 0, 0, 120), "the nearest allowed is 200 mm"),
-        ((0, 0, 0, 400, 0, 500), "past the picture's border"),
+        ((80, 0, 0, 0, 0, 500), "The turn about Z is 80°; more than 70° is hard to hold"),
+        ((0, 62, 0, 0, 0, 700), "The board is tilted by 62° away from the camera's line of sight"),
+        ((0, 0, 0, 0, 0, 5000), "1200 mm is the farthest"),
+        ((0, 0, 0, 0, 0, 120), "leaves the picture"),
+        ((0, 0, 0, 400, 0, 500), "leaves the picture on the right"),
     ],
 )
 def test_pose_outside_the_limits(

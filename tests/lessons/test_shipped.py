@@ -8,6 +8,7 @@ import pytest
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.refusals import refusals
 from venus3d.lessons.lesson import EXTRAS, VIEWPOINTS, Lesson
 from venus3d.lessons.reading import shipped_lessons
 from venus3d.scene.web.pose_panel import RANGES
@@ -41,8 +42,8 @@ def test_every_pose_can_be_held_or_the_page_says_why_not(
 ) -> None:
     limits = Limits.for_board(default_board, paper_camera)
     for page in lesson.pages:
-        refusal = limits.refusal(paper_camera, default_board, page.target)
-        assert refusal is None or "beyond the limits" in page.text, f"{page.title}: {refusal}"
+        refused = refusals(limits, paper_camera, default_board, page.target.vector())
+        assert not refused or "beyond the limits" in page.text, f"{page.title}: {refused}"
         for value, (low, high, _) in zip(page.pose, RANGES, strict=True):
             assert low <= value <= high  # the page's sliders can show it
 

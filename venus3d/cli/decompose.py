@@ -19,6 +19,7 @@ from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step, Steps, de
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import step_words
 from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.refusals import refusals
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
 from venus3d.storage.camera_yaml import read_camera_yaml
@@ -54,10 +55,10 @@ def _target(options: DecomposeOptions, board: Board, camera: Camera) -> Pose:
             "positive."
         )
     limits = replace(Limits.for_board(board, camera), **options.limits.chosen())
-    refusal = limits.refusal(camera, board, target)
-    if refusal is not None:
+    refused = refusals(limits, camera, board, target.vector())
+    if refused:
         raise PoseError(
-            f"{refusal.rstrip('.')}; choose another pose, or move the limit (--limits)."
+            f"{refused[0].text.rstrip('.')}; choose another pose, or move the limit (--limits)."
         )
     return target
 

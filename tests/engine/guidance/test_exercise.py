@@ -40,7 +40,7 @@ def test_targets_are_within_the_limits_and_change_as_many_numbers_as_the_level(
     for number in range(25):
         rng = np.random.default_rng([3, level, number])
         target, free = practice_target(paper_camera, default_board, limits, start, level, rng)
-        assert limits.refusal(paper_camera, default_board, target) is None
+        assert limits.accepts(paper_camera, default_board, target.vector())[0]
         assert sum(free) == level
         angles_deg = Rotation.from_matrix(target.R).as_euler("xyz", degrees=True)
         change = np.abs(np.concatenate([angles_deg, target.t - start.t]))
@@ -75,7 +75,7 @@ def test_a_large_board_starts_where_the_camera_sees_all_of_it(paper_camera: Came
     board = Board(columns=9, rows=6, square=0.1, marker=0.075)
     limits = Limits.for_board(board, paper_camera)
     start = start_pose(paper_camera, board, limits)
-    assert limits.refusal(paper_camera, board, start) is None and start.t[2] > 1
+    assert limits.accepts(paper_camera, board, start.vector())[0] and start.t[2] > 1
     impossible = Limits(nearest=0.2, farthest=0.21)
     with pytest.raises(VenusError, match="--board"):
         start_pose(paper_camera, board, impossible)

@@ -20,7 +20,8 @@ from venus3d.engine.planning.heuristic_poses import (
     weakest_parameter,
     window_pose,
 )
-from venus3d.engine.planning.limits import Limits, brought_within
+from venus3d.engine.planning.limit_projection import brought_within
+from venus3d.engine.planning.limits import Limits
 
 
 def test_eq_11_as_printed_and_where_it_degenerates() -> None:
@@ -64,7 +65,7 @@ def test_a_pose_beyond_the_limits_is_brought_back_and_it_is_said(
     made = paper_pose(default_board, paper_camera, limits, "fy", HeuristicState())
     assert limits.accepts(paper_camera, default_board, made.vector)[0]
     assert -55.01 < made.vector[0] < -50 and made.vector[2] == 22.5
-    assert "tilted by 70°" in made.note and "limit is 55°" in made.note
+    assert "tilted by 70°" in made.note and "beyond 55°" in made.note
     assert "turned about X by -5" in made.note and "instead of -70°" in made.note
 
 

@@ -1,24 +1,31 @@
-"""Which poses may be asked of a person, and why another one is refused.
+"""Which poses may be asked of a person: eight limits, and what a pose leaves of each.
 
-Knows geometry only. What a pose is worth is said by `costs`, which one to take by `search`.
+All that accepts, refuses or corrects a pose goes by `Limits.margins`: `accepts` here, the sentences
+in `refusals`, the corrections in `limit_projection`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.geometry.pose import Array
 from venus3d.engine.geometry.visibility import Visibility, visibility_of
 
 Mask = NDArray[np.bool_]
-# A pose put exactly on a limit must not be lost to rounding.
-_SLACK = 1e-9
-_REASONS = ("angle", "tilt", "behind", "near", "far", "depth", "outside", "small")
+SLACK = 1e-9
+"""Of a margin: a pose put exactly on a limit must not be lost to rounding."""
+
+Rule = Literal["angle", "tilt", "behind", "near", "far", "depth", "outside", "small"]
+RULES: tuple[Rule, ...] = get_args(Rule)
+"""angle: of the pose vector; tilt: of the board to the line of sight; behind: the lens, or beyond
+the lens model; near, far, depth: the corners' distances and their ratio; outside: the image;
+small: the squares in it."""
 
 CELL_PX = 2.4
 """Pixels that a marker's cell needs on its short side. Measured on 110 valid poses of the simulated
@@ -79,137 +86,55 @@ class Limits:
         # Most candidates of a search fail on what costs little to see; the rest is projected.
         with np.errstate(invalid="ignore", divide="ignore"):
             cosine = np.einsum("ni,ni->n", _normals(p), p[:, 3:]) / np.linalg.norm(p[:, 3:], axis=1)
-        good = cosine >= np.cos(np.radians(self.max_tilt_deg)) - _SLACK
+        good = cosine >= np.cos(np.radians(self.max_tilt_deg)) - SLACK
         good &= (p[:, 5] > 0) & (p[:, 5] <= self.farthest)
         left = np.flatnonzero(good)
         good[left] = self.within(camera, p[left], visibility_of(camera, board, p[left]))
         return good
 
-    def within(self, camera: Camera, vectors: Array, sight: Visibility) -> Mask:
-        """The same of pose vectors (N, 6) whose sight is known."""
-        low, high = self.frame(camera)
-        near, far = sight.near, sight.far
-        good = sight.seen & (sight.cosine >= np.cos(np.radians(self.max_tilt_deg)) - _SLACK)
-        for angle in np.abs(vectors[:, :3]).T:
-            good &= angle <= self.max_angle_deg + _SLACK
-        good &= (near >= self.nearest - _SLACK) & (far <= self.farthest + _SLACK)
-        good &= far <= (self.max_depth_ratio + _SLACK) * near
-        good &= sight.side >= self.min_square_px - _SLACK
-        for axis in range(2):
-            good &= sight.low[axis] >= low[axis] - _SLACK
-            good &= sight.high[axis] <= high[axis] + _SLACK
-        return good
+    def within(self, camera: Camera, vectors: Array, seen: Visibility) -> Mask:
+        """The same of pose vectors (N, 6) whose visibility is known."""
+        return np.all(self.margins(camera, vectors, seen) >= -SLACK, axis=0)
+
+    def margins(self, camera: Camera, vectors: Array, seen: Visibility) -> Array:
+        """(8, N) what pose vectors (N, 6) leave of each of the `RULES`; below 0 it is broken.
+
+        As a share of what the rule allows; for "outside" of the image's width. 1 or -1 for
+        "behind", and -1 for what cannot be told of a board behind the lens.
+        """
+        low, high = (bound[:, None] for bound in self.frame(camera))
+        # Behind the lens, or absurdly far away, figures mean nothing and may be without end.
+        with np.errstate(invalid="ignore", over="ignore"):
+            tilt = np.degrees(np.arccos(np.clip(seen.cosine, -1.0, 1.0)))
+            border = np.minimum(seen.low - low, high - seen.high).min(axis=0)
+            margins = np.stack(
+                [
+                    1 - np.abs(vectors[:, :3]).max(axis=1) / self.max_angle_deg,
+                    1 - tilt / self.max_tilt_deg,
+                    np.where(seen.seen, 1.0, -1.0),
+                    (seen.near - self.nearest) / (self.nearest or 1.0),
+                    1 - seen.far / self.farthest,
+                    1 - seen.far / np.maximum(seen.near, 1e-9) / self.max_depth_ratio,
+                    border / camera.width,
+                    (seen.side - self.min_square_px) / (self.min_square_px or 1.0),
+                ]
+            )
+        margins[6:, ~seen.seen] = -1.0
+        return np.where(np.isnan(margins), -1.0, margins)
 
     def excess(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
         """By how much the limits are broken, (N,): 0 within them, else a slope to follow back.
 
-        Each limit counts relative to what it allows (a border to the image's width), all together.
-        """
-        excess, _ = self._excess(camera, board, vectors)
-        room = np.array([self.max_angle_deg, self.max_tilt_deg, 1.0, self.nearest, self.farthest])
-        room = np.append(room, [self.max_depth_ratio, camera.width, self.min_square_px])
-        # Behind the lens nothing can be projected: as bad as a whole limit each.
-        return np.where(np.isnan(excess), 1.0, np.maximum(excess / room, 0.0)).sum(axis=1)
-
-    def refusal(self, camera: Camera, board: Board, pose: Pose) -> str | None:
-        """One sentence that says why this pose is refused, or None if it is not."""
-        excess, figures = self._excess(camera, board, pose.vector()[None])
-        broken = np.flatnonzero(~(excess[0] <= 0))
-        if broken.size == 0:
-            return None
-        reason, value = _REASONS[broken[0]], figures[0, broken[0]]
-        mm = 1000.0
-        return {
-            "angle": f"One of the angles is {value:.0f}°; the limit is {self.max_angle_deg:g}°.",
-            "tilt": f"The board is tilted by {value:.0f}° away from the line of sight; "
-            f"the limit is {self.max_tilt_deg:g}°.",
-            "behind": "Part of the board is beside or behind the lens, where it cannot be seen.",
-            "near": f"A corner of the board is {value * mm:.0f} mm from the lens; "
-            f"the nearest allowed is {self.nearest * mm:.0f} mm.",
-            "far": f"A corner of the board is {value * mm:.0f} mm from the lens; "
-            f"the farthest allowed is {self.farthest * mm:.0f} mm.",
-            "depth": f"The far side of the board is {value:.1f} times as far away as the near one, "
-            f"too much to keep in focus; the limit is {self.max_depth_ratio:g}.",
-            "outside": f"The board reaches {value:.0f} px past the picture's border less the "
-            f"margin of {self.margin * camera.width:.0f} px.",
-            "small": f"The smallest square is {value:.1f} px wide in the picture; "
-            f"at least {self.min_square_px:g} px are needed.",
-        }[reason]
-
-    def _excess(self, camera: Camera, board: Board, vectors: ArrayLike) -> tuple[Array, Array]:
-        """By how much each limit is broken, in the order of `_REASONS`, and the figures for it.
-
-        Returns two (N, 8): positive or NaN means broken.
+        The broken `margins`, all together.
         """
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
-        sight = visibility_of(camera, board, p)
-        tilt = np.degrees(np.arccos(np.clip(sight.cosine, -1.0, 1.0)))
-        low, high = self.frame(camera)
-        behind = np.where(sight.seen, -1.0, 1.0)
-        outside = np.maximum(low[:, None] - sight.low, sight.high - high[:, None]).max(axis=0)
-        outside = np.where(sight.seen, outside, np.nan)
-        side = np.where(sight.seen, sight.side, np.nan)
-        angle = np.abs(p[:, :3]).max(axis=1)
-        ratio = sight.far / np.maximum(sight.near, 1e-9)
-        figures = np.stack(
-            [angle, tilt, behind, sight.near, sight.far, ratio, outside, side], axis=1
-        )
-        limit = np.array([self.max_angle_deg, self.max_tilt_deg, 0.0, self.nearest, self.farthest])
-        limit = np.append(limit, [self.max_depth_ratio, 0.0, self.min_square_px])
-        sign = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0])
-        return sign * (figures - limit) - _SLACK, figures
+        margins = self.margins(camera, p, visibility_of(camera, board, p))
+        return np.maximum(-SLACK - margins, 0.0).sum(axis=0)
 
     def frame(self, camera: Camera) -> tuple[Array, Array]:
         """(2,) smallest and (2,) largest pixel the board may reach: the image less a margin."""
         border = self.margin * camera.width - 0.5
         return np.full(2, border), np.array([camera.width - 1, camera.height - 1]) - border
-
-
-def brought_within(
-    board: Board, camera: Camera, limits: Limits, vector: ArrayLike
-) -> tuple[Array, str]:
-    """The pose vector (6,) brought into the limits by the smallest change, and what changed.
-
-    Looked at are a smaller tilt (X and Y angles scaled together), another distance along the same
-    line of sight, and a shift towards the image's centre. Ten degrees weigh as much as ten per
-    cent of the distance or a shift by a tenth of the way to the centre. If nothing of this helps,
-    the vector comes back unchanged with the reason why it is refused.
-    """
-    p = np.asarray(vector, dtype=np.float64).copy()
-    if limits.accepts(camera, board, p)[0]:
-        return p, ""
-    cause = limits.refusal(camera, board, Pose.from_vector(p)) or ""
-    p[:3] = np.clip(p[:3], -limits.max_angle_deg, limits.max_angle_deg)
-    tilt, stretch, centring = (
-        axis.ravel()
-        for axis in np.meshgrid(
-            np.linspace(1, 0, 36), 1.05 ** np.arange(-18, 29), [0, 0.05, 0.1, 0.2, 0.3, 0.5, 1]
-        )
-    )
-    candidates = np.tile(p, (tilt.size, 1))
-    candidates[:, :2] *= tilt[:, None]
-    candidates[:, 3:] *= stretch[:, None]
-    candidates[:, 3:5] *= 1 - centring[:, None]
-    change = (1 - tilt) * np.abs(p[:2]).max() / 10 + np.abs(np.log(stretch)) / 0.1 + 10 * centring
-    order = np.argsort(change, kind="stable")
-    for block in np.array_split(order, 24):
-        good = limits.accepts(camera, board, candidates[block])
-        if good.any():
-            best = candidates[block[int(np.argmax(good))]]
-            return best, f"{cause} {_change_told(p, best)}".strip()
-    return p, cause
-
-
-def _change_told(before: Array, after: Array) -> str:
-    parts: list[str] = []
-    for name, old, new in zip("XY", before[:2], after[:2], strict=True):
-        if abs(new - old) > 0.05:
-            parts.append(f"turned about {name} by {new:.0f}° instead of {old:.0f}°")
-    if abs(after[5] / before[5] - 1) > 1e-6:
-        parts.append(f"held at {after[5] * 1000:.0f} mm instead of {before[5] * 1000:.0f} mm")
-    if np.linalg.norm(after[3:5] / after[5] - before[3:5] / before[5]) > 1e-6:
-        parts.append("moved towards the centre of the picture")
-    return f"It is {' and '.join(parts)}." if parts else ""
 
 
 def _normals(vectors: Array) -> Array:

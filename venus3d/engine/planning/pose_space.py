@@ -14,8 +14,8 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose, rotations_of
+from venus3d.engine.planning.limit_projection import onto_limits
 from venus3d.engine.planning.limits import Limits, Mask
-from venus3d.engine.planning.onto_limits import onto_limits
 
 SKIPPED_DEG = 15.0
 SKIPPED_FRACTION = 0.1

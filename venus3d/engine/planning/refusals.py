@@ -1,13 +1,13 @@
-"""All that is wrong with a pose, named so that a person can mend it, the worst first.
+"""Why a pose may not be asked of a person, in sentences that help to mend it, the worst first.
 
-`Limits` decides and has one sentence for the command line; here each broken limit is told, with
-the corner or the turn that breaks it.
+`Limits.margins` decides; here each broken limit is named, with the corner or the turn that breaks
+it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,21 +16,54 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import AXES, Array, rotations_of
 from venus3d.engine.geometry.visibility import Visibility, visibility_of
-from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.limits import RULES, SLACK, Limits, Rule
 
-Kind = Literal["behind", "outside", "tilt", "angle", "near", "far", "depth", "small"]
 # The first four and the last four of the points that `visibility_of` looks at.
-_CORNERS = ("top left", "top right", "bottom right", "bottom left")
-_EDGES = ("top", "right", "bottom", "left")
-_SIDES = (("left", "right"), ("top", "bottom"))
-_SLACK = 1e-9
+_POINTS = (
+    "The top left corner",
+    "The top right corner",
+    "The bottom right corner",
+    "The bottom left corner",
+    "The middle of the top edge",
+    "The middle of the right edge",
+    "The middle of the bottom edge",
+    "The middle of the left edge",
+)
+_SIDES = (
+    ("left", "on the left"),
+    ("right", "on the right"),
+    ("top", "at the top"),
+    ("bottom", "at the bottom"),
+)
+
+ANGLE = "The turn about {axis} is {value:.0f}°; more than {limit:g}° is hard to hold."
+TILT = (
+    "The board is tilted by {value:.0f}° away from the camera's line of sight; beyond {limit:g}° "
+    "its pattern blurs."
+)
+BACK = "The camera sees the back of the board."
+BEHIND = "Part of the board is beside or behind the lens, where it cannot be seen."
+NEAR = "{point} is too near: {value:.0f} mm from the lens, and {limit:.0f} mm is the nearest."
+FAR = "{point} is too far away: {value:.0f} mm from the lens, and {limit:.0f} mm is the farthest."
+DEPTH = (
+    "{point} is {value:.1f} times as far away as the nearest one; beyond {limit:g} times, not all "
+    "of the board is in focus."
+)
+OUTSIDE = "{point} leaves the picture {side} by {value:.0f} px."
+AT_THE_EDGE = (
+    "{point} is only {value:.0f} px from the picture's {side} edge; {limit:.0f} px must stay free."
+)
+SMALL = (
+    "The smallest square is {value:.0f} px wide in the picture; its marker is read from "
+    "{limit:.0f} px on."
+)
 
 
 @dataclass(frozen=True)
 class Refusal:
     """One limit that a pose breaks."""
 
-    kind: Kind
+    kind: Rule
     text: str
     """One sentence."""
     excess: float
@@ -44,111 +77,78 @@ def refusals(
 ) -> tuple[Refusal, ...]:
     """Why a pose vector (6,), degrees and metres, is not asked of a person; empty if it may be."""
     p = np.asarray(vector, dtype=np.float64)
-    sight = visibility_of(camera, board, p[None])
-    found = [*_turned_too_far(limits, p), *_tilted(limits, sight)]
-    if not sight.seen[0]:
-        text = "Part of the board is beside or behind the lens, where it cannot be seen."
-        found.append(Refusal("behind", text, np.inf))
-    else:
-        found += [*_outside(limits, camera, sight), *_small(limits, sight)]
-    found += _distances(limits, board, p, sight)
+    seen = visibility_of(camera, board, p[None])
+    margins = limits.margins(camera, p[None], seen)[:, 0]
+    excess: dict[Rule, float] = dict(zip(RULES, (-margins).tolist(), strict=True))
+    broken: list[Rule] = [rule for rule in RULES if excess[rule] > SLACK]
+    if "behind" in broken:  # where nothing can be said of the picture
+        broken = [rule for rule in broken if rule != "outside" and rule != "small"]
+    found: list[Refusal] = []
+    for rule in broken:
+        if rule == "angle":
+            found += _angles(limits, p)
+        elif rule == "outside":
+            found += _sides(limits, camera, seen)
+        else:
+            text, corners = _sentence(rule, limits, board, p, seen)
+            worst = np.inf if rule == "behind" else excess[rule]
+            found.append(Refusal(rule, text, worst, corners))
     return tuple(sorted(found, key=lambda refusal: -refusal.excess))
 
 
-def _turned_too_far(limits: Limits, p: Array) -> list[Refusal]:
-    limit = limits.max_angle_deg
-    return [
-        Refusal(
-            "angle",
-            f"The turn about {axis.upper()} is {abs(angle):.0f}°; more than {limit:g}° is hard to "
-            "hold.",
-            abs(angle) / limit - 1,
-        )
-        for axis, angle in zip(AXES, p[:3].tolist(), strict=True)
-        if abs(angle) > limit + _SLACK
-    ]
-
-
-def _tilted(limits: Limits, sight: Visibility) -> list[Refusal]:
-    if sight.cosine[0] >= np.cos(np.radians(limits.max_tilt_deg)) - _SLACK:
-        return []
-    tilt = float(np.degrees(np.arccos(np.clip(sight.cosine[0], -1, 1))))
-    text = (
-        f"The board is tilted by {tilt:.0f}° away from the camera's line of sight; beyond "
-        f"{limits.max_tilt_deg:g}° its pattern blurs."
-    )
-    if tilt > 90:
-        text = "The camera sees the back of the board."
-    return [Refusal("tilt", text, tilt / limits.max_tilt_deg - 1)]
-
-
-def _outside(limits: Limits, camera: Camera, sight: Visibility) -> list[Refusal]:
-    low, high = limits.frame(camera)
-    pixels = sight.pixels[:, [0, 1, 2, 3, 12, 13, 14, 15], 0]
-    border = limits.margin * camera.width
-    found: list[Refusal] = []
-    for axis in range(2):
-        for side, past in enumerate((low[axis] - pixels[axis], pixels[axis] - high[axis])):
-            if past.max() <= _SLACK:
-                continue
-            worst, name = int(np.argmax(past)), _SIDES[axis][side]
-            who = _named(worst)
-            if past[worst] > border:
-                text = f"{who} leaves the picture {_where(name)} by {past[worst] - border:.0f} px."
-            else:
-                text = (
-                    f"{who} is only {border - past[worst]:.0f} px from the picture's {name} edge; "
-                    f"{border:.0f} px must stay free."
-                )
-            corners = tuple(int(i) for i in np.flatnonzero(past[:4] > _SLACK))
-            found.append(Refusal("outside", text, float(past[worst]) / camera.width, corners))
-    return found
-
-
-def _named(point: int) -> str:
-    if point < 4:
-        return f"The {_CORNERS[point]} corner"
-    return f"The middle of the {_EDGES[point - 4]} edge"
-
-
-def _where(side: str) -> str:
-    return f"on the {side}" if side in ("left", "right") else f"at the {side}"
-
-
-def _small(limits: Limits, sight: Visibility) -> list[Refusal]:
-    side, needed = float(sight.side[0]), limits.min_square_px
-    if side >= needed - _SLACK:
-        return []
-    text = (
-        f"The smallest square is {side:.0f} px wide in the picture; its marker is read from "
-        f"{needed:.0f} px on."
-    )
-    return [Refusal("small", text, 1 - side / needed)]
-
-
-def _distances(limits: Limits, board: Board, p: Array, sight: Visibility) -> list[Refusal]:
-    corners = board.outline @ rotations_of(p)[0].T + p[3:]
-    distances = np.linalg.norm(corners, axis=1)
-    near, far = float(sight.near[0]), float(sight.far[0])
+def _sentence(
+    rule: Rule, limits: Limits, board: Board, p: Array, seen: Visibility
+) -> tuple[str, tuple[int, ...]]:
+    """What is said of a rule that is broken at one place only, and the corner to blame."""
+    distances = np.linalg.norm(board.outline @ rotations_of(p)[0].T + p[3:], axis=1)
     nearest, farthest = int(np.argmin(distances)), int(np.argmax(distances))
-    found: list[Refusal] = []
-    if near < limits.nearest - _SLACK:
-        text = (
-            f"{_named(nearest)} is too near: {near * 1000:.0f} mm from the lens, and "
-            f"{limits.nearest * 1000:.0f} mm is the nearest."
-        )
-        found.append(Refusal("near", text, 1 - near / limits.nearest, (nearest,)))
-    if far > limits.farthest + _SLACK:
-        text = (
-            f"{_named(farthest)} is too far away: {far * 1000:.0f} mm from the lens, and "
-            f"{limits.farthest * 1000:.0f} mm is the farthest."
-        )
-        found.append(Refusal("far", text, far / limits.farthest - 1, (farthest,)))
-    ratio = far / max(near, 1e-9)
-    if far > (limits.max_depth_ratio + _SLACK) * near:
-        text = (
-            f"{_named(farthest)} is {ratio:.1f} times as far away as the nearest one; beyond "
-            f"{limits.max_depth_ratio:g} times, not all of the board is in focus."
-        )
-        found.append(Refusal("depth", text, ratio / limits.max_depth_ratio - 1, (farthest,)))
-    return found
+    near, far = 1000 * distances[nearest], 1000 * distances[farthest]
+    tilt = np.degrees(np.arccos(np.clip(seen.cosine[0], -1, 1)))
+    match rule:
+        case "tilt":
+            text = BACK if tilt > 90 else TILT.format(value=tilt, limit=limits.max_tilt_deg)
+            return text, ()
+        case "near":
+            text = NEAR.format(point=_POINTS[nearest], value=near, limit=1000 * limits.nearest)
+            return text, (nearest,)
+        case "far":
+            text = FAR.format(point=_POINTS[farthest], value=far, limit=1000 * limits.farthest)
+            return text, (farthest,)
+        case "depth":
+            ratio = far / max(near, 1e-6)
+            text = DEPTH.format(point=_POINTS[farthest], value=ratio, limit=limits.max_depth_ratio)
+            return text, (farthest,)
+        case "small":
+            return SMALL.format(value=seen.side[0], limit=limits.min_square_px), ()
+        case _:
+            return BEHIND, ()
+
+
+def _angles(limits: Limits, p: Array) -> Iterator[Refusal]:
+    limit = limits.max_angle_deg
+    for axis, angle in zip(AXES, np.abs(p[:3]).tolist(), strict=True):
+        if angle / limit - 1 > SLACK:
+            text = ANGLE.format(axis=axis.upper(), value=angle, limit=limit)
+            yield Refusal("angle", text, angle / limit - 1)
+
+
+def _sides(limits: Limits, camera: Camera, seen: Visibility) -> Iterator[Refusal]:
+    """Each border of the image that the board leaves, by the point that is farthest outside."""
+    low, high = limits.frame(camera)
+    x, y = seen.pixels[:, [0, 1, 2, 3, 12, 13, 14, 15], 0]
+    border = limits.margin * camera.width
+    for (side, where), past in zip(
+        _SIDES, (low[0] - x, x - high[0], low[1] - y, y - high[1]), strict=True
+    ):
+        worst = int(np.argmax(past))
+        beyond = float(past[worst])
+        if beyond / camera.width <= SLACK:
+            continue
+        if beyond > border:
+            text = OUTSIDE.format(point=_POINTS[worst], side=where, value=beyond - border)
+        else:
+            text = AT_THE_EDGE.format(
+                point=_POINTS[worst], side=side, value=border - beyond, limit=border
+            )
+        corners = tuple(int(i) for i in np.flatnonzero(past[:4] > 0))
+        yield Refusal("outside", text, beyond / camera.width, corners)

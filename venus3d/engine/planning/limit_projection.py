@@ -1,18 +1,20 @@
-"""Poses that break the limits are brought onto them: the best poses of a search lie there.
+"""Poses that break the limits, projected onto them: the best poses of a search lie there.
 
-Another answer to a broken limit, a sentence for a person, is `Limits.refusal`'s; one single pose
-changed as little as possible is `limits.brought_within`'s.
+`onto_limits` is for the thousands of poses of a search, `brought_within` for a single one that is
+to be changed as little as possible, and says what it changed.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, angles_of
 from venus3d.engine.geometry.visibility import Visibility, visibility_of
 from venus3d.engine.planning.limits import Limits, Mask
+from venus3d.engine.planning.refusals import refusals
 
 # Each correction is a Newton step. It aims a little inside, or the next one never gets through.
 _TILT_DEG = 0.05
@@ -36,44 +38,91 @@ def onto_limits(
     left = np.arange(len(moved))
     for step in range(steps + 1):
         p = moved[left]
-        sight = visibility_of(camera, board, p)
-        good = limits.within(camera, p, sight)
+        seen = visibility_of(camera, board, p)
+        good = limits.within(camera, p, seen)
         accepted[left[good]] = True
         bad = np.flatnonzero(~good)
         left = left[bad]
         if step == steps or not left.size:
             break
-        moved[left] = _step(limits, camera, p[bad], sight.of(bad))
+        moved[left] = _step(limits, camera, p[bad], seen.of(bad))
     return moved, accepted
 
 
-def _step(limits: Limits, camera: Camera, p: Array, sight: Visibility) -> Array:
+def brought_within(
+    board: Board, camera: Camera, limits: Limits, vector: ArrayLike
+) -> tuple[Array, str]:
+    """The pose vector (6,) brought into the limits by the smallest change, and what changed.
+
+    Looked at are a smaller tilt (X and Y angles scaled together), another distance along the same
+    line of sight, and a shift towards the image's centre. Ten degrees weigh as much as ten per
+    cent of the distance or a shift by a tenth of the way to the centre. If nothing of this helps,
+    the vector comes back unchanged with the reason why it is refused.
+    """
+    p = np.asarray(vector, dtype=np.float64).copy()
+    if limits.accepts(camera, board, p)[0]:
+        return p, ""
+    cause = refusals(limits, camera, board, p)[0].text
+    p[:3] = np.clip(p[:3], -limits.max_angle_deg, limits.max_angle_deg)
+    tilt, stretch, centring = (
+        axis.ravel()
+        for axis in np.meshgrid(
+            np.linspace(1, 0, 36), 1.05 ** np.arange(-18, 29), [0, 0.05, 0.1, 0.2, 0.3, 0.5, 1]
+        )
+    )
+    candidates = np.tile(p, (tilt.size, 1))
+    candidates[:, :2] *= tilt[:, None]
+    candidates[:, 3:] *= stretch[:, None]
+    candidates[:, 3:5] *= 1 - centring[:, None]
+    change = (1 - tilt) * np.abs(p[:2]).max() / 10 + np.abs(np.log(stretch)) / 0.1 + 10 * centring
+    order = np.argsort(change, kind="stable")
+    for block in np.array_split(order, 24):
+        good = limits.accepts(camera, board, candidates[block])
+        if good.any():
+            best = candidates[block[int(np.argmax(good))]]
+            return best, f"{cause} {_change_in_words(p, best)}".strip()
+    return p, cause
+
+
+def _change_in_words(before: Array, after: Array) -> str:
+    parts: list[str] = []
+    for name, old, new in zip("XY", before[:2], after[:2], strict=True):
+        if abs(new - old) > 0.05:
+            parts.append(f"turned about {name} by {new:.0f}° instead of {old:.0f}°")
+    if abs(after[5] / before[5] - 1) > 1e-6:
+        parts.append(f"held at {after[5] * 1000:.0f} mm instead of {before[5] * 1000:.0f} mm")
+    if np.linalg.norm(after[3:5] / after[5] - before[3:5] / before[5]) > 1e-6:
+        parts.append("moved towards the centre of the picture")
+    return f"It is {' and '.join(parts)}." if parts else ""
+
+
+def _step(limits: Limits, camera: Camera, p: Array, seen: Visibility) -> Array:
     """One correction of vectors (N, 6)."""
     with np.errstate(all="ignore"):
-        factor = _distance_factor(limits, camera, sight)
+        factor = _distance_factor(limits, camera, seen)
         t = p[:, 3:].T * factor
-        t[:2] += _sideways(limits, camera, sight, t, factor)
+        t[:2] += _sideways(limits, camera, seen, t, factor)
         p[:, 3:] = t.T
-        _cut_tilt(limits, p, sight.R.transpose(2, 0, 1))
+        _cut_tilt(limits, p, seen.R.transpose(2, 0, 1))
     p[:, :3] = np.clip(p[:, :3], -limits.max_angle_deg, limits.max_angle_deg)
     return p
 
 
-def _distance_factor(limits: Limits, camera: Camera, sight: Visibility) -> Array:
+def _distance_factor(limits: Limits, camera: Camera, seen: Visibility) -> Array:
     """(N,) by which the distance must change: nearer limits come before farther ones."""
     low, high = limits.frame(camera)
-    extent = (sight.high - sight.low) / (high - low)[:, None]
+    extent = (seen.high - seen.low) / (high - low)[:, None]
     # far - near hardly changes with the distance, so the ratio asks for a nearest distance.
-    nearest = np.maximum(limits.nearest, (sight.far - sight.near) / (limits.max_depth_ratio - 1))
-    grow = np.maximum(extent.max(axis=0), nearest / sight.near)
-    shrink = np.minimum(sight.side / limits.min_square_px, limits.farthest / sight.far)
+    nearest = np.maximum(limits.nearest, (seen.far - seen.near) / (limits.max_depth_ratio - 1))
+    grow = np.maximum(extent.max(axis=0), nearest / seen.near)
+    shrink = np.minimum(seen.side / limits.min_square_px, limits.farthest / seen.far)
     closer = np.where(shrink < 1, shrink * (1 - _SHARE), 1.0)
     factor = np.where(grow > 1, grow * (1 + _SHARE), closer)
     # Beyond the model's radius the pixels mean nothing: away from the lens, within reason.
-    return np.where(sight.seen, np.clip(factor, 0.5, 2.0), 1.3)
+    return np.where(seen.seen, np.clip(factor, 0.5, 2.0), 1.3)
 
 
-def _sideways(limits: Limits, camera: Camera, sight: Visibility, t: Array, factor: Array) -> Array:
+def _sideways(limits: Limits, camera: Camera, seen: Visibility, t: Array, factor: Array) -> Array:
     """(2, N) metres that bring the points outside the frame back into it, at the new distance.
 
     A pixel of a point at depth Z is Z / f metres; a factor on the distance draws the pixels
@@ -82,12 +131,12 @@ def _sideways(limits: Limits, camera: Camera, sight: Visibility, t: Array, facto
     low, high = (bound[:, None, None] for bound in limits.frame(camera))
     f, c = np.array([[camera.fx], [camera.fy]]), np.array([[camera.cx], [camera.cy]])
     centre = (f * t[:2] / t[2] + c)[:, None]
-    pixels = centre + (sight.pixels - centre) / factor
-    depth = sight.depth * factor
+    pixels = centre + (seen.pixels - centre) / factor
+    depth = seen.depth * factor
     below = np.max(np.maximum(low + _PX - pixels, 0) * depth, axis=1)
     above = np.max(np.maximum(pixels - (high - _PX), 0) * depth, axis=1)
     # A board that is not seen as a whole is led towards the optical axis.
-    return np.where(sight.seen, (below - above) / f, -0.3 * t[:2])
+    return np.where(seen.seen, (below - above) / f, -0.3 * t[:2])
 
 
 def _cut_tilt(limits: Limits, p: Array, R: Array) -> None:
