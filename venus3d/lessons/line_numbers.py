@@ -36,6 +36,8 @@ def lines_of(text: str) -> Lines:
                 continue
             begun = number
         statement += f"{line}\n"
+        if number > begun and not any(end in line for end in ('"""', "'''", "]")):
+            continue  # reading a long statement anew at every line would take minutes
         try:
             content = msgspec.toml.decode(statement)
         except msgspec.DecodeError:
