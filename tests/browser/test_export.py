@@ -16,9 +16,9 @@ import pytest
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
-from venus3d.scene.pages.teach.export.files import exported
-from venus3d.scene.pages.teach.export.scene3d import ASPECT
-from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.export.files import export_files
+from venus3d.scene.pages.teach.export.scene_recording import ASPECT
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = pytest.mark.browser
@@ -46,8 +46,8 @@ def file(
 ) -> Path:
     file = tmp_path_factory.mktemp("export") / "lesson.html"
     with Offscreen("painter") as offscreen:
-        study = PoseStudy(paper_camera, default_board)
-        (content,) = exported(_LESSON, "html", study, offscreen)
+        study = PoseAnalysis(paper_camera, default_board)
+        (content,) = export_files(_LESSON, "html", study, offscreen)
     file.write_bytes(content)
     return file
 

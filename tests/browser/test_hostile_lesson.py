@@ -18,8 +18,8 @@ from tests.ports import free_port
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.reading import read_lesson
-from venus3d.scene.pages.teach.export.files import exported
-from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.export.files import export_files
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -102,8 +102,8 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def exported_page(file: Path, paper_camera: Camera, default_board: Board) -> Path:
     with Offscreen("painter") as offscreen:
-        study = PoseStudy(paper_camera, default_board)
-        (content,) = exported(read_lesson(file), "html", study, offscreen)
+        study = PoseAnalysis(paper_camera, default_board)
+        (content,) = export_files(read_lesson(file), "html", study, offscreen)
     page = file.with_suffix(".html")
     page.write_bytes(content)
     return page

@@ -14,9 +14,10 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.reading import shipped_lessons
 from venus3d.scene.pages.teach import texts
-from venus3d.scene.pages.teach.controls import HOTKEYS, after_action
-from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.actions import Answer, FileKind, PageAction, after_action
+from venus3d.scene.pages.teach.controls import HOTKEYS
 from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.render.offscreen import Offscreen
 
@@ -27,7 +28,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 def teaching(paper_camera: Camera, default_board: Board) -> Iterator[TeachViewer]:
     saved: list[str] = []
 
-    def save(state: TeachState, kind: str) -> tuple[str, bytes]:
+    def save(state: TeachState, kind: FileKind) -> tuple[str, bytes]:
         saved.append(kind)
         if kind == "gif":
             raise StorageError("No film today; come again tomorrow.")
@@ -35,7 +36,7 @@ def teaching(paper_camera: Camera, default_board: Board) -> Iterator[TeachViewer
 
     with Offscreen("painter") as offscreen:
         viewer = TeachViewer(
-            PoseStudy(paper_camera, default_board),
+            PoseAnalysis(paper_camera, default_board),
             offscreen,
             paper_camera,
             port=free_port(),
@@ -77,15 +78,15 @@ def test_every_hotkey_does_what_its_action_does(teaching: TeachViewer, page: Any
         if shown.question is not None and len(shown.question.answers) >= 3
     )
     for action, key in HOTKEYS.items():
-        before = teaching.change(lambda state: state.opened(*asking).scrubbed(0.3))
-        if action in ("answer 4", "answer 5"):
+        before = teaching.change(lambda state: state.opened(*asking).carried_to(0.3))
+        if action in (Answer(4), Answer(5)):
             continue  # no question has so many
         wanted = after_action(before, action)
         page.keyboard.press("Space" if key == "space" else key.lower())
-        if action in ("play", "next"):
-            wait_until(lambda: teaching.state.playing, action)
+        if action in (PageAction.PLAY, PageAction.NEXT_STEP):
+            wait_until(lambda: teaching.state.playing, str(action))
         else:
-            wait_until(lambda wanted=wanted: teaching.state == wanted, action)
+            wait_until(lambda wanted=wanted: teaching.state == wanted, str(action))
     # Neither loop nor speed is left on for the next test.
     teaching.change(lambda state: TeachState(lessons=lessons).opened(None))
 

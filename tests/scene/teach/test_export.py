@@ -19,27 +19,27 @@ from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage
-from venus3d.scene.pages.teach.export.files import exported, kind_of, lesson_of_pose
-from venus3d.scene.pages.teach.export.journey import opened
-from venus3d.scene.pages.teach.export.pair import pair_picture
-from venus3d.scene.pages.teach.export.pose_line import pose_line
-from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.export.animation import exported_pages
+from venus3d.scene.pages.teach.export.comparison_picture import comparison_picture
+from venus3d.scene.pages.teach.export.files import export_files, kind_of, lesson_of_pose
+from venus3d.scene.pages.teach.export.sentences import pose_sentence
 from venus3d.scene.pages.teach.state import Vector
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.render.offscreen import Offscreen
 
 _POSE = (0.0, 0.0, 40.0, 0.0, 0.0, 500.0)
 
 
 @pytest.fixture
-def study(paper_camera: Camera, default_board: Board) -> PoseStudy:
-    return PoseStudy(paper_camera.scaled((320, 180)), default_board)
+def study(paper_camera: Camera, default_board: Board) -> PoseAnalysis:
+    return PoseAnalysis(paper_camera.scaled((320, 180)), default_board)
 
 
 @pytest.mark.slow
 def test_a_film_moves_from_the_upright_board_to_the_target(
-    study: PoseStudy, painter: Offscreen
+    study: PoseAnalysis, painter: Offscreen
 ) -> None:
-    (content,) = exported(lesson_of_pose(_POSE), "mp4", study, painter)
+    (content,) = export_files(lesson_of_pose(_POSE), "mp4", study, painter)
     with av.open(io.BytesIO(content)) as film:
         stream = film.streams.video[0]
         frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(stream)]
@@ -50,23 +50,23 @@ def test_a_film_moves_from_the_upright_board_to_the_target(
 
 
 @pytest.mark.slow
-def test_an_animated_picture_goes_round(study: PoseStudy, painter: Offscreen) -> None:
-    (content,) = exported(lesson_of_pose(_POSE), "gif", study, painter)
+def test_an_animated_picture_goes_round(study: PoseAnalysis, painter: Offscreen) -> None:
+    (content,) = export_files(lesson_of_pose(_POSE), "gif", study, painter)
     picture = Image.open(io.BytesIO(content))
     assert isinstance(picture, GifImageFile) and picture.n_frames > 20
     assert picture.info["loop"] == 0
 
 
-def test_a_sheet_is_a4_at_300_dots(study: PoseStudy, painter: Offscreen) -> None:
-    (content,) = exported(lesson_of_pose(_POSE), "png", study, painter)
+def test_a_sheet_is_a4_at_300_dots(study: PoseAnalysis, painter: Offscreen) -> None:
+    (content,) = export_files(lesson_of_pose(_POSE), "png", study, painter)
     sheet = Image.open(io.BytesIO(content))
     inches = np.array(sheet.size) / np.array(sheet.info["dpi"])
     np.testing.assert_allclose(25.4 * inches, [297, 210], atol=0.5)
     assert np.asarray(sheet).std() > 20
 
 
-def test_a_page_needs_nothing_from_outside(study: PoseStudy, painter: Offscreen) -> None:
-    (content,) = exported(lesson_of_pose(_POSE), "html", study, painter)
+def test_a_page_needs_nothing_from_outside(study: PoseAnalysis, painter: Offscreen) -> None:
+    (content,) = export_files(lesson_of_pose(_POSE), "html", study, painter)
     page = content.decode("utf-8")
     ours = page[: page.index("id='player'")]
     assert not re.search(r"(src|href)=['\"](?!data:)", ours)
@@ -86,8 +86,8 @@ def test_a_page_holds_what_its_words_speak_of(
         LessonPage("Edge on", "Nobody is asked.", (0, 90, 0, 0, 0, 500)),
         LessonPage("Two", "Compare.", (38, 38, 0, 0, 0, 560), arrangement="order", order="yxz"),
     )
-    study = PoseStudy(paper_camera, default_board)
-    (content,) = exported(Lesson("all", "All", "", pages), "html", study, painter)
+    study = PoseAnalysis(paper_camera, default_board)
+    (content,) = export_files(Lesson("all", "All", "", pages), "html", study, painter)
     told = [part.split("</article>")[0] for part in content.decode("utf-8").split("<article")[1:]]
     sigma = study(pages[0].pose).sigma_px
     assert f"± {sigma:.{sigma < 10:d}f} px" in told[0] and "v-bar" in told[0]
@@ -101,14 +101,14 @@ def test_a_page_holds_what_its_words_speak_of(
 
 
 def test_boards_that_are_turned_alike_look_alike_side_by_side(
-    study: PoseStudy, painter: Offscreen
+    study: PoseAnalysis, painter: Offscreen
 ) -> None:
     # In one wide picture perspective would show the two from different sides.
     def halves(angles: tuple[float, float, float]) -> list[NDArray[np.int_]]:
         pose = (*angles, 0.0, 0.0, 500.0)
         page = LessonPage("", "", pose, arrangement="order", order="yxz")
-        state = opened(Lesson("", "", "", (page,)), 0, dark=True)
-        picture = pair_picture(study(pose, "yxz"), state, painter, (640, 360))()
+        (shown,) = exported_pages(Lesson("", "", "", (page,)), study, dark=True)
+        picture = comparison_picture(shown.taught, shown.state, painter, (640, 360))()
         inside = picture[-300:-4, 4:-4].astype(int)  # neither titles nor the frame
         return [inside[:, :310], inside[:, 320:630]]
 
@@ -132,7 +132,7 @@ def test_boards_that_are_turned_alike_look_alike_side_by_side(
     ],
 )
 def test_a_pose_is_told_without_what_is_zero(vector: Vector, line: str) -> None:
-    assert line in pose_line(vector) and "+0" not in pose_line(vector)
+    assert line in pose_sentence(vector) and "+0" not in pose_sentence(vector)
 
 
 def test_an_unknown_ending_names_those_that_there_are() -> None:

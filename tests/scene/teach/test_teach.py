@@ -30,11 +30,11 @@ pose = [10, 0, 0, 0, 0, 500]
 def test_a_pose_is_worked_out_in_degrees_and_millimetres(
     paper_camera: Camera, default_board: Board, rng: np.random.Generator
 ) -> None:
-    study = teach.PoseStudy(paper_camera, default_board)
+    study = teach.PoseAnalysis(paper_camera, default_board)
     for _ in range(20):
         angles, place = rng.uniform(-60, 60, 3), rng.uniform([-200, -150, 350], [200, 150, 900])
         a, b, c, x, y, z = (float(v) for v in (*angles, *place))
-        moment = study((a, b, c, x, y, z), "yxz")
+        taught = study((a, b, c, x, y, z), "yxz")
         rotation = Rotation.from_euler("xyz", angles, degrees=True)
         pixels, _ = cv2.projectPoints(
             default_board.outline,
@@ -43,12 +43,12 @@ def test_a_pose_is_worked_out_in_degrees_and_millimetres(
             paper_camera.K,
             paper_camera.distortion,
         )
-        ours = paper_camera.project(moment.pose.apply(default_board.outline))
+        ours = paper_camera.project(taught.pose.apply(default_board.outline))
         np.testing.assert_allclose(ours, pixels.reshape(-1, 2), atol=1e-6)
         outside = (pixels < 0).any() or (pixels.reshape(-1, 2) > [1279, 719]).any()
-        assert not outside or any(r.kind == "outside" for r in moment.refusals)
+        assert not outside or any(r.kind == "outside" for r in taught.refusals)
         other = Rotation.from_euler("yxz", angles[[1, 0, 2]], degrees=True)
-        np.testing.assert_allclose(moment.reordered[2].after.R, other.as_matrix(), atol=1e-9)
+        np.testing.assert_allclose(taught.reordered[2].after.R, other.as_matrix(), atol=1e-9)
     assert study((20.0, 88.0, 0.0, 0.0, 0.0, 500.0)).locked
     assert not np.isfinite(study((0.0, 0.0, 0.0, 0.0, 0.0, 500.0)).sigma_px), "a frontal board"
 

@@ -12,12 +12,13 @@ from scipy.spatial.transform import Rotation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
-from venus3d.scene.pages.teach.card import comparison_remark
-from venus3d.scene.pages.teach.controls import HOTKEYS, after_action
-from venus3d.scene.pages.teach.pictures import TeachPictures
-from venus3d.scene.pages.teach.run import PoseStudy
-from venus3d.scene.pages.teach.stage import board_now, moment_shapes, stage_shapes
+from venus3d.scene.pages.teach.actions import LookFrom, after_action
+from venus3d.scene.pages.teach.camera_pictures import TeachPictures
+from venus3d.scene.pages.teach.comparison_words import comparison_words
+from venus3d.scene.pages.teach.controls import HOTKEYS
+from venus3d.scene.pages.teach.scene_shapes import board_pose_at, camera_shapes_at, scene_shapes
 from venus3d.scene.pages.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.palette import ground
 from venus3d.scene.render.shapes import LabelShape, MeshShape
@@ -56,8 +57,8 @@ def test_next_lets_one_step_happen_and_previous_goes_back() -> None:
     state = later(state.step_on(), 10)
     assert state.way == 2.0
     assert state.step_back().way == 1.0
-    assert state.scrubbed(0.6).step_back().way == 2.0
-    assert TeachState().scrubbed(0.0).step_back().way == 0.0
+    assert state.carried_to(0.6).step_back().way == 2.0
+    assert TeachState().carried_to(0.0).step_back().way == 0.0
 
 
 def test_an_idle_step_is_passed_quickly() -> None:
@@ -68,26 +69,26 @@ def test_an_idle_step_is_passed_quickly() -> None:
 
 def test_a_slider_shows_its_own_step_and_stops_the_animation() -> None:
     moved = (*FREE_VECTOR[:1], 33.0, *FREE_VECTOR[2:])
-    state = TeachState().play(True).posed(moved)
+    state = TeachState().play(True).with_vector(moved)
     assert (state.step, state.sweep, state.playing) == (3, 1.0, False)
-    assert state.posed((*moved[:4], 5.0, moved[5])).step == 1
+    assert state.with_vector((*moved[:4], 5.0, moved[5])).step == 1
 
 
 def test_lessons_set_the_page_and_turn_into_each_other() -> None:
     state = TeachState(lessons=LESSONS).opened(0)
     assert state.vector == PAGE.pose and state.viewpoint == "above"
-    state = state.turned(1)
+    state = state.page_turned(1)
     assert state.arrangement == "axes" and state.answered(2).answer == 2
     assert state.answered(3).answer is None, "there is no third answer"
-    state = state.answered(1).turned(1)
+    state = state.answered(1).page_turned(1)
     assert (state.lesson, state.page, state.answer) == (1, 0, None)
-    assert state.turned(1) == state.opened(None), "after the last page of all"
-    assert state.turned(-1).page == 1
+    assert state.page_turned(1) == state.opened(None), "after the last page of all"
+    assert state.page_turned(-1).page == 1
     assert state.opened(None).vector == FREE_VECTOR
     swapped = state.opened(None).next_order()
     assert swapped.arrangement == "order", "what it changes is shown first"
     assert swapped.next_order().order != swapped.order
-    assert TeachState().turned(1) == TeachState(), "no lessons"
+    assert TeachState().page_turned(1) == TeachState(), "no lessons"
 
 
 def test_every_hotkey_changes_something() -> None:
@@ -97,51 +98,51 @@ def test_every_hotkey_changes_something() -> None:
         ASKING, question=Question("?", ("A", "B", "C", "D", "E"), 1, "")
     )
     lessons = (Lesson("a", "A", "", (PAGE, question, PAGE)), LESSONS[1])
-    state = TeachState(lessons=lessons).opened(0).turned(1).scrubbed(0.3)
+    state = TeachState(lessons=lessons).opened(0).page_turned(1).carried_to(0.3)
     state = replace(state, vector=FREE_VECTOR)
     for action in HOTKEYS:
-        before = replace(state, viewpoint="camera") if action != "camera" else state
+        before = replace(state, viewpoint="camera") if action != LookFrom("camera") else state
         assert after_action(before, action) != before, action
 
 
 @pytest.fixture
-def study(paper_camera: Camera, default_board: Board) -> PoseStudy:
-    return PoseStudy(paper_camera, default_board)
+def study(paper_camera: Camera, default_board: Board) -> PoseAnalysis:
+    return PoseAnalysis(paper_camera, default_board)
 
 
-def test_the_board_goes_along_one_degree_of_freedom_at_a_time(study: PoseStudy) -> None:
-    moment = study(FREE_VECTOR)
+def test_the_board_goes_along_one_degree_of_freedom_at_a_time(study: PoseAnalysis) -> None:
+    taught = study(FREE_VECTOR)
     for step, axis in ((2, "x"), (3, "y"), (4, "z")):
-        start = board_now(moment, TeachState(way=step - 1 + 1e-9))
-        half = board_now(moment, TeachState(way=step - 0.5))
+        start = board_pose_at(taught, TeachState(way=step - 1 + 1e-9))
+        half = board_pose_at(taught, TeachState(way=step - 0.5))
         wanted = Rotation.from_euler(axis, FREE_VECTOR[step - 2] / 2, degrees=True).as_matrix()
         np.testing.assert_allclose(half.R @ start.R.T, wanted, atol=1e-6)
         np.testing.assert_allclose(half.t, [0.06, -0.03, 0.52], atol=1e-9)
-    end = board_now(moment, TeachState())
+    end = board_pose_at(taught, TeachState())
     whole = Rotation.from_euler("xyz", FREE_VECTOR[:3], degrees=True).as_matrix()
     np.testing.assert_allclose(end.R, whole, atol=1e-12)
 
 
-def test_the_angle_counts_up_and_a_refused_target_says_so(study: PoseStudy) -> None:
-    moment = study(FREE_VECTOR)
+def test_the_angle_counts_up_and_a_refused_target_says_so(study: PoseAnalysis) -> None:
+    taught = study(FREE_VECTOR)
 
     def text(name: str, state: TeachState, vector: Vector = FREE_VECTOR) -> str:
-        shapes = stage_shapes(study(vector), state)
+        shapes = scene_shapes(study(vector), state)
         return next(s.text for s in shapes if isinstance(s, LabelShape) and s.name == name)
 
     assert text("/steps/2/label", TeachState(way=1.5)) in ("+12°", "+13°")
     assert text("/steps/3/label", TeachState(way=2.9)) == "−27°"
-    assert not moment.refusals
+    assert not taught.refusals
     assert "refused" in text("/target/label", TeachState(), REFUSED)
 
 
-def test_the_sector_grows_with_the_board(study: PoseStudy) -> None:
-    moment = study(FREE_VECTOR)
-    for draw in (stage_shapes, moment_shapes):
+def test_the_sector_grows_with_the_board(study: PoseAnalysis) -> None:
+    taught = study(FREE_VECTOR)
+    for draw in (scene_shapes, camera_shapes_at):
         for way in (1.02, 1.4, 1.8, 2.0):
             (mesh,) = (
                 shape.mesh
-                for shape in draw(moment, TeachState(way=way))
+                for shape in draw(taught, TeachState(way=way))
                 if isinstance(shape, MeshShape) and shape.name == "/steps/2/sector"
             )
             rim = mesh.vertices[1:]
@@ -149,8 +150,8 @@ def test_the_sector_grows_with_the_board(study: PoseStudy) -> None:
             assert np.ptp(angles) == pytest.approx(abs(FREE_VECTOR[0]) * (way - 1), abs=0.51), way
 
 
-def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseStudy) -> None:
-    moment = study(FREE_VECTOR, "zyx")
+def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseAnalysis) -> None:
+    taught = study(FREE_VECTOR, "zyx")
     angles = FREE_VECTOR[:3]
     fixed = Rotation.from_euler("xyz", angles, degrees=True)
     for arrangement, other in (
@@ -158,49 +159,51 @@ def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseStudy
         ("order", Rotation.from_euler("zyx", angles[::-1], degrees=True)),
     ):
         apart = np.degrees((other * fixed.inv()).magnitude())
-        assert moment.apart_deg(arrangement) == pytest.approx(apart)  # type: ignore[arg-type]
+        assert taught.apart_deg(arrangement) == pytest.approx(apart)  # type: ignore[arg-type]
         state = replace(TeachState(way=2.5), arrangement=arrangement)  # type: ignore[arg-type]
-        names = {shape.name for shape in stage_shapes(moment, state)}
+        names = {shape.name for shape in scene_shapes(taught, state)}
         assert {"/compare/left/board", "/compare/right/board", "/compare/right/arc"} <= names
         # One turn done, the next one not begun: scene and words speak of the same.
         state = replace(state, way=2.0)
-        labels = {s.name: s.text for s in stage_shapes(moment, state) if isinstance(s, LabelShape)}
+        labels = {s.name: s.text for s in scene_shapes(taught, state) if isinstance(s, LabelShape)}
         assert labels["/compare/left/angle"] == f"{angles[0]:+.0f}°"
-        assert comparison_remark(moment, state).turn == 1
+        assert comparison_words(taught, state).turn == 1
 
 
 def test_pictures_mark_what_is_refused_and_frame_the_step(
-    painter: Offscreen, study: PoseStudy
+    painter: Offscreen, study: PoseAnalysis
 ) -> None:
     pictures, warning = TeachPictures(painter), np.array(ground(True).warning)
 
     def warned(vector: Vector) -> int:
-        picture = pictures.moment(study(vector), TeachState(), fine=False)
+        picture = pictures.camera_picture(study(vector), TeachState(), fine=False)
         return int((np.abs(picture.astype(int) - warning).sum(axis=2) < 12).sum())
 
     assert warned(FREE_VECTOR) == 0 and warned(REFUSED) > 2000
-    moment = study(FREE_VECTOR)
-    drawn = [pictures.sheet(moment, TeachState(way=w), fine=False) for w in (1.0, 2.0, 4.0)]
+    taught = study(FREE_VECTOR)
+    drawn = [pictures.steps_picture(taught, TeachState(way=w), fine=False) for w in (1.0, 2.0, 4.0)]
     sheets = [sheet for sheet in drawn if sheet is not None]
     assert [sheet.shape for sheet in sheets] == [sheets[0].shape] * 3
     assert not np.array_equal(sheets[0], sheets[1]) and not np.array_equal(sheets[1], sheets[2])
 
 
 def test_a_fine_sheet_gives_way_to_a_hand_and_is_kept_when_there_is_none(
-    painter: Offscreen, study: PoseStudy
+    painter: Offscreen, study: PoseAnalysis
 ) -> None:
     """The hand on a slider once waited a quarter of a second for four fine tiles."""
-    pictures, moment = TeachPictures(painter), study(FREE_VECTOR)
+    pictures, taught = TeachPictures(painter), study(FREE_VECTOR)
     asked: list[bool] = []
 
     def until_the_second_tile() -> bool:
         asked.append(True)
         return len(asked) < 3
 
-    cut_short = pictures.sheet(moment, TeachState(), fine=True, wanted=until_the_second_tile)
+    cut_short = pictures.steps_picture(
+        taught, TeachState(), fine=True, wanted=until_the_second_tile
+    )
     assert cut_short is None and len(asked) == 3
-    quick = pictures.sheet(moment, TeachState(), fine=False)
-    fine = pictures.sheet(moment, TeachState(), fine=True)
-    later = pictures.sheet(moment, TeachState(way=1.0), fine=False)
+    quick = pictures.steps_picture(taught, TeachState(), fine=False)
+    fine = pictures.steps_picture(taught, TeachState(), fine=True)
+    later = pictures.steps_picture(taught, TeachState(way=1.0), fine=False)
     assert quick is not None and fine is not None and later is not None
     assert later.shape == fine.shape > quick.shape, "another frame around the same fine tiles"

@@ -35,9 +35,8 @@ from venus3d.scene.pages.exercise.trainee import Course
 from venus3d.scene.pages.exercise.trial_view import TrialPage, TrialViewer
 from venus3d.scene.pages.exercise.view import PracticePage
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.pages.teach.run import PoseStudy
 from venus3d.scene.pages.teach.state import Vector
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import PoseAnalysis, TaughtPose
 from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
@@ -275,9 +274,9 @@ def test_pictures_of_steps_that_fail_leave_the_page_alone(
 def test_a_teaching_page_that_breaks_is_drawn_anew(
     paper_camera: Camera, default_board: Board, painter: Offscreen, fault: Fault
 ) -> None:
-    study = PoseStudy(paper_camera, default_board)
+    study = PoseAnalysis(paper_camera, default_board)
 
-    def faulty(vector: Vector, order: str) -> TeachMoment:
+    def faulty(vector: Vector, order: str) -> TaughtPose:
         fault()
         return study(vector, order)
 
@@ -285,7 +284,7 @@ def test_a_teaching_page_that_breaks_is_drawn_anew(
     try:
         page_of(teach.port, "/target/board")
         fault.due = 1
-        teach.change(lambda state: state.posed((10.0, 20.0, 30.0, 0.0, 0.0, 400.0)))
+        teach.change(lambda state: state.with_vector((10.0, 20.0, 30.0, 0.0, 0.0, 400.0)))
         wait_until(lambda: fault.raised == 1)
         page_of(teach.port, common.DRAWN_ANEW, "/target/board", "GuiImageMessage")
         assert teach.state.vector[1] == 20.0
@@ -327,10 +326,10 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
     loop.start()
     real = PracticePage.show
 
-    def faulty(page: PracticePage, moment: Any) -> None:
+    def faulty(page: PracticePage, taught: Any) -> None:
         if page is hall.desks[0].page:
             fault()
-        real(page, moment)
+        real(page, taught)
 
     try:
         with RawClient(server.get_port()) as one, RawClient(server.get_port()) as other:

@@ -24,7 +24,7 @@ from venus3d.scene.pages.exercise.practice_run import Hall
 from venus3d.scene.pages.exercise.trainee import Course
 from venus3d.scene.pages.exercise.trial_view import TrialViewer
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.web.incoming import is_heard, widget_of
@@ -242,7 +242,7 @@ def test_every_widget_of_every_page_has_a_rule(
     page: str, paper_camera: Camera, default_board: Board, painter: Offscreen, tmp_path: Path
 ) -> None:
     """One without would be dead: its value is heard by nobody."""
-    gui, close = opened(page, paper_camera, default_board, painter, tmp_path)
+    gui, close = opened_page(page, paper_camera, default_board, painter, tmp_path)
     try:
         widgets = gui._gui_input_handle_from_uuid
         assert widgets
@@ -261,7 +261,7 @@ def test_every_widget_of_every_page_has_a_rule(
         close()
 
 
-def opened(
+def opened_page(
     page: str, camera: Camera, board: Board, painter: Offscreen, folder: Path
 ) -> tuple[Any, Callable[[], None]]:
     """The widgets of one page, and what closes it."""
@@ -269,8 +269,8 @@ def opened(
         viewer = (Viewer if page == "guide" else TrialViewer)(port=free_port())
         return viewer.server.gui, viewer.close
     if page == "teach":
-        teach = TeachViewer(PoseStudy(camera, board), painter, camera, port=free_port())
-        return teach._server.gui, teach.close  # pyright: ignore[reportPrivateUsage]
+        teach = TeachViewer(PoseAnalysis(camera, board), painter, camera, port=free_port())
+        return teach.server.gui, teach.close
     server, _ = start_server("127.0.0.1", free_port())
     course = Course.of(camera, board, 0, "practice.csv")
     hall = Hall(server, course, PracticeFile(folder / "practice.csv"), painter)

@@ -18,12 +18,12 @@ from hypothesis import strategies as st
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
-from venus3d.scene.pages.teach.export.document import PageContent, document
-from venus3d.scene.pages.teach.export.journey import opened
-from venus3d.scene.pages.teach.export.scene3d import player, player_scripts
-from venus3d.scene.pages.teach.pose_words import lesson_html, question_html
-from venus3d.scene.pages.teach.run import PoseStudy
+from venus3d.scene.pages.teach.export.animation import exported_pages
+from venus3d.scene.pages.teach.export.html_document import PageContent, html_document
+from venus3d.scene.pages.teach.export.scene_recording import player, player_scripts
+from venus3d.scene.pages.teach.lesson_html import lesson_html, question_html
 from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.web.lesson_text import lesson_text_html
 
 _POSE = (25.0, -30.0, 20.0, 40.0, -20.0, 520.0)
@@ -144,7 +144,7 @@ def test_every_field_of_a_lesson_is_text_in_the_export(
 ) -> None:
     def told(words: str) -> _Read:
         lesson = _lesson(words)
-        return _Read(_document(lesson, PoseStudy(paper_camera, default_board)))
+        return _Read(_document(lesson, PoseAnalysis(paper_camera, default_board)))
 
     assert told(nasty).tags == told("harmless").tags
     # The title twice, the summary, the page's title, question, answer and twice why.
@@ -152,7 +152,7 @@ def test_every_field_of_a_lesson_is_text_in_the_export(
 
 
 def test_only_known_scripts_run_in_the_export(paper_camera: Camera, default_board: Board) -> None:
-    study, viser = PoseStudy(paper_camera, default_board), player()
+    study, viser = PoseAnalysis(paper_camera, default_board), player()
     page = _document(_lesson("a"), study, viser)
     policy = _policy(page)
     (script,) = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
@@ -173,7 +173,7 @@ def test_a_player_of_another_make_still_plays(
     loader = f'<script data-p="{packed}" data-ss="1" data-cs="2">const A="!#~";x()</script>'
     for viser in ("<head><script>x()</script></head>", f"<head>{loader}</head>"):
         assert player_scripts(viser) == ()
-        policy = _policy(_document(_lesson("a"), PoseStudy(paper_camera, default_board), viser))
+        policy = _policy(_document(_lesson("a"), PoseAnalysis(paper_camera, default_board), viser))
         assert "script-src 'unsafe-inline'" in policy and "http" not in policy
 
 
@@ -182,11 +182,11 @@ def _lesson(words: str) -> Lesson:
     return Lesson("a", words, words, (LessonPage(words, words, _POSE, question=question),))
 
 
-def _document(lesson: Lesson, study: PoseStudy, viser: str = "<head></head>") -> str:
+def _document(lesson: Lesson, study: PoseAnalysis, viser: str = "<head></head>") -> str:
     blank = np.zeros((9, 16, 3), np.uint8)
-    state = opened(lesson, 0, dark=False)
-    content = PageContent(study(_POSE), state, (blank, blank, blank, blank), "")
-    return document(lesson, (content,), viser)
+    (page,) = exported_pages(lesson, study, dark=False)
+    content = PageContent(page, (blank, blank, blank, blank), "")
+    return html_document(lesson, (content,), viser)
 
 
 def _policy(page: str) -> str:

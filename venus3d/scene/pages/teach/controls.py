@@ -1,153 +1,105 @@
-"""Buttons and hotkeys of a teaching page: which action was asked for, and what it changes."""
+"""Buttons, hotkeys and palette commands of a teaching page."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
 import viser
 
+from venus3d.lessons.lesson import VIEWPOINTS
 from venus3d.scene.pages.teach import texts
+from venus3d.scene.pages.teach.actions import Action, Answer, Arrange, LookFrom, PageAction, Save
 from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
 
-Act = Callable[[str, Any], None]
-"""Called with an action's name and the tab that asked (or None), on viser's threads."""
+Act = Callable[[Action, viser.ClientHandle | None], None]
+"""Called with an action and the tab that asked (or None), on viser's threads."""
 
 # W A S D Q E and the arrows fly the browser's camera.
-HOTKEYS: dict[str, Any] = {
-    "play": "space",
-    "next": "N",
-    "previous": "P",
-    "speed": "Z",
-    "loop": "L",
-    "outside": "O",
-    "camera": "C",
-    "holder": "M",
-    "above": "V",
-    "strip": "T",
-    "axes": "X",
-    "order": "R",
-    "other order": "Y",
-    "on": "K",
-    "back": "J",
-    "lesson": "G",
-    "free": "F",
-    "reset": "0",
-    "theme": "B",
-    "answer 1": "1",
-    "answer 2": "2",
-    "answer 3": "3",
-    "answer 4": "4",
-    "answer 5": "5",
+HOTKEYS: dict[Action, Any] = {
+    PageAction.PLAY: "space",
+    PageAction.NEXT_STEP: "N",
+    PageAction.PREVIOUS_STEP: "P",
+    PageAction.SPEED: "Z",
+    PageAction.LOOP: "L",
+    LookFrom("outside"): "O",
+    LookFrom("camera"): "C",
+    LookFrom("holder"): "M",
+    LookFrom("above"): "V",
+    Arrange("strip"): "T",
+    Arrange("axes"): "X",
+    Arrange("order"): "R",
+    PageAction.NEXT_ORDER: "Y",
+    PageAction.NEXT_PAGE: "K",
+    PageAction.PREVIOUS_PAGE: "J",
+    PageAction.NEXT_LESSON: "G",
+    PageAction.FREE: "F",
+    PageAction.RESET: "0",
+    PageAction.BRIGHTNESS: "B",
+    **{Answer(number): str(number) for number in range(1, 6)},
 }
-STEP_ROW, TEMPO_ROW = ("previous", "play", "next"), ("speed", "loop")
-LOOK_ROW = ("outside", "camera", "holder", "above")
-SHOW_ROW = ("strip", "axes", "order")
-PAGE_ROW, MORE_ROW = ("back", "on"), ("reset", "other order", "theme")
+STEP_ROW = (PageAction.PREVIOUS_STEP, PageAction.PLAY, PageAction.NEXT_STEP)
+TEMPO_ROW = (PageAction.SPEED, PageAction.LOOP)
+LOOK_ROW = tuple(LookFrom(viewpoint) for viewpoint in VIEWPOINTS)
+SHOW_ROW = (Arrange("strip"), Arrange("axes"), Arrange("order"))
+PAGE_ROW = (PageAction.PREVIOUS_PAGE, PageAction.NEXT_PAGE)
+MORE_ROW = (PageAction.RESET, PageAction.NEXT_ORDER, PageAction.BRIGHTNESS)
 
 
-class ButtonRow:
-    """Buttons side by side whose labels follow the state."""
+class StateButtons:
+    """A row of buttons whose labels follow the page's state."""
 
     def __init__(
-        self, gui: viser.GuiApi, label: str, actions: Sequence[str], act: Act, hint: str
+        self, gui: viser.GuiApi, title: str, actions: Iterable[Action], act: Act, hint: str
     ) -> None:
         """Make the row in the current panel."""
         self._actions = tuple(actions)
-        self._labels = tuple(label_of(action, TeachState()) for action in actions)
-        self._group: Any = gui.add_button_group(label, self._labels, hint=hint)
-
-        def clicked(event: Any) -> None:
-            # The label may have changed meanwhile; all labels of an action end alike.
-            pressed = str(event.target.value).split()[-1]
-            for action, shown in zip(self._actions, self._labels, strict=True):
-                if shown.split()[-1] == pressed:
-                    act(action, event.client)
-
-        self._group.on_click(clicked)
+        self._row = ButtonRow(gui, title, self._labels(TeachState()), act, hint=hint)
 
     def show(self, state: TeachState) -> None:
         """Let the labels say what is on."""
-        labels = tuple(label_of(action, state) for action in self._actions)
-        if labels != self._labels:
-            self._labels = labels
-            self._group.options = labels
+        self._row.show(self._labels(state))
 
-    @property
-    def handle(self) -> Any:
-        """viser's group."""
-        return self._group
+    def _labels(self, state: TeachState) -> dict[Action, str]:
+        return {action: label_of(action, state) for action in self._actions}
 
 
-def make_commands(server: viser.ViserServer, act: Act, kinds: Sequence[str]) -> HelpOverlay:
+def make_commands(server: viser.ViserServer, act: Act, saved: Iterable[Save]) -> HelpOverlay:
     """Every action in the command palette, most with a hotkey; returns the help that lists them.
 
-    `kinds` are the kinds of file that can be saved.
+    `saved` are the kinds of file that can be saved.
     """
-    saving = [f"save {kind}" for kind in kinds]
-    commands = {
-        action: Command(label, HOTKEYS.get(action), description, partial(act, action, None))
-        for action, (label, description) in texts.COMMANDS.items()
-        if action in HOTKEYS or action in saving
-    }
-    add_commands(server, [commands[action] for action in commands if action in HOTKEYS])
-    for action in saving:
+
+    def command(action: Action) -> Command:
+        label, description = texts.COMMANDS[action]
+        return Command(label, HOTKEYS.get(action), description, partial(act, action, None))
+
+    commands = [command(action) for action in HOTKEYS]
+    add_commands(server, commands)
+    for action in saved:
         # A file is for the tab that asked, not for the projector.
-        command = commands[action]
-        handle = server.gui.add_command(command.label, description=command.description)
-
-        def triggered(event: Any, action: str = action) -> None:
-            act(action, event.client)
-
-        handle.on_trigger(triggered)
-    return HelpOverlay(server, tuple(commands.values()))
+        commands.append(command(action))
+        label, description = texts.COMMANDS[action]
+        handle = server.gui.add_command(label, description=description)
+        handle.on_trigger(lambda event, action=action: act(action, event.client))
+    return HelpOverlay(server, commands)
 
 
-def label_of(action: str, state: TeachState) -> str:
+def label_of(action: Action, state: TeachState) -> str:
     """A button's text: a tick says that it is on."""
-    if action == "play":
-        return texts.LABELS["pause" if state.playing else "play"]
-    if action == "theme":
-        return texts.LABELS["theme" if state.dark else "theme dark"]
-    text = texts.LABELS[action].format(speed=texts.SPEED_NAMES.get(state.speed, ""))
-    on = {
-        "loop": state.loop,
-        "strip": state.arrangement == "strip",
-        "axes": state.arrangement == "axes",
-        "order": state.arrangement == "order",
-        state.viewpoint: True,
-    }
-    return f"✓ {text}" if on.get(action, False) else text
-
-
-def after_action(state: TeachState, action: str) -> TeachState:
-    """What is shown once that was asked for; the same state if it is no matter of the state."""
-    simple: dict[str, Callable[[], TeachState]] = {
-        "play": lambda: state.play(not state.playing),
-        "next": state.step_on,
-        "previous": state.step_back,
-        "speed": state.faster,
-        "loop": lambda: replace(state, loop=not state.loop),
-        "strip": lambda: state.arranged("strip"),
-        "axes": lambda: state.arranged("axes"),
-        "order": lambda: state.arranged("order"),
-        "other order": state.next_order,
-        "on": lambda: state.turned(1),
-        "back": lambda: state.turned(-1),
-        "lesson": state.next_lesson,
-        "free": lambda: state.opened(None),
-        "reset": state.reset,
-        "theme": lambda: replace(state, dark=not state.dark),
-        "outside": lambda: replace(state, viewpoint="outside"),
-        "camera": lambda: replace(state, viewpoint="camera"),
-        "holder": lambda: replace(state, viewpoint="holder"),
-        "above": lambda: replace(state, viewpoint="above"),
-    }
-    if action in simple:
-        return simple[action]()
-    if action.startswith("answer "):
-        return state.answered(int(action.split()[1]))
-    return state
+    if action is PageAction.PLAY and state.playing:
+        return texts.PAUSE
+    if action is PageAction.BRIGHTNESS and not state.dark:
+        return texts.DARK
+    text = texts.LABELS[action].format(speed=texts.SPEED_NAMES[state.speed])
+    match action:
+        case LookFrom(viewpoint):
+            is_on = viewpoint == state.viewpoint
+        case Arrange(arrangement):
+            is_on = arrangement == state.arrangement
+        case _:
+            is_on = action is PageAction.LOOP and state.loop
+    return texts.IS_ON.format(label=text) if is_on else text

@@ -13,23 +13,26 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import Lesson
 from venus3d.scene.pages.teach import texts
-from venus3d.scene.pages.teach.controls import PAGE_ROW, Act, ButtonRow
-from venus3d.scene.pages.teach.pose_words import (
-    fit_html,
-    lens_html,
+from venus3d.scene.pages.teach.actions import Answer
+from venus3d.scene.pages.teach.controls import PAGE_ROW, Act, StateButtons
+from venus3d.scene.pages.teach.lesson_html import (
+    acceptance_html,
+    comparison_html,
+    focal_uncertainty_html,
+    lens_legend_html,
     lesson_html,
     question_html,
-    sigma_html,
-    why_html,
 )
 from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState, Vector
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.maps import distortion_magnification, distortion_picture, largest_shift_px
 from venus3d.scene.render.projections import Picture
+from venus3d.scene.web.buttons import ChoiceList
 from venus3d.scene.web.pose_panel import PosePanel
 from venus3d.scene.web.theme import Theme
 
 _ANSWERS = 5
+_FREE = -1  # in the list of lessons
 _LENS_WIDTH = 640
 
 
@@ -45,22 +48,23 @@ class LessonPanel:
         on_lesson: Callable[[int | None], object],
     ) -> None:
         """`on_pose` gets what the sliders say, `on_lesson` a lesson's number, None for free."""
-        titles = (*(lesson.title for lesson in lessons), texts.FREE)
-        self._titles = titles
-        self._choice: Any = gui.add_dropdown(
-            texts.LESSON, titles, initial_value=texts.FREE, hint=texts.LESSON_HINT
+        titles = {number: lesson.title for number, lesson in enumerate(lessons)}
+
+        def chosen(number: int) -> None:
+            on_lesson(None if number == _FREE else number)
+
+        self._choice = ChoiceList(
+            gui,
+            texts.LESSON,
+            {**titles, _FREE: texts.FREE},
+            chosen,
+            chosen=_FREE,
+            hint=texts.LESSON_HINT,
         )
-
-        def chosen(event: Any) -> None:
-            if event.client is not None:
-                number = titles.index(event.target.value)
-                on_lesson(number if number < len(lessons) else None)
-
-        self._choice.on_update(chosen)
         self._text = gui.add_html("")
         self._question = gui.add_html("", visible=False)
         self._answers = [self._answer_button(gui, act, n) for n in range(1, _ANSWERS + 1)]
-        self._pages = ButtonRow(gui, texts.PAGES, PAGE_ROW, act, texts.PAGES_HINT)
+        self._pages = StateButtons(gui, texts.PAGES, PAGE_ROW, act, texts.PAGES_HINT)
         self._sigma = gui.add_html("", visible=False)
         blank = np.zeros((9, 16, 3), np.uint8)
         self._lens = gui.add_image(blank, format="jpeg", jpeg_quality=85, visible=False)
@@ -71,32 +75,30 @@ class LessonPanel:
         self._why = gui.add_html("", visible=False)
         self._shown: dict[str, object] = {}
 
-    def show(self, moment: TeachMoment, state: TeachState, theme: Theme) -> None:
-        """Put one moment into the column; what is the same is not touched."""
+    def show(self, taught: TaughtPose, state: TeachState, theme: Theme) -> None:
+        """Put one pose into the column; what is the same is not touched."""
         self._show_lesson(state)
         self._put(self._question, question_html(state))
         self._show_answers(state)
-        self._put(self._why, why_html(moment, state))
+        self._put(self._why, comparison_html(taught, state))
         page = state.current_page
         extras = () if page is None else page.show
-        self._put(self._sigma, sigma_html(moment) if "sigma" in extras else "")
-        self._show_lens(moment.camera, theme.dark, "distortion" in extras)
-        self._put(self._fit, fit_html(moment))
-        if self._changed("pose", state.set_poses):
+        self._put(self._sigma, focal_uncertainty_html(taught) if "sigma" in extras else "")
+        self._show_lens(taught.camera, theme.dark, "distortion" in extras)
+        self._put(self._fit, acceptance_html(taught))
+        if self._changed("pose", state.pose_version):
             self.pose.show(state.vector)
 
     def _answer_button(self, gui: viser.GuiApi, act: Act, number: int) -> Any:
         button = gui.add_button(str(number), visible=False, hint=texts.ANSWER_HINT)
-        button.on_click(lambda event: act(f"answer {number}", event.client))
+        button.on_click(lambda event: act(Answer(number), event.client))
         return button
 
     def _show_lesson(self, state: TeachState) -> None:
         if not self._changed("page", (state.lesson, state.page)):
             return
         lesson, page = state.current_lesson, state.current_page
-        title = self._titles[-1 if state.lesson is None else state.lesson]
-        if self._choice.value != title:
-            self._choice.value = title
+        self._choice.chosen = _FREE if state.lesson is None else state.lesson
         if lesson is None or page is None:
             self._text.content = lesson_html(texts.FREE_TITLE, "", texts.FREE_TEXT)
         else:
@@ -140,7 +142,7 @@ class LessonPanel:
 @lru_cache(maxsize=2)
 def _lens_picture(camera: Camera, dark: bool) -> tuple[Picture, str]:
     size = (_LENS_WIDTH, round(_LENS_WIDTH * camera.height / camera.width))
-    legend = lens_html(distortion_magnification(camera), largest_shift_px(camera))
+    legend = lens_legend_html(distortion_magnification(camera), largest_shift_px(camera))
     return distortion_picture(camera, size, dark), legend
 
 

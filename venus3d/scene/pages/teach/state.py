@@ -48,7 +48,7 @@ class TeachState:
     page: int = 0
     answer: int | None = None
     """1 ...: the answer that was given to this page's question."""
-    set_poses: int = 0
+    pose_version: int = 0
     """Counts the poses that were not set with the sliders, so that these must follow."""
 
     @property
@@ -98,7 +98,7 @@ class TeachState:
 
     # -- the pose ---------------------------------------------------------------------------------
 
-    def posed(self, vector: Vector) -> TeachState:
+    def with_vector(self, vector: Vector) -> TeachState:
         """Another target, with the board at it; the step whose number has changed is shown."""
         changed = [i for i in range(6) if vector[i] != self.vector[i]]
         focus = self.focus if not changed else (changed[0] + 2 if changed[0] < 3 else 1)
@@ -108,7 +108,7 @@ class TeachState:
         """The page's own pose again."""
         page = self.current_page
         vector = FREE_VECTOR if page is None else page.pose
-        return replace(self._at(4.0), vector=vector, set_poses=self.set_poses + 1)
+        return replace(self._at(4.0), vector=vector, pose_version=self.pose_version + 1)
 
     def _at(self, way: float, until: float | None = None) -> TeachState:
         return replace(self, way=way, until=until, focus=None, dragged=False)
@@ -131,7 +131,7 @@ class TeachState:
         """Before this step; at its beginning, before the one before."""
         return self._at(float(max(ceil(min(self.way, 4.0) - _EPS) - 1, 0)))
 
-    def scrubbed(self, share: float) -> TeachState:
+    def carried_to(self, share: float) -> TeachState:
         """A `share` (0 ... 1) of the whole way."""
         return replace(self._at(4.0 * min(max(share, 0.0), 1.0)), dragged=True)
 
@@ -150,13 +150,13 @@ class TeachState:
             return replace(self, way=self.until, until=None)
         return replace(self, way=way)
 
-    def faster(self) -> TeachState:
+    def next_speed(self) -> TeachState:
         """The next speed, round and round."""
         return replace(self, speed=SPEEDS[(SPEEDS.index(self.speed) + 1) % len(SPEEDS)])
 
     # -- what is shown ----------------------------------------------------------------------------
 
-    def arranged(self, arrangement: Arrangement) -> TeachState:
+    def with_arrangement(self, arrangement: Arrangement) -> TeachState:
         """This arrangement; once more: the steps in place again."""
         wanted = "place" if arrangement == self.arrangement else arrangement
         return replace(self, arrangement=wanted)
@@ -164,7 +164,7 @@ class TeachState:
     def next_order(self) -> TeachState:
         """Another order of turns beside "xyz"; where none is shown, the comparison first."""
         if self.arrangement != "order":
-            return self.arranged("order")
+            return self.with_arrangement("order")
         others = ORDERS[1:]
         return replace(self, order=others[(others.index(self.order) + 1) % len(others)])
 
@@ -183,13 +183,13 @@ class TeachState:
             page=pages.index(shown),
             answer=None,
             vector=shown.pose,
-            set_poses=self.set_poses + 1,
+            pose_version=self.pose_version + 1,
             viewpoint=shown.viewpoint,
             arrangement=shown.arrangement,
             order=shown.order or self.order,
         )
 
-    def turned(self, pages: int) -> TeachState:
+    def page_turned(self, pages: int) -> TeachState:
         """Some pages on or back; past a lesson's end, the next lesson; past the last one's, free.
         Free: the first page."""
         if self.lesson is None:

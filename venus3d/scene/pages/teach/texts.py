@@ -2,6 +2,16 @@
 
 from __future__ import annotations
 
+from venus3d.scene.pages.teach.actions import (
+    Action,
+    Answer,
+    Arrange,
+    FileKind,
+    LookFrom,
+    PageAction,
+    Save,
+)
+
 # -- the lesson ------------------------------------------------------------------------------------
 
 LESSON_TAB = "Lesson"
@@ -17,7 +27,6 @@ FREE_TEXT = (
 PAGE_OF = "Page {page} of {pages}"
 PAGES = "Page"
 PAGES_HINT = "Turn the pages of the lesson."
-PAGE_BACK, PAGE_ON = "◀ Back  J", "Next page  K ▶"
 RIGHT = "✓ Right."
 WRONG = "✕ Not quite."
 ANSWER = "{number}  {answer}"
@@ -74,8 +83,6 @@ COMPARE_PROMPT = "Space bar: watch the three turns."
 # -- the pose --------------------------------------------------------------------------------------
 
 POSE_TITLE = "The pose in six numbers"
-RESET = "Pose again  0"
-RESET_HINT = "Bring back the pose that this page began with."
 ACCEPTED = "✓ The camera sees all of it; a person can hold it so."
 REFUSED = "A person is not asked for this pose"
 MORE = "… and {count} more"
@@ -90,7 +97,7 @@ LOCKED_TRY = "Move the X and the Z slider and watch."
 # -- what happens now ------------------------------------------------------------------------------
 
 PICTURE_TITLE = "What the camera sees"
-SHEET_TITLE = "The four steps as the camera sees them"
+STEPS_PICTURE_TITLE = "The four steps as the camera sees them"
 STEP = "Step {number} of 4: {title}"
 OF = "of {whole}"
 START_HEADLINE = "An upright board"
@@ -105,8 +112,11 @@ SIDES = {
 # -- controls --------------------------------------------------------------------------------------
 
 STEPS, STEPS_HINT = "Steps", "Let the board go through the four steps, or one of them."
-WAY, WAY_HINT = "Way (%)", "Drag to carry the board along its way: 0 is upright, 100 is the pose."
-WAY_MARKS = ("start", "1", "2", "3", "pose")
+PROGRESS, PROGRESS_HINT = (
+    "Way (%)",
+    "Drag to carry the board along its way: 0 is upright, 100 is the pose.",
+)
+PROGRESS_MARKS = ("start", "1", "2", "3", "pose")
 TEMPO, TEMPO_HINT = "Play", "How fast the board goes, and whether it starts over by itself."
 LOOK, LOOK_HINT = "Look from", "Where you look from. You can also turn the scene with the mouse."
 SHOW, SHOW_HINT = (
@@ -123,61 +133,71 @@ SAVING = "{kind}: the file is being made. This can take a minute; go on as you l
 SAVED = "{name} is done: it is among your browser's downloads."
 SAVING_FAILED = "The file could not be made; the window that venus3d was started in says why."
 NOTHING_TO_SAVE = "Files cannot be written here."
+FILE_NAME = "venus3d-{name}.{kind}"
+ANNOUNCED = "Lessons"
 
-LABELS = {
-    "previous": "◀  P",
-    "play": "▶ Play ␣",
-    "pause": "❚❚ Pause ␣",
-    "next": "N  ▶",
-    "speed": "{speed} speed  Z",
-    "loop": "Loop  L",
-    "outside": "Outside  O",
-    "camera": "Camera  C",
-    "holder": "Holder  M",
-    "above": "Above  V",
-    "strip": "Steps  T",
-    "axes": "Axes  X",
-    "order": "Orders  R",
-    "other order": "Next order  Y",
-    "reset": "Pose again  0",
-    "theme": "Light  B",
-    "theme dark": "Dark  B",
-    "back": PAGE_BACK,
-    "on": PAGE_ON,
+PAUSE, DARK = "❚❚ Pause ␣", "Dark  B"
+IS_ON = "✓ {label}"
+LABELS: dict[Action, str] = {
+    PageAction.PREVIOUS_STEP: "◀  P",
+    PageAction.PLAY: "▶ Play ␣",
+    PageAction.NEXT_STEP: "N  ▶",
+    PageAction.SPEED: "{speed} speed  Z",
+    PageAction.LOOP: "Loop  L",
+    LookFrom("outside"): "Outside  O",
+    LookFrom("camera"): "Camera  C",
+    LookFrom("holder"): "Holder  M",
+    LookFrom("above"): "Above  V",
+    Arrange("strip"): "Steps  T",
+    Arrange("axes"): "Axes  X",
+    Arrange("order"): "Orders  R",
+    PageAction.NEXT_ORDER: "Next order  Y",
+    PageAction.RESET: "Pose again  0",
+    PageAction.BRIGHTNESS: "Light  B",
+    PageAction.PREVIOUS_PAGE: "◀ Back  J",
+    PageAction.NEXT_PAGE: "Next page  K ▶",
 }
 SPEED_NAMES = {0.5: "½×", 1.0: "1×", 2.0: "2×"}
-SAVE_LABELS = {"html": "Web page", "png": "Picture", "mp4": "Film", "gif": "GIF"}
+SAVE_LABELS: dict[FileKind, str] = {
+    "html": "Web page",
+    "png": "Picture",
+    "mp4": "Film",
+    "gif": "GIF",
+}
 
-COMMANDS = {
-    "play": ("Play or pause", "Let the board go through the four steps"),
-    "next": ("Next step", "Let one step happen"),
-    "previous": ("Previous step", "Go back before this step"),
-    "speed": ("Speed", "Half, usual or double speed"),
-    "loop": ("Loop", "Start over by itself, or not"),
-    "outside": ("Look from outside", "From behind, above and beside the camera"),
-    "camera": ("Look through the camera", "Stand where the camera stands"),
-    "holder": ("Look from the holder's side", "Stand behind the board; left and right are swapped"),
-    "above": ("Look from above", "Like a map"),
-    "strip": ("Steps side by side", "Spread the four steps out, or put them back"),
-    "axes": ("Fixed axes or own axes", "The same numbers read in two ways"),
-    "order": ("Order of turns", "The same turns in two orders"),
-    "other order": (
+COMMANDS: dict[Action, tuple[str, str]] = {
+    PageAction.PLAY: ("Play or pause", "Let the board go through the four steps"),
+    PageAction.NEXT_STEP: ("Next step", "Let one step happen"),
+    PageAction.PREVIOUS_STEP: ("Previous step", "Go back before this step"),
+    PageAction.SPEED: ("Speed", "Half, usual or double speed"),
+    PageAction.LOOP: ("Loop", "Start over by itself, or not"),
+    LookFrom("outside"): ("Look from outside", "From behind, above and beside the camera"),
+    LookFrom("camera"): ("Look through the camera", "Stand where the camera stands"),
+    LookFrom("holder"): (
+        "Look from the holder's side",
+        "Stand behind the board; left and right are swapped",
+    ),
+    LookFrom("above"): ("Look from above", "Like a map"),
+    Arrange("strip"): ("Steps side by side", "Spread the four steps out, or put them back"),
+    Arrange("axes"): ("Fixed axes or own axes", "The same numbers read in two ways"),
+    Arrange("order"): ("Order of turns", "The same turns in two orders"),
+    PageAction.NEXT_ORDER: (
         "Another order",
         "Compare X, Y, Z with the next of the other five orders of turns",
     ),
-    "on": ("Next page", "The next page; after the last one, your own poses"),
-    "back": ("Previous page", "The page before"),
-    "lesson": ("Next lesson", "Open the next lesson"),
-    "free": ("Try it yourself", "No lesson: just the sliders"),
-    "reset": ("Pose again", "The pose that this page began with"),
-    "theme": ("Light or dark", "Change the page's brightness"),
-    "answer 1": ("Answer 1", "Give the first answer"),
-    "answer 2": ("Answer 2", "Give the second answer"),
-    "answer 3": ("Answer 3", "Give the third answer"),
-    "answer 4": ("Answer 4", "Give the fourth answer"),
-    "answer 5": ("Answer 5", "Give the fifth answer"),
-    "save html": ("Save as a web page", "One file with everything in it, for offline"),
-    "save png": ("Save as a picture", "A sheet of the four steps"),
-    "save mp4": ("Save as a film", "The animation as MP4"),
-    "save gif": ("Save as a GIF", "The animation for a slide or a mail"),
+    PageAction.NEXT_PAGE: ("Next page", "The next page; after the last one, your own poses"),
+    PageAction.PREVIOUS_PAGE: ("Previous page", "The page before"),
+    PageAction.NEXT_LESSON: ("Next lesson", "Open the next lesson"),
+    PageAction.FREE: ("Try it yourself", "No lesson: just the sliders"),
+    PageAction.RESET: ("Pose again", "The pose that this page began with"),
+    PageAction.BRIGHTNESS: ("Light or dark", "Change the page's brightness"),
+    Answer(1): ("Answer 1", "Give the first answer"),
+    Answer(2): ("Answer 2", "Give the second answer"),
+    Answer(3): ("Answer 3", "Give the third answer"),
+    Answer(4): ("Answer 4", "Give the fourth answer"),
+    Answer(5): ("Answer 5", "Give the fifth answer"),
+    Save("html"): ("Save as a web page", "One file with everything in it, for offline"),
+    Save("png"): ("Save as a picture", "A sheet of the four steps"),
+    Save("mp4"): ("Save as a film", "The animation as MP4"),
+    Save("gif"): ("Save as a GIF", "The animation for a slide or a mail"),
 }

@@ -1,4 +1,4 @@
-"""The layout of a teaching page: what stands where, and how one moment is put on it.
+"""The layout of a teaching page: what stands where, and how one pose is put on it.
 
 left    the lesson, its question, what it shows live; the pose in six numbers and whether it may be
 middle  the 3D scene
@@ -16,7 +16,7 @@ import viser
 
 from venus3d.lessons.lesson import Lesson
 from venus3d.scene.pages.teach import texts
-from venus3d.scene.pages.teach.card import card_html
+from venus3d.scene.pages.teach.actions import FileKind, Save
 from venus3d.scene.pages.teach.controls import (
     LOOK_ROW,
     MORE_ROW,
@@ -24,13 +24,15 @@ from venus3d.scene.pages.teach.controls import (
     STEP_ROW,
     TEMPO_ROW,
     Act,
-    ButtonRow,
+    StateButtons,
     make_commands,
 )
 from venus3d.scene.pages.teach.lesson_panel import LessonPanel
+from venus3d.scene.pages.teach.progress_card import card_html
 from venus3d.scene.pages.teach.state import TeachState, Vector
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.projections import Picture
+from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.dressing import Dressing
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.windows import fit_width
@@ -38,10 +40,10 @@ from venus3d.scene.web.windows import fit_width
 # (lowest height of the window, width on the left, width on the right), pixels
 _WIDTHS = ((900, 520, 500), (0, 400, 340))
 _JPEG_QUALITY = 82
-MARKS = tuple(zip((0, 25, 50, 75, 100), texts.WAY_MARKS, strict=True))
+MARKS = tuple(zip((0, 25, 50, 75, 100), texts.PROGRESS_MARKS, strict=True))
 
 
-class TeachPage:
+class TeachView:
     """All panels of one server. Callbacks come on viser's threads."""
 
     def __init__(
@@ -52,20 +54,20 @@ class TeachPage:
         *,
         on_pose: Callable[[Vector], object],
         on_lesson: Callable[[int | None], object],
-        on_way: Callable[[float], object],
-        kinds: tuple[str, ...],
+        on_progress: Callable[[float], object],
+        kinds: tuple[FileKind, ...],
         aspect: float,
     ) -> None:
         """Lay everything out.
 
         Args:
-            on_way: gets a share of the way, 0 ... 1.
+            on_progress: gets a share of the way, 0 ... 1.
             kinds: the kinds of file that can be saved.
             aspect: the camera picture's width over its height.
         """
         self._server, self._gui = server, server.gui
         self._dressing = Dressing(server.gui)
-        self._make_right(act, on_way, aspect)
+        self._make_right(act, on_progress, aspect)
         panel = self._left = self._gui.add_panel()
         with panel.add_tab(texts.LESSON_TAB, viser.Icon.SCHOOL):
             self._dressing.add()
@@ -74,42 +76,43 @@ class TeachPage:
                 (texts.TEMPO, TEMPO_ROW, texts.TEMPO_HINT),
                 (texts.PAGE, MORE_ROW, texts.PAGE_HINT),
             ):
-                self._rows.append(ButtonRow(self._gui, label, row, act, hint))
+                self._rows.append(StateButtons(self._gui, label, row, act, hint))
             if kinds:
-                self._make_saving(act, kinds)
+                labels = {Save(kind): texts.SAVE_LABELS[kind] for kind in kinds}
+                ButtonRow(self._gui, texts.SAVE, labels, act, hint=texts.SAVE_HINT)
         panel.dock_left()
         panel.expand()  # on a phone panels are folded at first
-        self._help = make_commands(server, act, kinds)
+        self._help = make_commands(server, act, [Save(kind) for kind in kinds])
         fit_width(server, panel, lambda height: _widths(height)[0])
         fit_width(server, self._gui.main_panel, lambda height: _widths(height)[1])
 
-    def show(self, moment: TeachMoment, state: TeachState) -> None:
-        """Put one moment on the page."""
+    def show(self, taught: TaughtPose, state: TeachState) -> None:
+        """Put one pose on the page."""
         theme = Theme(state.dark)
         self._dressing.show(theme)
         self._help.show(theme)
-        self.lesson.show(moment, state, theme)
-        card = card_html(moment, state, theme)
+        self.lesson.show(taught, state, theme)
+        card = card_html(taught, state, theme)
         if self.card.content != card:
             self.card.content = card
         for row in self._rows:
             row.show(state)
         share = round(25 * min(state.way, 4.0))
         if share != self._share:
-            # Not otherwise: where it was put is in the slider before `on_way` hears of it.
+            # Not otherwise: where it was put is in the slider before `on_progress` hears of it.
             self._share = share
             if not state.dragged:
-                self.way.value = share
+                self.progress.value = share
 
-    def show_moment(self, picture: Picture) -> None:
+    def show_camera_picture(self, picture: Picture) -> None:
         """What the camera sees now, RGB."""
         self.picture.image = picture
 
-    def show_sheet(self, picture: Picture) -> None:
+    def show_steps_picture(self, picture: Picture) -> None:
         """The four steps in one picture, RGB."""
-        self.sheet.image = picture
+        self.steps_picture.image = picture
 
-    def say(
+    def notify(
         self,
         client: viser.ClientHandle | None,
         text: str,
@@ -122,7 +125,7 @@ class TeachPage:
         Args:
             busy: with a mark that turns: something is going on.
 
-        Returns what takes it back.
+        Returns what takes the sentence away again.
         """
         clients = self._server.get_clients().values() if client is None else (client,)
         notes = [
@@ -130,13 +133,13 @@ class TeachPage:
             for one in clients
         ]
 
-        def unsay() -> None:
+        def remove() -> None:
             for note in notes:
                 note.remove()
 
-        return unsay
+        return remove
 
-    def _make_right(self, act: Act, on_way: Callable[[float], object], aspect: float) -> None:
+    def _make_right(self, act: Act, on_progress: Callable[[float], object], aspect: float) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
         self._dressing.add()
@@ -144,31 +147,24 @@ class TeachPage:
         blank = np.full((round(480 / aspect), 480, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
         self.card = gui.add_html("")
-        self._rows = [ButtonRow(gui, texts.STEPS, STEP_ROW, act, texts.STEPS_HINT)]
-        self.way: Any = gui.add_slider(texts.WAY, 0, 100, 1, 100, marks=MARKS, hint=texts.WAY_HINT)
+        self._rows = [StateButtons(gui, texts.STEPS, STEP_ROW, act, texts.STEPS_HINT)]
+        self.progress: Any = gui.add_slider(
+            texts.PROGRESS, 0, 100, 1, 100, marks=MARKS, hint=texts.PROGRESS_HINT
+        )
         self._share = 100
 
         def moved(event: Any) -> None:
             if event.client is not None:
-                on_way(event.target.value / 100)
+                on_progress(event.target.value / 100)
 
-        self.way.on_update(moved)
+        self.progress.on_update(moved)
         rows = (
             (texts.LOOK, LOOK_ROW, texts.LOOK_HINT),
             (texts.SHOW, SHOW_ROW, texts.SHOW_HINT),
         )
-        self._rows += [ButtonRow(gui, label, row, act, hint) for label, row, hint in rows]
-        self._heading(texts.SHEET_TITLE)
-        self.sheet = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
-
-    def _make_saving(self, act: Act, kinds: tuple[str, ...]) -> None:
-        labels = {texts.SAVE_LABELS[kind]: kind for kind in kinds}
-        group: Any = self._gui.add_button_group(texts.SAVE, tuple(labels), hint=texts.SAVE_HINT)
-
-        def clicked(event: Any) -> None:
-            act(f"save {labels[event.target.value]}", event.client)
-
-        group.on_click(clicked)
+        self._rows += [StateButtons(gui, label, row, act, hint) for label, row, hint in rows]
+        self._heading(texts.STEPS_PICTURE_TITLE)
+        self.steps_picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
 
     def _heading(self, text: str) -> None:
         self._gui.add_html(f"<div class='v-progress'><div class='v-head2'>{text}</div></div>")

@@ -1,21 +1,27 @@
-"""What is known of the pose that is taught now. The app works it out, the page shows it."""
+"""The pose that is taught: its four steps, its other readings, and what views like it tell."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+
+import numpy as np
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.decomposition import Steps
+from venus3d.engine.geometry.decomposition import Steps, decompose_vector, home_pose
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.geometry.rotation_orders import Turns
-from venus3d.engine.planning.refusals import Refusal
+from venus3d.engine.geometry.rotation_orders import Turns, is_almost_locked, turns
+from venus3d.engine.planning.focal_uncertainty import focal_sigma, focal_words
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.refusals import Refusal, refusals
 from venus3d.lessons.lesson import Arrangement
+from venus3d.scene.pages.teach.state import Vector
 
 
 @dataclass(frozen=True, eq=False)
-class TeachMoment:
-    """One pose, taken apart."""
+class TaughtPose:
+    """One pose, decomposed."""
 
     camera: Camera
     board: Board
@@ -59,3 +65,38 @@ class TeachMoment:
     def apart_deg(self, arrangement: Arrangement) -> float:
         """The one angle between the two results side by side, degrees."""
         return self.fixed[2].after.angle_to_deg(self.others(arrangement)[2].after)
+
+
+AnalysePose = Callable[[Vector, str], TaughtPose]
+"""Works out the pose of six numbers; the order of turns is compared with "xyz"."""
+
+
+class PoseAnalysis:
+    """Works out what is shown of the poses of one board, as one camera sees it."""
+
+    def __init__(self, camera: Camera, board: Board) -> None:
+        """The limits are the board's and the camera's own."""
+        self._camera, self._board = camera, board
+        self._limits = Limits.for_board(board, camera)
+
+    def __call__(self, vector: Vector, order: str = "zyx") -> TaughtPose:
+        """The pose of six numbers; a few milliseconds. `order` is compared with "xyz"."""
+        camera, board = self._camera, self._board
+        p = np.array([*vector[:3], *(length / 1000 for length in vector[3:])])
+        steps = decompose_vector(p, camera, board)
+        pose = steps[3].after
+        sigma = focal_sigma(camera, board, pose)
+        return TaughtPose(
+            camera=camera,
+            board=board,
+            pose=pose,
+            steps=steps,
+            refusals=refusals(self._limits, camera, board, p),
+            fixed=turns(home_pose(), p[:3]),
+            own=turns(home_pose(), p[:3], axes="own"),
+            reordered=turns(home_pose(), p[:3], order=order),
+            order=order,
+            locked=is_almost_locked(p[1]),
+            sigma_px=sigma,
+            sigma_words=focal_words(sigma, camera),
+        )

@@ -8,7 +8,7 @@ imageio's would be downloaded when first used), Pillow writes GIF. No files here
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 import av
@@ -16,13 +16,13 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from venus3d.lessons.lesson import Lesson
+from venus3d.scene.pages.teach.camera_pictures import with_refusal
 from venus3d.scene.pages.teach.export import texts
-from venus3d.scene.pages.teach.export.journey import journey, opened
-from venus3d.scene.pages.teach.export.pair import pair_picture
-from venus3d.scene.pages.teach.pictures import marked
-from venus3d.scene.pages.teach.stage import moment_shapes, shown_step
+from venus3d.scene.pages.teach.export.animation import ExportedPage, animation_states
+from venus3d.scene.pages.teach.export.comparison_picture import comparison_picture
+from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at, shown_step
 from venus3d.scene.pages.teach.state import TeachState
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.palette import ground, mixed
 from venus3d.scene.render.projections import Picture, framed, headed
@@ -35,64 +35,52 @@ _AHEAD = 4  # pictures that the renderer works on while one is encoded
 
 
 def film(
-    lesson: Lesson,
-    moments: Iterable[TeachMoment],
-    offscreen: Offscreen,
-    *,
-    fps: int,
-    width: int,
-    dark: bool = False,
+    lesson: Lesson, pages: Sequence[ExportedPage], offscreen: Offscreen, *, fps: int, width: int
 ) -> Iterator[Picture]:
-    """The pictures, RGB, all of one size with even sides; before each page a card with its title.
-
-    Args:
-        moments: what is known of each page's pose, in the pages' order.
-    """
-    for number, moment in enumerate(moments):
-        height = round(width * moment.camera.height / moment.camera.width)
-        states = journey(moment, opened(lesson, number, dark=dark), fps)
-        first = _even(_picture(moment, states[0], offscreen, (width, height))())
+    """The pictures, RGB, of one size with even sides; before each page a card with its title."""
+    for page in pages:
+        camera, states = page.taught.camera, animation_states(page, fps)
+        size = (width, round(width * camera.height / camera.width))
+        first = _even(_picture(page.taught, states[0], offscreen, size)())
         if lesson.title:
-            card = _card(lesson, number, first.shape, dark)
+            card = _title_card(lesson.title, page.page.title, first.shape, page.state.dark)
             yield from [card] * round(_TITLE_S * fps)
         waiting: list[Callable[[], Picture]] = []
         for before, state in zip((None, *states[:-1]), states, strict=True):
             # A board at rest is drawn once.
             same = before is not None and waiting and before.place == state.place
-            waiting.append(
-                waiting[-1] if same else _picture(moment, state, offscreen, (width, height))
-            )
+            waiting.append(waiting[-1] if same else _picture(page.taught, state, offscreen, size))
             if len(waiting) > _AHEAD:
                 yield _even(waiting.pop(0)())
         yield from (_even(finished()) for finished in waiting)
 
 
 def _picture(
-    moment: TeachMoment, state: TeachState, offscreen: Offscreen, size: tuple[int, int]
+    taught: TaughtPose, state: TeachState, offscreen: Offscreen, size: tuple[int, int]
 ) -> Callable[[], Picture]:
     if state.compares:
-        return pair_picture(moment, state, offscreen, size)
+        return comparison_picture(taught, state, offscreen, size)
     colours = ground(state.dark)
     return offscreen.submit(
-        moment.camera,
-        moment_shapes(moment, state),
+        taught.camera,
+        camera_shapes_at(taught, state),
         background=mixed(colours.background, colours.text, 0.06),
         size=size,
         supersample=1,
-        finish=lambda picture: _told(picture, moment, state),
+        finish=lambda picture: _with_header(picture, taught, state),
     ).result
 
 
-def _told(picture: Picture, moment: TeachMoment, state: TeachState) -> Picture:
+def _with_header(picture: Picture, taught: TaughtPose, state: TeachState) -> Picture:
     """The picture under its header. A step with nothing to do leaves the word to the next."""
-    busy = [step for step in moment.steps if not step.is_idle]
+    busy = [step for step in taught.steps if not step.is_idle]
     if not busy:
         text = ground(state.dark).text
         return headed(picture, "0", text, texts.UPRIGHT, texts.UPRIGHT_WHERE, state.dark)
     if state.way >= 4:
         # Why a pose is refused is said where the board has come to it.
-        picture = marked(picture, moment, state.dark)
-    now = shown_step(moment, state)
+        picture = with_refusal(picture, taught, state.dark)
+    now = shown_step(taught, state)
     step = next((step for step in busy if step.number >= now), busy[-1])
     return framed(picture, step, state.dark)
 
@@ -103,16 +91,16 @@ def _even(picture: Picture) -> Picture:
     return picture[:height, :width]
 
 
-def _card(lesson: Lesson, page: int, shape: tuple[int, ...], dark: bool) -> Picture:
+def _title_card(lesson: str, page: str, shape: tuple[int, ...], dark: bool) -> Picture:
     colours = ground(dark)
     image = Image.new("RGB", (shape[1], shape[0]), colours.background)
     draw = ImageDraw.Draw(image)
     large, small = font(shape[1] // 18, bold=True), font(shape[1] // 36)
-    lines = wrapped(lesson.pages[page].title, large, 0.86 * shape[1])
+    lines = wrapped(page, large, 0.86 * shape[1])
     middle, line = shape[0] / 2, shape[1] / 15
     draw.text(
         (shape[1] / 2, middle - (len(lines) / 2 + 0.8) * line),
-        lesson.title,
+        lesson,
         fill=colours.quiet_text,
         font=small,
         anchor="mm",

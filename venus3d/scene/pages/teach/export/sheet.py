@@ -10,9 +10,9 @@ from PIL import Image, ImageDraw
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
 from venus3d.engine.guidance.prompts import step_words
 from venus3d.scene.pages.teach.export import texts
-from venus3d.scene.pages.teach.export.pose_line import for_hands, pose_line
+from venus3d.scene.pages.teach.export.sentences import holder_sentence, pose_sentence
 from venus3d.scene.pages.teach.state import Vector
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.palette import ground, step_style, text_on
 from venus3d.scene.render.projections import Picture, Projections
@@ -28,7 +28,7 @@ _ROOM = SIZE_PX[0] - 2 * _MARGIN
 
 
 def sheet(
-    moment: TeachMoment,
+    taught: TaughtPose,
     vector: Vector,
     title: str,
     offscreen: Offscreen,
@@ -40,22 +40,22 @@ def sheet(
     """
     image = Image.new("RGB", SIZE_PX, (255, 255, 255))
     draw = ImageDraw.Draw(image)
-    _heading(draw, moment, vector, title)
+    _heading(draw, taught, vector, title)
     width = (_ROOM - _GAP) // 2
     height = (SIZE_PX[1] - _TOP - _MARGIN - _GAP) // 2
-    lines = [_lines(step, width) for step in moment.steps]
+    lines = [_lines(step, width) for step in taught.steps]
     words_tall = max(map(len, lines)) * _LINE_TALL + 130
-    camera = moment.camera
+    camera = taught.camera
     picture_height = min(height - words_tall, round(width * camera.height / camera.width))
     size = (round(picture_height * camera.width / camera.height), picture_height)
     projections = Projections(offscreen)
     pictures = [
         projections.of_step(
-            step, camera, moment.board, size=size, dark=False, supersample=1, header=False
+            step, camera, taught.board, size=size, dark=False, supersample=1, header=False
         )
-        for step in moment.steps
+        for step in taught.steps
     ]
-    for step, words, picture in zip(moment.steps, lines, pictures, strict=True):
+    for step, words, picture in zip(taught.steps, lines, pictures, strict=True):
         row, column = divmod(step.number - 1, 2)
         corner = (_MARGIN + column * (width + _GAP), _TOP + row * (height + _GAP))
         _cell(draw, image, corner, (width, height), step.number, words, picture.result())
@@ -68,21 +68,21 @@ def sheet(
 
 def _lines(step: Step, width: int) -> tuple[str, ...]:
     """What to do in this step, for the picture and for the hands, in lines of a cell."""
-    words = (step_words(step).camera, for_hands(step_words(step)))
+    words = (step_words(step).camera, holder_sentence(step_words(step)))
     return tuple(line for text in words for line in wrapped(text, font(_WORDS), width - 60))
 
 
-def _heading(draw: Any, moment: TeachMoment, vector: Vector, title: str) -> None:
-    colours, line = ground(False), pose_line(vector)
+def _heading(draw: Any, taught: TaughtPose, vector: Vector, title: str) -> None:
+    colours, line = ground(False), pose_sentence(vector)
     face = fitting_font(title, _TITLE, _ROOM, bold=True)
     draw.text((_MARGIN, _MARGIN - 30), title, fill=colours.text, font=face)
     face = fitting_font(line, _LINE, _ROOM)
     draw.text((_MARGIN, 270), line, fill=colours.text, font=face)
     line, colour = texts.SHEET_START, colours.quiet_text
-    if moment.refusals:
+    if taught.refusals:
         # Whoever reads that a pose is refused need not be told how it is reached.
         line, colour = texts.SHEET_REFUSED, colours.warning
-    why = moment.refusals[0].text if moment.refusals else ""
+    why = taught.refusals[0].text if taught.refusals else ""
     line = line.format(millimetres=round(1000 * HOME_DISTANCE), why=why)
     draw.text((_MARGIN, 345), line, fill=colour, font=fitting_font(line, _WORDS, _ROOM))
 

@@ -39,7 +39,7 @@ _AXIS = 0.64  # of the board's width: the axes reach beyond the board
 _SHORTEST_ARC_DEG = 12.0
 
 
-def centre_of(board: Board, side: Side) -> Array:
+def board_centre(board: Board, side: Side) -> Array:
     """(3,) where this side's board stands: larger boards stand farther apart."""
     return CENTRES[side] * (board.width / _USUAL_WIDTH)
 
@@ -48,10 +48,10 @@ def comparison_points(board: Board) -> Array:
     """(N, 3) points around all that is drawn here, metres."""
     reach = 1.05 * _AXIS * board.width
     box = np.array(np.meshgrid([-1, 1], [-1.25, 1.1], [-0.6, 0.6])).reshape(3, -1).T * reach
-    return np.concatenate([centre_of(board, side) + box for side in CENTRES])
+    return np.concatenate([board_centre(board, side) + box for side in CENTRES])
 
 
-def column_shapes(
+def turning_board_shapes(
     board: Board,
     side: Side,
     turns: Turns,
@@ -67,7 +67,7 @@ def column_shapes(
         axes: which axes are drawn: the camera's, or the board's own.
         title: stands above the board.
     """
-    name, centre, colours = f"/compare/{side}", centre_of(board, side), ground(dark)
+    name, centre, colours = f"/compare/{side}", board_centre(board, side), ground(dark)
     # A turn that has just ended is still the one that the words speak of.
     index = min(max(ceil(way - 1e-6) - 1, 0), 2)
     turn, fraction = turns[index], min(way - index, 1.0)

@@ -16,12 +16,12 @@ from PIL import Image, ImageDraw
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.scene.pages.teach.card import comparison_remark
-from venus3d.scene.pages.teach.comparison import Side, centre_of
+from venus3d.scene.pages.teach.comparison_shapes import Side, board_centre
+from venus3d.scene.pages.teach.comparison_words import comparison_words
 from venus3d.scene.pages.teach.export import texts
-from venus3d.scene.pages.teach.stage import stage_shapes
+from venus3d.scene.pages.teach.scene_shapes import scene_shapes
 from venus3d.scene.pages.teach.state import TeachState
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.palette import ground, mixed, step_colour
 from venus3d.scene.render.projections import Picture, headed
@@ -37,28 +37,28 @@ _LARGE = 500  # pixels: wider pictures need no smoothing
 _SIDES: tuple[Side, Side] = ("left", "right")
 
 
-def pair_picture(
-    moment: TeachMoment, state: TeachState, offscreen: Offscreen, size: tuple[int, int]
+def comparison_picture(
+    taught: TaughtPose, state: TeachState, offscreen: Offscreen, size: tuple[int, int]
 ) -> Callable[[], Picture]:
     """Ask for the picture, RGB, as large as `size` and the header of the steps' pictures above it.
 
     What is returned waits for it. `state` must be one that compares.
     """
     state = replace(state, viewpoint="outside")  # left stays left
-    shapes, half = stage_shapes(moment, state), (size[0] // 2, size[1])
-    futures = [_half(shapes, moment.board, side, offscreen, half, state.dark) for side in _SIDES]
+    shapes, half = scene_shapes(taught, state), (size[0] // 2, size[1])
+    futures = [_half(shapes, taught.board, side, offscreen, half, state.dark) for side in _SIDES]
 
     def finished() -> Picture:
         picture = np.hstack([future.result() for future in futures])
         picture[:, half[0] - 1 : half[0] + 1] = ground(state.dark).quiet_text
-        return headed(picture, *_words(moment, state), state.dark)
+        return headed(picture, *_words(taught, state), state.dark)
 
     return finished
 
 
-def _words(moment: TeachMoment, state: TeachState) -> tuple[str, Colour, str, str]:
+def _words(taught: TaughtPose, state: TeachState) -> tuple[str, Colour, str, str]:
     """The header's badge, colour, title and sentence."""
-    remark = comparison_remark(moment, state)
+    remark = comparison_words(taught, state)
     if remark.turn is not None:
         colour = step_colour(remark.axis + 2, state.dark)
         title = ", ".join(part for part in (remark.headline, remark.amount) if part)
@@ -66,7 +66,7 @@ def _words(moment: TeachMoment, state: TeachState) -> tuple[str, Colour, str, st
     colour = ground(state.dark).text
     if state.way <= 1:  # there is nothing to press in a film
         return texts.ALIKE, colour, remark.headline, ""
-    badge = texts.ALIKE if moment.apart_deg(state.arrangement) < 0.5 else texts.DIFFERENT
+    badge = texts.ALIKE if taught.apart_deg(state.arrangement) < 0.5 else texts.DIFFERENT
     return badge, colour, remark.headline, f"{remark.amount.capitalize()}. {remark.sentence}"
 
 
@@ -97,7 +97,7 @@ def _eye(board: Board, side: Side, size: tuple[int, int]) -> tuple[Camera, Pose]
     """What looks at this side's board, and from the camera's frame to its own."""
     f = size[1] / 2 / np.tan(FOV_RAD / 2)
     eye = Camera(*size, f, f, (size[0] - 1) / 2, (size[1] - 1) / 2)
-    centre, ahead = centre_of(board, side), np.array(_DIRECTION)
+    centre, ahead = board_centre(board, side), np.array(_DIRECTION)
     distance = 2 * f * _REACH * board.width / min(size)
     view = SceneCamera(centre - distance * ahead / np.linalg.norm(ahead), centre, FOV_RAD)
     return eye, Pose(view.axes, -view.axes @ view.position)

@@ -1,7 +1,7 @@
-"""The shapes of a teaching page: in 3D, and in the picture of the present moment.
+"""The shapes of a teaching page: in 3D, and in the picture of what the camera sees.
 
 The steps themselves are described by `scene.describe` and `scene.strip`, so that they look as they
-do in a calibration; here the board glides along them and a refused pose is marked.
+do in a calibration; here the board glides along them and a refused pose is with_refusal.
 """
 
 from __future__ import annotations
@@ -16,9 +16,13 @@ from venus3d.engine.geometry.pose import Array, Axes, Pose
 from venus3d.engine.geometry.rotation_orders import Turns
 from venus3d.lessons.lesson import Arrangement
 from venus3d.scene.pages.teach import texts
-from venus3d.scene.pages.teach.comparison import Side, column_shapes, comparison_points
+from venus3d.scene.pages.teach.comparison_shapes import (
+    Side,
+    comparison_points,
+    turning_board_shapes,
+)
 from venus3d.scene.pages.teach.state import TeachState
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.amounts import degrees
 from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_shape
 from venus3d.scene.render.describe import SceneOptions, still_shapes
@@ -30,99 +34,99 @@ from venus3d.scene.render.strip import bounds_of, strip_shapes
 from venus3d.scene.render.viewpoints import SceneCamera, view_abreast, view_from
 
 
-def board_now(moment: TeachMoment, state: TeachState) -> Pose:
+def board_pose_at(taught: TaughtPose, state: TeachState) -> Pose:
     """Where the board is on its way, `T_camera_board`."""
     step, sweep = state.place
     if step == 4 and sweep == 1.0:
-        return moment.pose
-    return swept(moment.steps[step - 1], sweep)
+        return taught.pose
+    return swept(taught.steps[step - 1], sweep)
 
 
-def shown_step(moment: TeachMoment, state: TeachState) -> int:
+def shown_step(taught: TaughtPose, state: TeachState) -> int:
     """1 ... 4: the step that is drawn; at the target, the last one in which something was done."""
-    return moment.last_busy if state.at_rest else state.step
+    return taught.last_busy if state.at_rest else state.step
 
 
-def stage_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
+def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
     """All that the 3D scene shows."""
-    camera, board = moment.camera, moment.board
+    camera, board = taught.camera, taught.board
     if state.compares:
-        return tuple(_comparison(moment, state))
+        return tuple(_comparison(taught, state))
     if state.arrangement == "strip":
         return tuple(
-            strip_shapes(board, moment.steps, dark=state.dark, active=state.step, sweep=state.sweep)
+            strip_shapes(board, taught.steps, dark=state.dark, active=state.step, sweep=state.sweep)
         )
-    active = shown_step(moment, state)
+    active = shown_step(taught, state)
     options = SceneOptions(active, dark=state.dark)
     hidden: tuple[str, ...] = ()
     if state.at_rest or state.sweep == 1.0:
         hidden = (f"/steps/{active}/after",)  # the board itself is there
-    if state.at_rest and not moment.refusals:
+    if state.at_rest and not taught.refusals:
         hidden = (*hidden, "/target/label")
     if state.viewpoint == "camera":
         # From inside the camera its own picture and axes are in the way.
         hidden = (*hidden, "/camera/frustum", "/camera/ax")
-    grown = _grown_sector(moment, state)
+    grown = _grown_sector(taught, state)
     shapes = [
-        grown if grown and shape.name == grown.name else _adapted(shape, moment, state)
-        for shape in still_shapes(camera, board, moment.steps, options)
+        grown if grown and shape.name == grown.name else _adapted(shape, taught, state)
+        for shape in still_shapes(camera, board, taught.steps, options)
         if not shape.name.startswith(hidden)
     ]
-    shapes.append(board_shape(board, board_now(moment, state)))
-    if moment.refusals:
-        shapes.append(_refused(moment, state.dark))
+    shapes.append(board_shape(board, board_pose_at(taught, state)))
+    if taught.refusals:
+        shapes.append(_refused(taught, state.dark))
     return tuple(shapes)
 
 
-def _grown_sector(moment: TeachMoment, state: TeachState) -> Shape | None:
+def _grown_sector(taught: TaughtPose, state: TeachState) -> Shape | None:
     """The sector of a turn that is under way: what has been turned so far."""
-    step = moment.steps[state.step - 1]
+    step = taught.steps[state.step - 1]
     if state.sweep == 1.0 or step.axis is None:
         return None
     shapes = instruction_shapes(
-        moment.board, moment.camera, step, dark=state.dark, sweep=state.sweep
+        taught.board, taught.camera, step, dark=state.dark, sweep=state.sweep
     )
     return next((shape for shape in shapes if shape.name.endswith("/sector")), None)
 
 
-def _refused(moment: TeachMoment, dark: bool) -> Shape:
+def _refused(taught: TaughtPose, dark: bool) -> Shape:
     # A little in front of the board, or the two would flicker.
-    sheet = moment.pose @ Pose(np.eye(3), np.array([0.0, 0.0, -0.002]))
-    return board_ghost(moment.board, sheet, "/target/refused", ground(dark).warning, 0.4)
+    sheet = taught.pose @ Pose(np.eye(3), np.array([0.0, 0.0, -0.002]))
+    return board_ghost(taught.board, sheet, "/target/refused", ground(dark).warning, 0.4)
 
 
-def _adapted(shape: Shape, moment: TeachMoment, state: TeachState) -> Shape:
+def _adapted(shape: Shape, taught: TaughtPose, state: TeachState) -> Shape:
     colours = ground(state.dark)
     if isinstance(shape, LabelShape) and shape.name.startswith("/steps/"):
         # The only label of a step that says an amount.
         if shape.name.endswith("/label"):
-            text = counted(moment.steps[shown_step(moment, state) - 1], state.sweep)
+            text = amount_text(taught.steps[shown_step(taught, state) - 1], state.sweep)
             return replace(shape, text=text)
         return shape
-    if moment.refusals and isinstance(shape, LineShape) and shape.name == "/target/board":
+    if taught.refusals and isinstance(shape, LineShape) and shape.name == "/target/board":
         return replace(shape, colour=colours.warning)
-    if moment.refusals and isinstance(shape, LabelShape) and shape.name == "/target/label":
+    if taught.refusals and isinstance(shape, LabelShape) and shape.name == "/target/label":
         return replace(shape, text=texts.REFUSED_LABEL, colour=colours.warning)
     return shape
 
 
-def counted(step: Step, sweep: float) -> str:
+def amount_text(step: Step, sweep: float) -> str:
     """How much of a step is done, with its unit: "+17°" on the way, "+30°" at its end."""
     if step.axis is None:
         return f"{sweep * float(np.linalg.norm(step.translation)) * 1000:.0f} mm"
     return degrees(sweep * step.angle_deg)
 
 
-def _comparison(moment: TeachMoment, state: TeachState) -> list[Shape]:
+def _comparison(taught: TaughtPose, state: TeachState) -> list[Shape]:
     way = min(max(state.way - 1.0, 0.0), 3.0)  # the move is no turn
     own = state.arrangement == "axes"
     left, right = texts.COLUMNS[state.arrangement]
     readings: tuple[tuple[Turns, Axes, str], ...] = (
-        (moment.fixed, "fixed", left),
+        (taught.fixed, "fixed", left),
         (
-            moment.others(state.arrangement),
+            taught.others(state.arrangement),
             "own" if own else "fixed",
-            right.format(order=_order_name(moment.order)),
+            right.format(order=_order_name(taught.order)),
         ),
     )
     # Whoever faces the camera sees left and right swapped, and the words say left and right.
@@ -132,8 +136,8 @@ def _comparison(moment: TeachMoment, state: TeachState) -> list[Shape]:
     return [
         shape
         for side, (turns, axes, title) in zip(sides, readings, strict=True)
-        for shape in column_shapes(
-            moment.board, side, turns, way, axes=axes, title=title, dark=state.dark
+        for shape in turning_board_shapes(
+            taught.board, side, turns, way, axes=axes, title=title, dark=state.dark
         )
     ]
 
@@ -143,27 +147,27 @@ def _order_name(order: str) -> str:
     return texts.ORDER_NAME.format(one=one, two=two, three=three)
 
 
-def moment_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
+def camera_shapes_at(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
     """What the camera sees at this moment: the board on its way, its goal, what it does now."""
-    board, colours = moment.board, ground(state.dark)
-    step = moment.steps[shown_step(moment, state) - 1]
-    goal = colours.warning if moment.refusals else colours.target
+    board, colours = taught.board, ground(state.dark)
+    step = taught.steps[shown_step(taught, state) - 1]
+    goal = colours.warning if taught.refusals else colours.target
     shapes: list[Shape] = [
-        board_shape(board, board_now(moment, state)),
-        replace(board_outline(board, moment.pose, "/target/board", goal, 3.0), on_top=True),
+        board_shape(board, board_pose_at(taught, state)),
+        replace(board_outline(board, taught.pose, "/target/board", goal, 3.0), on_top=True),
     ]
-    if moment.refusals:
-        shapes.append(_refused(moment, state.dark))
+    if taught.refusals:
+        shapes.append(_refused(taught, state.dark))
     if not step.is_idle:
         before = board_outline(board, step.before, "/steps/before", colours.ghost, 2.0)
         shapes.append(replace(before, on_top=step.axis is None))
         shapes += [
-            replace(shape, text=counted(step, state.sweep))
+            replace(shape, text=amount_text(step, state.sweep))
             if isinstance(shape, LabelShape) and shape.name.endswith("/label")
             else shape
             for shape in instruction_shapes(
                 board,
-                moment.camera,
+                taught.camera,
                 step,
                 dark=state.dark,
                 for_camera=True,
@@ -173,32 +177,32 @@ def moment_shapes(moment: TeachMoment, state: TeachState) -> tuple[Shape, ...]:
     return tuple(shapes)
 
 
-def stage_view(
-    moment: TeachMoment, state: TeachState, shapes: tuple[Shape, ...], aspect: float
+def scene_view_of(
+    taught: TaughtPose, state: TeachState, shapes: tuple[Shape, ...], aspect: float
 ) -> SceneCamera:
     """Where the scene with these shapes is looked at from in a window of this shape."""
-    points = _points_of_interest(moment, state.arrangement, shapes)
+    points = _points_of_interest(taught, state.arrangement, shapes)
     if state.arrangement != "place":
         return view_abreast(state.viewpoint, points, aspect)
-    return view_from(state.viewpoint, moment.camera, points, aspect)
+    return view_from(state.viewpoint, taught.camera, points, aspect)
 
 
 def _points_of_interest(
-    moment: TeachMoment, arrangement: Arrangement, shapes: tuple[Shape, ...]
+    taught: TaughtPose, arrangement: Arrangement, shapes: tuple[Shape, ...]
 ) -> Array:
     # (N, 3) what a view of this arrangement must hold, metres.
     if arrangement in ("axes", "order"):
-        return comparison_points(moment.board)
+        return comparison_points(taught.board)
     if arrangement == "strip":
         low, high = bounds_of(shapes)
         return np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
-    board = moment.board
+    board = taught.board
     return np.concatenate(
         [
             1.4 * AXIS_LENGTH * np.vstack([np.zeros(3), np.eye(3)]),
-            border_segments(moment.camera).reshape(-1, 3),
+            border_segments(taught.camera).reshape(-1, 3),
             _around(board, np.array([0.0, 0.0, HOME_DISTANCE])),
-            _around(board, moment.pose.t),
+            _around(board, taught.pose.t),
         ]
     )
 

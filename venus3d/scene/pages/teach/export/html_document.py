@@ -18,14 +18,18 @@ from html import escape
 
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import step_words
-from venus3d.lessons.lesson import Lesson, LessonPage, Question
+from venus3d.lessons.lesson import Lesson, Question
 from venus3d.scene.pages.teach import texts as teach_texts
 from venus3d.scene.pages.teach.export import texts
-from venus3d.scene.pages.teach.export.pose_line import for_hands, pose_line
-from venus3d.scene.pages.teach.export.scene3d import ASPECT, player_scripts
-from venus3d.scene.pages.teach.pose_words import fit_html, lens_html, sigma_html, why_html
-from venus3d.scene.pages.teach.state import TeachState
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.export.animation import ExportedPage
+from venus3d.scene.pages.teach.export.scene_recording import ASPECT, player_scripts
+from venus3d.scene.pages.teach.export.sentences import holder_sentence, pose_sentence
+from venus3d.scene.pages.teach.lesson_html import (
+    acceptance_html,
+    comparison_html,
+    focal_uncertainty_html,
+    lens_legend_html,
+)
 from venus3d.scene.render.maps import distortion_magnification, distortion_picture, largest_shift_px
 from venus3d.scene.render.palette import hex_of, step_style, text_on
 from venus3d.scene.render.projections import Picture
@@ -40,24 +44,21 @@ _PLAYER_BAR_PX = 32
 
 @dataclass(frozen=True, eq=False)
 class PageContent:
-    """What one page holds besides its words."""
+    """What one page of the document holds."""
 
-    moment: TeachMoment
-    state: TeachState
-    """The page as it is opened."""
-    pictures: tuple[Picture, Picture, Picture, Picture]
+    page: ExportedPage
+    pictures: tuple[Picture, ...]
     """The four steps as the camera sees them, RGB."""
     recording: str
-    """The scene, base64 (`scene3d`)."""
+    """The scene, base64 (`scene_recording`)."""
 
 
-def document(
+def html_document(
     lesson: Lesson, contents: Sequence[PageContent], player: str, *, dark: bool = False
 ) -> str:
     """The whole file's text; `contents` in the pages' order, `player` is viser's."""
     pages = "".join(
-        _page(lesson, number, page, content, dark)
-        for number, (page, content) in enumerate(zip(lesson.pages, contents, strict=True))
+        _page(content, number, len(contents), dark) for number, content in enumerate(contents)
     )
     recordings = [content.recording for content in contents]
     places = f":root{{--aspect:{ASPECT};--player-bar:{_PLAYER_BAR_PX}px}}"
@@ -104,37 +105,38 @@ def _inside(value: object) -> str:
     return json.dumps(value).replace("</", "<\\/").replace("<!--", "<\\u0021--")
 
 
-def _page(lesson: Lesson, number: int, page: LessonPage, content: PageContent, dark: bool) -> str:
-    count = texts.PAGE_OF.format(page=number + 1, pages=len(lesson.pages))
+def _page(content: PageContent, number: int, count: int, dark: bool) -> str:
+    page, taught = content.page.page, content.page.taught
+    where = texts.PAGE_OF.format(page=number + 1, pages=count)
     turn = (
-        f"<nav><button data-go='-1'>{texts.BACK}</button><span>{count}</span>"
+        f"<nav><button data-go='-1'>{texts.BACK}</button><span>{where}</span>"
         f"<button data-go='1'>{texts.ON}</button></nav>"
-        if len(lesson.pages) > 1
+        if count > 1
         else ""
     )
     steps = "".join(
         _step(step, picture, dark)
-        for step, picture in zip(content.moment.steps, content.pictures, strict=True)
+        for step, picture in zip(taught.steps, content.pictures, strict=True)
     )
     return (
         f"<article data-page='{number}'{'' if number == 0 else ' hidden'}>{turn}"
-        f"<h2>{escape(page.title)}</h2>{lesson_text_html(page.text)}{_shown(page, content, dark)}"
-        f"{_question(page.question)}<h3>{texts.POSE_TITLE}</h3><p>{pose_line(page.pose)}</p>"
-        f"{fit_html(content.moment, live=False)}"
+        f"<h2>{escape(page.title)}</h2>{lesson_text_html(page.text)}{_figures(content.page, dark)}"
+        f"{_question(page.question)}<h3>{texts.POSE_TITLE}</h3><p>{pose_sentence(page.pose)}</p>"
+        f"{acceptance_html(taught, live=False)}"
         f"<h3>{texts.STEPS_TITLE}</h3><div class='steps'>{steps}</div></article>"
     )
 
 
-def _shown(page: LessonPage, content: PageContent, dark: bool) -> str:
+def _figures(page: ExportedPage, dark: bool) -> str:
     """What the text speaks of: the two boards, the focal length, the lens."""
-    moment, camera = content.moment, content.moment.camera
-    parts = [why_html(moment, content.state)]
-    if "sigma" in page.show:
-        parts.append(sigma_html(moment))
-    if "distortion" in page.show:
+    taught, camera = page.taught, page.taught.camera
+    parts = [comparison_html(taught, page.state)]
+    if "sigma" in page.page.show:
+        parts.append(focal_uncertainty_html(taught))
+    if "distortion" in page.page.show:
         size = (_LENS_WIDTH, round(_LENS_WIDTH * camera.height / camera.width))
         picture = encoded(distortion_picture(camera, size, dark))
-        legend = lens_html(distortion_magnification(camera), largest_shift_px(camera))
+        legend = lens_legend_html(distortion_magnification(camera), largest_shift_px(camera))
         title = escape(teach_texts.LENS_TITLE)
         parts.append(f"<h3>{title}</h3><img class='lens' alt=\"{title}\" src='{picture}'>{legend}")
     return "".join(parts)
@@ -145,7 +147,7 @@ def _step(step: Step, picture: Picture, dark: bool) -> str:
     colour = style.colour(dark)
     alt = escape(texts.STEP_ALT.format(number=step.number, words=words), quote=True)
     look = f"--step:{hex_of(colour)};--on:{hex_of(text_on(colour))}"
-    held = f"<br><small>{escape(for_hands(step_words(step)))}</small>"
+    held = f"<br><small>{escape(holder_sentence(step_words(step)))}</small>"
     return (
         f"<figure style='{look}'><figcaption><b>{step.number}</b><span>"
         f"<strong>{style.title}</strong><br>{escape(words)}"

@@ -8,7 +8,7 @@ import numpy as np
 
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.state import TeachState
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.web.lesson_text import lesson_text_html
 
 _LISTED = 3
@@ -27,19 +27,19 @@ def lesson_html(title: str, where: str, text: str) -> str:
     )
 
 
-def fit_html(moment: TeachMoment, *, live: bool = True) -> str:
+def acceptance_html(taught: TaughtPose, *, live: bool = True) -> str:
     """Whether a person would be asked for this pose, and why not; gimbal lock.
 
     Args:
         live: there are sliders to try it with.
     """
     parts: list[str] = []
-    if moment.locked:
+    if taught.locked:
         locked = f"{texts.LOCKED} {texts.LOCKED_TRY}" if live else texts.LOCKED
         parts.append(f"<div class='v-refused'><b>{texts.LOCKED_TITLE}</b>{escape(locked)}</div>")
-    if moment.refusals:
-        lines = "".join(f"<p>{escape(r.text)}</p>" for r in moment.refusals[:_LISTED])
-        left = len(moment.refusals) - _LISTED
+    if taught.refusals:
+        lines = "".join(f"<p>{escape(r.text)}</p>" for r in taught.refusals[:_LISTED])
+        left = len(taught.refusals) - _LISTED
         more = f"<small>{texts.MORE.format(count=left)}</small>" if left > 0 else ""
         parts.append(f"<div class='v-refused'><b>{texts.REFUSED}</b>{lines}{more}</div>")
     if not parts:
@@ -47,11 +47,11 @@ def fit_html(moment: TeachMoment, *, live: bool = True) -> str:
     return _wrapped(f"<div class='v-fit'>{''.join(parts)}</div>")
 
 
-def why_html(moment: TeachMoment, state: TeachState) -> str:
+def comparison_html(taught: TaughtPose, state: TeachState) -> str:
     """Why the two boards side by side differ; empty if none are shown."""
     if not state.compares:
         return ""
-    apart = moment.apart_deg(state.arrangement)
+    apart = taught.apart_deg(state.arrangement)
     figure = texts.SAME if apart < 0.05 else texts.APART.format(degrees=apart)
     return _wrapped(
         f"<h3>{escape(texts.COMPARE_TITLES[state.arrangement])}</h3>"
@@ -60,12 +60,12 @@ def why_html(moment: TeachMoment, state: TeachState) -> str:
     )
 
 
-def sigma_html(moment: TeachMoment) -> str:
+def focal_uncertainty_html(taught: TaughtPose) -> str:
     """How well views like this one tell the focal length, as a figure and a bar."""
-    sigma = moment.sigma_px
+    sigma = taught.sigma_px
     known = bool(np.isfinite(sigma))
     # From a thousandth of the focal length to all of it, each tenfold the same length.
-    share = np.clip(1 + np.log10(max(sigma, 1e-9) / moment.camera.fx) / 3, 0.02, 1) if known else 1
+    share = np.clip(1 + np.log10(max(sigma, 1e-9) / taught.camera.fx) / 3, 0.02, 1) if known else 1
     figure = texts.SIGMA_NOTHING
     if known:
         figure = texts.SIGMA_SHARE.format(px=f"{sigma:.{0 if sigma >= 10 else 1}f}")
@@ -73,11 +73,11 @@ def sigma_html(moment: TeachMoment) -> str:
         f"<h3>{escape(texts.SIGMA_TITLE)}</h3><div class='v-figure'>{escape(figure)} "
         f"<small>{escape(texts.SIGMA_OF)}</small></div>"
         f"<div class='v-sigma'><i style='width:{100 * float(share):.0f}%'></i></div>"
-        f"<div class='v-why'>{escape(moment.sigma_words)} {escape(texts.SIGMA_BAR)}</div>"
+        f"<div class='v-why'>{escape(taught.sigma_words)} {escape(texts.SIGMA_BAR)}</div>"
     )
 
 
-def lens_html(times: float, shift_px: float) -> str:
+def lens_legend_html(times: float, shift_px: float) -> str:
     """The legend of the picture of the lens."""
     return _wrapped(
         f"<div class='v-legend'>{escape(texts.LENS_LEGEND.format(times=times, shift=shift_px))}"

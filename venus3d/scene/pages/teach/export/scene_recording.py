@@ -1,7 +1,7 @@
 """The 3D scene of a page as a recording that viser's own player shows, offline too.
 
 A recording holds the scene and no panels, so what the scene must say it says by labels; the words
-stand around it, in `document`.
+stand around it, in `html_document`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from pathlib import Path
 
 import zstandard
 
-from venus3d.scene.pages.teach.export.journey import journey
-from venus3d.scene.pages.teach.stage import stage_shapes, stage_view
-from venus3d.scene.pages.teach.state import TeachState
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.export.animation import ExportedPage, animation_states
+from venus3d.scene.pages.teach.scene_shapes import scene_shapes, scene_view_of
+from venus3d.scene.render.viewpoints import SceneCamera
+from venus3d.scene.web.camera_rig import FAR, NEAR
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer
 
@@ -34,21 +34,22 @@ _LOADER = re.compile(
 what unpacks them, and its digits."""
 
 
-def recorded(server: LocalServer, moment: TeachMoment, state: TeachState) -> str:
+def recording_of(server: LocalServer, page: ExportedPage) -> str:
     """Play the page's way on this server, which nobody needs to look at, and keep what it sent.
 
     Returns the recording, base64.
     """
     server.scene.reset()
     view = SceneView(server)
-    states = journey(moment, state, FPS)
-    _look(server, moment, states[0])
+    states, dark = animation_states(page, FPS), page.state.dark
+    shapes = [scene_shapes(page.taught, state) for state in states]
+    _look(server, scene_view_of(page.taught, states[0], shapes[0], ASPECT))
     # Made beforehand and hidden: a new shape stands for a moment where the camera is.
-    for now in (*states[::_BEFOREHAND], states[0]):
-        view.draw(stage_shapes(moment, now), dark=state.dark)
+    for now in (*shapes[::_BEFOREHAND], shapes[0]):
+        view.draw(now, dark=dark)
     serializer = server.get_scene_serializer()
-    for now in states[1:]:
-        view.draw(stage_shapes(moment, now), dark=state.dark)
+    for now in shapes[1:]:
+        view.draw(now, dark=dark)
         serializer.insert_sleep(1 / FPS)
     return base64.b64encode(serializer.serialize()).decode("ascii")
 
@@ -93,11 +94,10 @@ def _bytes_of(digits: str, alphabet: str) -> bytes:
     return bytes(content)
 
 
-def _look(server: LocalServer, moment: TeachMoment, state: TeachState) -> None:
-    view = stage_view(moment, state, stage_shapes(moment, state), ASPECT)
+def _look(server: LocalServer, view: SceneCamera) -> None:
     camera = server.initial_camera
     x, y, z = (float(value) for value in view.position)
     camera.position = (x, y, z)
     x, y, z = (float(value) for value in view.look_at)
     camera.look_at = (x, y, z)
-    camera.fov, camera.near, camera.far = view.fov_rad, 0.01, 50.0
+    camera.fov, camera.near, camera.far = view.fov_rad, NEAR, FAR

@@ -7,7 +7,7 @@ from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.state import Vector
 
 
-def pose_line(vector: Vector) -> str:
+def pose_sentence(vector: Vector) -> str:
     """The six numbers, degrees and millimetres, as a person would say them."""
     turns = [
         text.format(amount=f"{angle:+g}".replace("-", "−"))
@@ -24,7 +24,7 @@ def pose_line(vector: Vector) -> str:
     return f"{turned} {texts.PLACED.format(places=_listed(places))}"
 
 
-def for_hands(words: Words) -> str:
+def holder_sentence(words: Words) -> str:
     """An instruction for the person who holds the board; empty if it is the same for both sides."""
     if words.holder == words.camera:
         return ""

@@ -1,7 +1,7 @@
 """The two pictures of a teaching page: what the camera sees now, and the four steps in one sheet.
 
 While somebody drags, small pictures come quickly; large ones follow once it is quiet. Nothing here
-decides when: `viewer` asks.
+decides when: `viewer` does.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.pages.teach.stage import moment_shapes
+from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at
 from venus3d.scene.pages.teach.state import TeachState
-from venus3d.scene.pages.teach.view_model import TeachMoment
+from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.annotated_picture import draw_line
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.palette import ground, mixed, step_colour, text_on
@@ -23,7 +23,7 @@ from venus3d.scene.render.projections import Picture, Projections
 from venus3d.scene.render.shapes import Colour
 from venus3d.scene.render.text import font, wrapped
 
-_QUICK, _FINE = (400, 1), (640, 2)  # width of the picture of the moment, supersampling
+_QUICK, _FINE = (400, 1), (640, 2)  # width of the camera picture, supersampling
 _QUICK_TILE, _FINE_TILE = (240, 1), (480, 2)
 _FRAME = 5
 _GAP = 6
@@ -38,23 +38,23 @@ class TeachPictures:
         self._projections = Projections(offscreen)
         self._tiles: dict[tuple[object, ...], Picture] = {}
 
-    def moment(self, moment: TeachMoment, state: TeachState, *, fine: bool) -> Picture:
+    def camera_picture(self, taught: TaughtPose, state: TeachState, *, fine: bool) -> Picture:
         """What the camera sees now, RGB; a refused pose is marked."""
         width, supersample = _FINE if fine else _QUICK
-        camera = moment.camera
+        camera = taught.camera
         size = (width, round(width * camera.height / camera.width))
         return self._offscreen.submit(
             camera,
-            moment_shapes(moment, state),
+            camera_shapes_at(taught, state),
             background=_paper(state.dark),
             size=size,
             supersample=supersample,
-            finish=lambda picture: marked(picture, moment, state.dark),
+            finish=lambda picture: with_refusal(picture, taught, state.dark),
         ).result()
 
-    def sheet(
+    def steps_picture(
         self,
-        moment: TeachMoment,
+        taught: TaughtPose,
         state: TeachState,
         *,
         fine: bool,
@@ -64,14 +64,14 @@ class TeachPictures:
 
         None if after one of the tiles the sheet is no longer `wanted`.
         """
-        places = [(step.number, *_places(step), state.dark) for step in moment.steps]
+        places = [(step.number, *_places(step), state.dark) for step in taught.steps]
         # Fine ones that are there already are not made coarse because another one is framed.
         fine = fine or all((*place, True) in self._tiles for place in places)
         width, supersample = _FINE_TILE if fine else _QUICK_TILE
-        camera = moment.camera
+        camera = taught.camera
         size = (width, round(width * camera.height / camera.width))
         tiles: dict[tuple[object, ...], Picture] = {}
-        for step, place in zip(moment.steps, places, strict=True):
+        for step, place in zip(taught.steps, places, strict=True):
             key = (*place, fine)
             # A slider leaves the steps before its own as they are.
             if key in self._tiles:
@@ -80,10 +80,10 @@ class TeachPictures:
                 return None
             else:
                 tiles[key] = self._projections.of_step(
-                    step, camera, moment.board, size=size, dark=state.dark, supersample=supersample
+                    step, camera, taught.board, size=size, dark=state.dark, supersample=supersample
                 ).result()
         self._tiles = tiles
-        return _sheet(list(tiles.values()), 0 if state.at_rest else state.step, state.dark)
+        return _two_by_two(list(tiles.values()), 0 if state.at_rest else state.step, state.dark)
 
 
 def _places(step: Step) -> tuple[bytes, bytes, float]:
@@ -95,7 +95,7 @@ def _paper(dark: bool) -> Colour:
     return mixed(colours.background, colours.text, 0.06)
 
 
-def _sheet(tiles: list[Picture], step: int, dark: bool) -> Picture:
+def _two_by_two(tiles: list[Picture], step: int, dark: bool) -> Picture:
     """The tiles two by two; that of `step` (0: none) with a frame."""
     height, width = tiles[0].shape[:2]
     gap = round(_GAP * width / 320)
@@ -112,19 +112,19 @@ def _sheet(tiles: list[Picture], step: int, dark: bool) -> Picture:
     return sheet
 
 
-def marked(picture: Picture, moment: TeachMoment, dark: bool) -> Picture:
+def with_refusal(picture: Picture, taught: TaughtPose, dark: bool) -> Picture:
     """The picture with the corners that are to blame, and the worst reason, if it is refused."""
-    if not moment.refusals:
+    if not taught.refusals:
         return picture
     colour = ground(dark).warning
     height, width = picture.shape[:2]
-    blamed = sorted({corner for refusal in moment.refusals for corner in refusal.corners})
-    camera = moment.camera.scaled((width, height))
-    places = camera.project(moment.pose.apply(moment.board.outline[blamed]))
+    blamed = sorted({corner for refusal in taught.refusals for corner in refusal.corners})
+    camera = taught.camera.scaled((width, height))
+    places = camera.project(taught.pose.apply(taught.board.outline[blamed]))
     drawn = np.array(picture)
     for place in places[np.isfinite(places).all(axis=1)]:
         _mark(drawn, place, colour)
-    return _banner(drawn, moment.refusals[0].text, colour)
+    return _banner(drawn, taught.refusals[0].text, colour)
 
 
 def _mark(picture: Picture, place: Array, colour: Colour) -> None:
