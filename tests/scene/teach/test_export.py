@@ -90,7 +90,7 @@ def test_a_page_holds_what_its_words_speak_of(
     (content,) = export_files(Lesson("all", "All", "", pages), "html", study, painter)
     told = [part.split("</article>")[0] for part in content.decode("utf-8").split("<article")[1:]]
     sigma = study(pages[0].pose).sigma_px
-    assert f"± {sigma:.{sigma < 10:d}f} px" in told[0] and "v-bar" in told[0]
+    assert f"± {sigma:.{sigma < 10:d}f} px" in told[0] and "v-sigma" in told[0]
     assert "class='lens'" in told[1] and "class='lens'" not in told[0]
     assert "not asked for this pose" in told[2] and "90°; more than 70°" in told[2]
     assert "Gimbal lock" in told[2] and "slider" not in told[2]

@@ -48,7 +48,8 @@ class LessonPanel:
         on_lesson: Callable[[int | None], object],
     ) -> None:
         """`on_pose` gets what the sliders say, `on_lesson` a lesson's number, None for free."""
-        titles = {number: lesson.title for number, lesson in enumerate(lessons)}
+        self._titles = {number: lesson.title for number, lesson in enumerate(lessons)}
+        self._titles[_FREE] = texts.FREE
 
         def chosen(number: int) -> None:
             on_lesson(None if number == _FREE else number)
@@ -56,7 +57,7 @@ class LessonPanel:
         self._choice = ChoiceList(
             gui,
             texts.LESSON,
-            {**titles, _FREE: texts.FREE},
+            self._titles,
             chosen,
             chosen=_FREE,
             hint=texts.LESSON_HINT,
@@ -98,7 +99,7 @@ class LessonPanel:
         if not self._changed("page", (state.lesson, state.page)):
             return
         lesson, page = state.current_lesson, state.current_page
-        self._choice.chosen = _FREE if state.lesson is None else state.lesson
+        self._choice.show(self._titles, _FREE if state.lesson is None else state.lesson)
         if lesson is None or page is None:
             self._text.content = lesson_html(texts.FREE_TITLE, "", texts.FREE_TEXT)
         else:
