@@ -19,8 +19,8 @@ from venus3d.engine.guidance.prompts import step_words
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.controls import AudienceControls
+from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.sources.sim import Simulation
 
@@ -208,7 +208,7 @@ def test_the_operator_chooses_for_all_who_look(
         acting.keyboard.press("g")
         looking.wait_for_function("document.querySelector('.v-audience') !== null")
         wait_until(lambda: audience.state.lens, "the operator's choice")
-        assert audience.state == AudienceChoices(lens=True)
+        assert audience.state == AudienceState(lens=True)
 
         audience.change(lambda look: replace(look, sound=True))
         looking.get_by_text(texts.SOUND_HINT).click()

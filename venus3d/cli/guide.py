@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import traceback
-from contextlib import suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from venus3d.cli.report import deliver, print_result, tell, write_first
 from venus3d.cli.trial import trial
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
+from venus3d.scene.pages.audience.audience import Audience
+from venus3d.scene.pages.audience.controls import AudienceControls
+from venus3d.scene.pages.audience.run import announcement
+from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.result_saver import is_over
 from venus3d.scene.pages.guide.run import GuideResult, run_guide
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.address import audience_address
+from venus3d.scene.web.page import announce
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of
 from venus3d.storage.result_folder import ResultFolder
@@ -50,8 +58,20 @@ def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
 
     Raises `VenusError`, also for a mistake of ours, whose traceback is printed.
     """
+
+    def keep(result: GuideResult) -> str:
+        return _keep(result, options, files)
+
     try:
-        return run_guide(options, lambda result: _keep(result, options, files))
+        with ExitStack() as stack:
+            # First of all: its port was promised to somebody, while the viewer may take another.
+            audience = open_audience(options)
+            if audience is None:
+                return run_guide(options, keep)
+            stack.enter_context(closing(audience))
+            return run_guide(
+                options, keep, monitors=(audience,), on_viewer=partial(_attach, audience)
+            )
     except BaseException as error:
         if files is not None and files.is_written:
             _tell_written(files)
@@ -63,6 +83,29 @@ def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
             "The guidance broke off by a mistake of ours; begin again, and please report the lines "
             "above."
         ) from error
+
+
+def open_audience(options: GuideOptions) -> Audience | None:
+    """The second monitor that the options ask for, if any; the caller closes it.
+
+    Raises `VenusError` for an address that cannot be had.
+    """
+    if options.audience is None:
+        return None
+    state = AudienceState(
+        mirror=options.audience_mirror,
+        lens=options.audience_view == "lens",
+        light=options.audience_light,
+        sound=options.audience_sound,
+    )
+    return Audience(*audience_address(options.audience, options.port), state)
+
+
+def _attach(audience: Audience, viewer: Viewer) -> None:
+    """Let the operator choose what the second monitor shows, and hear of its failures."""
+    audience.on_failure = viewer.say
+    viewer.extend(lambda server: AudienceControls(server, audience).commands)
+    announce(announcement(audience))
 
 
 def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None) -> str:

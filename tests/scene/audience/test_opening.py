@@ -15,12 +15,13 @@ import pytest
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
+from venus3d.cli.guide import open_audience
 from venus3d.engine.errors import VenusError
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.controls import AudienceControls
-from venus3d.scene.pages.audience.run import open_audience, said_of
+from venus3d.scene.pages.audience.run import announcement
+from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.address import audience_address
@@ -86,14 +87,16 @@ def test_who_can_look_is_told() -> None:
     alone = open_audience(options)
     assert alone is not None
     try:
-        assert alone.state == AudienceChoices(lens=True, light=True)
-        assert f"http://localhost:{port}" in said_of(alone) and "this machine" in said_of(alone)
+        assert alone.state == AudienceState(lens=True, light=True)
+        assert f"http://localhost:{port}" in announcement(alone) and "this machine" in announcement(
+            alone
+        )
     finally:
         alone.close()
     everybody = open_audience(replace(options, audience=f"0.0.0.0:{free_port()}"))
     assert everybody is not None
     try:
-        said = said_of(everybody)
+        said = announcement(everybody)
         assert "without a password" in said and "0.0.0.0" not in said
     finally:
         everybody.close()

@@ -14,9 +14,9 @@ from collections.abc import Callable
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.lens import plain_plane, undistortion
 from venus3d.scene.pages.audience.lens_overlay import LensOverlay
+from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view import AudienceView
 from venus3d.scene.pages.audience.view_model import (
     AudienceViewModel,
@@ -40,17 +40,17 @@ _SHOWN_S: dict[Cue, float] = {"reached": 0.9, "captured": 1.8}
 """How long a person is given to see what was achieved."""
 
 
-class Audience(Page[AudienceChoices]):
+class Audience(Page[AudienceState]):
     """One read-only page, for any number of browsers; its state is how things are shown."""
 
-    def __init__(self, host: str, port: int, choices: AudienceChoices | None = None) -> None:
+    def __init__(self, host: str, port: int, choices: AudienceState | None = None) -> None:
         """Serve the page, on this very port.
 
         Raises `AddressError` if the address cannot be bound or the port is taken.
         """
         super().__init__(
             start_read_only_server(host, port),
-            state=choices or AudienceChoices(),
+            state=choices or AudienceState(),
             period_s=_SCENE_PERIOD_S,
         )
         self.on_failure: Callable[[str], None] = lambda text: None
@@ -63,7 +63,7 @@ class Audience(Page[AudienceChoices]):
         self._pictures = PictureFeed(self._draw_picture, lambda: self._paced(PICTURE_PERIOD_S))
         self._open(audience_picture=self._pictures.loop)
 
-    def change(self, change: Callable[[AudienceChoices], AudienceChoices]) -> AudienceChoices:
+    def change(self, change: Callable[[AudienceState], AudienceState]) -> AudienceState:
         """Change how it is shown; from any thread."""
         choices = super().change(change)
         self._pictures.again()
@@ -91,7 +91,7 @@ class Audience(Page[AudienceChoices]):
 
     def _lay_out(self, server: LocalServer) -> None:
         self._scene = SceneView(server)
-        self._dressed: AudienceChoices | None = None
+        self._dressed: AudienceState | None = None
         self._view = AudienceView(server, self._wake_loops)
 
     def _tell_of_failure(self, error: Exception) -> None:

@@ -10,7 +10,7 @@ import viser
 
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.audience.choices import AudienceChoices
+from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.web.help import Command, add_commands
 
 
@@ -49,5 +49,5 @@ class AudienceControls:
         return toggled
 
 
-def _with(name: str, on: bool) -> Callable[[AudienceChoices], AudienceChoices]:
+def _with(name: str, on: bool) -> Callable[[AudienceState], AudienceState]:
     return lambda look: replace(look, **{name: on})

@@ -14,8 +14,8 @@ import numpy as np
 
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.dial import dial_html, right_colour, tick_html
+from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view_model import AudienceViewModel
 from venus3d.scene.render.palette import ground, hex_of, step_colour
 from venus3d.scene.web.theme import Theme, style_sheet
@@ -59,7 +59,7 @@ def picture_share(aspect: float) -> tuple[float, float]:
     return _HALF / tall, tall
 
 
-def sheet(look: AudienceChoices, aspect: float = _SCREEN) -> str:
+def sheet(look: AudienceState, aspect: float = _SCREEN) -> str:
     """The style sheet for this choice and pictures of this width / height: colours, layout,
     mirror."""
     wide, tall = picture_share(aspect)

@@ -13,7 +13,7 @@ from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.pages.audience.choices import AudienceChoices
+from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.render.annotated_picture import CASING
 from venus3d.scene.render.board_mesh import board_ghost, board_outline
 from venus3d.scene.render.palette import ground, step_colour
@@ -38,7 +38,7 @@ class LensOverlay:
     def __init__(self) -> None:
         self._drawn: tuple[Snapshot, tuple[Shape, ...]] | None = None
 
-    def shapes(self, snapshot: Snapshot | None, look: AudienceChoices) -> tuple[Shape, ...]:
+    def shapes(self, snapshot: Snapshot | None, look: AudienceState) -> tuple[Shape, ...]:
         """The shapes for this moment; nothing unless the look is through the lens."""
         if not look.lens or snapshot is None or snapshot.target is None:
             return ()

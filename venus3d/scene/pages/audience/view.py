@@ -15,10 +15,10 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.pages.audience.choices import AudienceChoices
 from venus3d.scene.pages.audience.glance import glance_html, sheet
 from venus3d.scene.pages.audience.lens import Plane, plain_plane
 from venus3d.scene.pages.audience.sound import hint_html, tone_html
+from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view_model import AudienceViewModel, Cue
 from venus3d.scene.web.server import LocalServer
 
@@ -49,7 +49,7 @@ class AudienceView:
         self._sheet, self._glance = gui.add_html(""), gui.add_html("")
         self._hint, self._tone = gui.add_html("", visible=False), gui.add_html("")
         self._tones = 0
-        self.dress(AudienceChoices())
+        self.dress(AudienceState())
 
         def connected(client: viser.ClientHandle) -> None:
             client.camera.on_update(lambda _: on_window())
@@ -62,7 +62,7 @@ class AudienceView:
         """How many browsers look."""
         return len(self._server.get_clients())
 
-    def dress(self, look: AudienceChoices) -> None:
+    def dress(self, look: AudienceState) -> None:
         """Take over the choices that concern the whole page."""
         self._server.gui.configure_theme(
             dark_mode=not look.light, show_logo=False, show_share_button=False

@@ -12,7 +12,7 @@ from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.prompts import step_words
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.pages.guide.diagnosis_panel import another_board, doubt
+from venus3d.scene.web.diagnoses import another_board, doubt
 
 Kind = Literal["wait", "unseen", "step", "good"]
 """Nothing to do; something is missing; a step is to be done; something is right."""

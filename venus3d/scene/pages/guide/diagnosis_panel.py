@@ -7,29 +7,14 @@ the sign, its shape and a word.
 from __future__ import annotations
 
 from html import escape
-from typing import Literal
 
-from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as say
-
-Severity = Literal["wrong", "weak", "note"]
+from venus3d.scene.web.diagnoses import SEVERITIES, Severity
 
 SHOWN = 2
 """So many are told in full; of the others only the number."""
-SEVERITIES: dict[DiagnosisKind, Severity] = {
-    "wrong-dictionary": "wrong",
-    "swapped-size": "wrong",
-    "impossible-distance": "wrong",
-    "parallel-views": "weak",
-    "weak-focal-length": "weak",
-    "folding": "weak",
-    "outlying-view": "weak",
-    "unseen-side": "weak",
-    "correlated": "weak",
-    "same-depth": "weak",
-    "wrong-layout": "note",
-}
 _SIGNS: dict[Severity, str] = {"wrong": "✕", "weak": "!", "note": "i"}
 
 
@@ -43,18 +28,6 @@ def diagnoses_html(snapshot: Snapshot | None) -> str:
     rest = f"<div class='v-more'>{rest}</div>" if rest else ""
     title = f"<h3>{say.DIAGNOSES_TITLE}</h3>"
     return f"<div class='v-progress' data-panel='diagnoses'>{title}{items}{rest}</div>"
-
-
-def another_board(snapshot: Snapshot) -> Diagnosis | None:
-    """What says that another board is held up than the one asked for; None if nothing does."""
-    unread = (d for d in snapshot.diagnoses if d.kind in ("wrong-dictionary", "swapped-size"))
-    return next(unread, None)
-
-
-def doubt(snapshot: Snapshot) -> Diagnosis | None:
-    """The worst diagnosis that speaks against the result; None if none does."""
-    against = (d for d in snapshot.diagnoses if SEVERITIES[d.kind] != "note")
-    return next(against, None)
 
 
 def _item(diagnosis: Diagnosis) -> str:

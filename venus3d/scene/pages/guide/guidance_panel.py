@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as say
-from venus3d.scene.pages.guide.diagnosis_panel import another_board, doubt
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.web.diagnoses import another_board, doubt
 from venus3d.scene.web.step_card import (
     guide_card,
     hold_card,

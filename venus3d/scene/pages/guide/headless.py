@@ -7,6 +7,7 @@ from collections.abc import Callable
 from venus3d.engine.errors import SourceError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide import texts
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
@@ -30,7 +31,7 @@ def run_headless(
     try:
         while session.phase not in ("converged", "finished"):
             if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
-                return "The simulated hand did not come near enough to its target; lower --overlap."
+                return texts.HAND_TOO_FAR
             frame = source.read()
             if frame is None:
                 break
@@ -48,5 +49,5 @@ def run_headless(
     except SourceError as error:
         if session.snapshot().calibration is None:
             raise
-        return f"The source broke: {error}"
+        return texts.SOURCE_BROKE.format(error=error)
     return ""

@@ -10,7 +10,7 @@ never waits for the mathematics.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
@@ -18,9 +18,9 @@ from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Outcome, Work
-from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.guide import intents
+from venus3d.scene.pages.guide import intents, texts
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.monitor import Monitor
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.observation_stream import ObservationStream
@@ -38,12 +38,12 @@ class LiveGuide:
         viewer: Viewer,
         keep: Callable[[Snapshot], None],
         again: Callable[[], Source],
-        audience: Audience | None = None,
+        monitors: Sequence[Monitor] = (),
     ) -> None:
         """`keep` is called with every moment that may hold a new result, and must not wait; `again`
         opens a recording anew when it has ended; `source` is closed by `run`."""
         self._session, self._keep = session, keep
-        self._viewer, self._audience = viewer, audience
+        self._viewer, self._monitors = viewer, tuple(monitors)
         self._stream = ObservationStream(
             source, tracker, on_picture=self._show_picture, reopen=again
         )
@@ -82,8 +82,8 @@ class LiveGuide:
 
     def _show_picture(self, frame: Frame) -> None:
         self._viewer.show_picture(frame.image)
-        if self._audience is not None:
-            self._audience.show_picture(frame.image)
+        for monitor in self._monitors:
+            monitor.show_picture(frame.image)
 
     # -- the guiding thread ----------------------------------------------------------------------
 
@@ -108,8 +108,8 @@ class LiveGuide:
         if isinstance(source, Simulation):
             source.follow(snapshot.target, snapshot.pose)
         self._viewer.show(snapshot)
-        if self._audience is not None:
-            self._audience.show(snapshot)
+        for monitor in self._monitors:
+            monitor.show(snapshot)
         self._keep(snapshot)
 
     def _keep_picture(self) -> None:
@@ -144,9 +144,7 @@ class LiveGuide:
             case intents.Capture():
                 if not session.capture():
                     self._viewer.say(
-                        "This calibration has ended; no more views are taken."
-                        if session.phase == "finished"
-                        else "Nothing to capture: no board is seen, or this view is taken."
+                        texts.ENDED if session.phase == "finished" else texts.NOTHING_TO_CAPTURE
                     )
             case intents.SkipTarget():
                 session.skip()
@@ -154,7 +152,7 @@ class LiveGuide:
                 session.undo()
             case intents.DropView(number):
                 if not session.drop(number):
-                    self._viewer.say("This calibration has ended; its views stay as they are.")
+                    self._viewer.say(texts.VIEWS_STAY)
             case intents.ChooseAlternative(index, number):
                 self._choose(index, number)
             case intents.ChangeMethod(method, cost):
@@ -166,8 +164,8 @@ class LiveGuide:
                 session.finish()
             case intents.Toggle("paused"):
                 self._stream.pause(self._viewer.state.paused)
-                if self._audience is not None:
-                    self._audience.pause(self._viewer.state.paused)
+                for monitor in self._monitors:
+                    monitor.pause(self._viewer.state.paused)
             case intents.Toggle("autopilot") if isinstance(source, Simulation):
                 source.autopilot_on = self._viewer.state.autopilot
             case intents.DragBoard(pose) if isinstance(source, Simulation):
@@ -179,10 +177,8 @@ class LiveGuide:
     def _choose(self, index: int, number: int) -> None:
         target = self._session.snapshot().target
         if target is not None and target.number != number:
-            self._viewer.say("Meanwhile there is another target; choose among its neighbours.")
+            self._viewer.say(texts.ANOTHER_TARGET)
         elif not self._session.choose(index):
             self._viewer.say(
-                "No other pose is nearly as good; K asks for another one."
-                if self._session.phase == "guiding"
-                else "There is no other pose to choose just now."
+                texts.NO_OTHER_POSE if self._session.phase == "guiding" else texts.NO_POSE_TO_CHOOSE
             )

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import VenusError
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.scene.pages.guide import texts
 from venus3d.threads.latest import Latest
 
 _LOG = logging.getLogger(__name__)
@@ -67,10 +68,10 @@ class ResultSaver:
             try:
                 sentence = self._write(snapshot)
             except VenusError as error:
-                self._failed(f"Not saved: {error} The next view is tried again.")
+                self._failed(texts.NOT_SAVED.format(error=error))
             except Exception:  # a mistake of ours: the next view is worth trying
-                _LOG.exception("venus3d: a result could not be saved")
-                self._failed("Not saved; the terminal tells why. The next view is tried again.")
+                _LOG.exception(texts.NOT_SAVED_LOG)
+                self._failed(texts.NOT_SAVED_MISTAKE)
             else:
                 if is_over(snapshot):
                     self._saved(sentence)

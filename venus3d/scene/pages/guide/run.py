@@ -1,9 +1,9 @@
-"""From a person's options to a guided calibration: opens the rooms, runs the loop, closes them."""
+"""From a person's options to a guided calibration: opens source and viewer, runs, closes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import ExitStack, closing, suppress
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,9 +17,8 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Settings
-from venus3d.scene.pages.audience.controls import AudienceControls
-from venus3d.scene.pages.audience.run import open_audience, said_of
 from venus3d.scene.pages.exercise.trial_run import TrialResult, run_trial
+from venus3d.scene.pages.guide import texts
 from venus3d.scene.pages.guide.headless import run_headless
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.options import GuideOptions
@@ -27,6 +26,8 @@ from venus3d.scene.pages.guide.result_saver import ResultSaver
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
+from venus3d.scene.web.monitor import Monitor
+from venus3d.scene.web.page import announce_page
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
@@ -53,18 +54,28 @@ class GuideResult:
 
 
 def run_guide(
-    options: GuideOptions, keep: Callable[[GuideResult], str] = lambda _: ""
+    options: GuideOptions,
+    keep: Callable[[GuideResult], str] = lambda _: "",
+    *,
+    monitors: Sequence[Monitor] = (),
+    on_viewer: Callable[[Viewer], None] = lambda _: None,
 ) -> GuideResult:
     """Guide one calibration as the options say, until it ends (headless) or is stopped (viewer).
 
     `keep` is called after every view, on a thread of its own; the newest view wins, and the last is
     kept before this ends, however it ends. What it returns is said on the screen once all is over,
-    and what it raises at once. Raises `VenusError` for whatever the user can mend.
+    and what it raises at once.
+
+    Args:
+        monitors: are shown what the viewer is shown; their owner closes them.
+        on_viewer: called with the viewer when it is open, to put more on its page.
+
+    Raises `VenusError` for whatever the user can mend.
     """
     board = options.board.board()
     options = _possible(options)
-    with ExitStack() as rooms:
-        source = rooms.enter_context(closing(_opened(options, board)))
+    with ExitStack() as stack:
+        source = stack.enter_context(closing(_opened(options, board)))
         truth = source.truth if isinstance(source, Simulation) else None
         tracker = BoardTracker(Detector(board, find_layout=truth is None))
         session = Session(board, source.image_size, _settings(options, source))
@@ -82,15 +93,11 @@ def run_guide(
             return keep(result(snapshot))
 
         if options.headless:
-            keeper = rooms.enter_context(closing(ResultSaver(kept)))
-            broken = run_headless(session, source, tracker, keeper.put)
+            saver = stack.enter_context(closing(ResultSaver(kept)))
+            broken = run_headless(session, source, tracker, saver.put)
             return result(session.snapshot(), (broken,) if broken else ())
-        # First: its port was promised to somebody, while the viewer may take another.
-        audience = open_audience(options)
-        if audience is not None:
-            rooms.enter_context(closing(audience))
-        offscreen = rooms.enter_context(closing(Offscreen()))
-        viewer = rooms.enter_context(
+        offscreen = stack.enter_context(closing(Offscreen()))
+        viewer = stack.enter_context(
             closing(
                 Viewer(
                     options.host,
@@ -102,29 +109,17 @@ def run_guide(
                 )
             )
         )
-        for note in viewer.notes:
-            _announce(note)
-        _announce(f"Viewer: {viewer.url}   (Ctrl-C ends it)")
-
-        if audience is not None:
-            audience.on_failure = viewer.say
-            viewer.extend(lambda server: AudienceControls(server, audience).commands)
-            _announce(said_of(audience))
+        announce_page(texts.VIEWER_TITLE, viewer.url, *viewer.notes)
+        on_viewer(viewer)
         if truth is not None and not options.autopilot:
-            hint = "Drag the board by its handles in the scene, or press O for the autopilot."
-            viewer.say(hint, seconds=60)
+            viewer.say(texts.DRAG_HINT, seconds=60)
 
         def again() -> Source:
             return _opened(options, board)
 
-        keeper = rooms.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.say)))
-        live = LiveGuide(session, source, tracker, viewer, keeper.put, again, audience)
+        saver = stack.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.say)))
+        live = LiveGuide(session, source, tracker, viewer, saver.put, again, monitors)
         return result(live.run(), viewer.notes)
-
-
-def _announce(text: str) -> None:
-    with suppress(OSError):  # a terminal that is gone stops no calibration
-        print(text, flush=True)
 
 
 def run_guided_trial(options: GuideOptions, folder: Path) -> TrialResult:

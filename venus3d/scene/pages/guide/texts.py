@@ -87,6 +87,22 @@ OTHER_COMMANDS = (
 )
 OTHER_COMMAND_HINT = "Ask for another pose that is nearly as good as the target"
 
+# -- what a run says -------------------------------------------------------------------------------
+
+VIEWER_TITLE = "Viewer"
+DRAG_HINT = "Drag the board by its handles in the scene, or press O for the autopilot."
+ENDED = "This calibration has ended; no more views are taken."
+NOTHING_TO_CAPTURE = "Nothing to capture: no board is seen, or this view is taken."
+VIEWS_STAY = "This calibration has ended; its views stay as they are."
+ANOTHER_TARGET = "Meanwhile there is another target; choose among its neighbours."
+NO_OTHER_POSE = "No other pose is nearly as good; K asks for another one."
+NO_POSE_TO_CHOOSE = "There is no other pose to choose just now."
+HAND_TOO_FAR = "The simulated hand did not come near enough to its target; lower --overlap."
+SOURCE_BROKE = "The source broke: {error}"
+NOT_SAVED = "Not saved: {error} The next view is tried again."
+NOT_SAVED_MISTAKE = "Not saved; the terminal tells why. The next view is tried again."
+NOT_SAVED_LOG = "venus3d: a result could not be saved"
+
 # -- how the next pose is found --------------------------------------------------------------------
 
 METHOD_FOLDER = "How the next pose is found"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class AudienceChoices:
+class AudienceState:
     """How the second monitor shows what it shows. Frozen, so that threads may share it."""
 
     mirror: bool = False
