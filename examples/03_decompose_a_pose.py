@@ -11,12 +11,12 @@ def main() -> None:
 
     print("From the upright, frontal board, as the camera's picture shows it:")
     for step in venus3d.decompose(target, camera, board):
-        print(f"  {step.number}. {venus3d.step_words(step).camera}")
+        print(f"  {step.number}. {venus3d.step_prompt(step).camera}")
 
     now = venus3d.Pose.from_vector([20, -5, 15, 0.03, -0.02, 0.50])
     print("From where the board is now, in the words of the person who holds it:")
     for step in venus3d.decompose(target, camera, board, start=now):
-        print(f"  {step.number}. {venus3d.step_words(step).holder}")
+        print(f"  {step.number}. {venus3d.step_prompt(step).holder}")
 
     # The turns are about the camera's axes; about the board's own axes it is another pose.
     other = venus3d.Pose.from_vector(target.vector(), axes="own")

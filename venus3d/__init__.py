@@ -6,7 +6,7 @@
     target = venus3d.Pose.from_vector([25, -30, 20, 0.04, -0.02, 0.52])
     camera = venus3d.Camera.guess((1280, 720))
     for step in venus3d.decompose(target, camera, board):
-        print(venus3d.step_words(step).holder)
+        print(venus3d.step_prompt(step).holder)
 
 Lengths are in metres, times in seconds; whole pixel coordinates are pixel centres, as in OpenCV. A
 pose is `T_camera_board`: it takes points of the board's frame (origin at its centre, +x along the
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from venus3d.engine.geometry.camera import PARAMETERS, Camera
     from venus3d.engine.geometry.decomposition import Step, decompose
     from venus3d.engine.geometry.pose import Pose
-    from venus3d.engine.guidance.prompts import Words, step_words
+    from venus3d.engine.guidance.prompts import Prompt, step_prompt
     from venus3d.engine.guidance.session import Session
     from venus3d.engine.guidance.settings import Settings
     from venus3d.engine.guidance.snapshot import Snapshot
@@ -74,8 +74,8 @@ __all__ = [  # noqa: RUF022
     "Limits",
     "decompose",
     "Step",
-    "step_words",
-    "Words",
+    "step_prompt",
+    "Prompt",
     "Session",
     "Settings",
     "Snapshot",
@@ -114,7 +114,7 @@ _NAMES_IN = {
     "engine.geometry.camera": ("PARAMETERS", "Camera"),
     "engine.geometry.decomposition": ("Step", "decompose"),
     "engine.geometry.pose": ("Pose",),
-    "engine.guidance.prompts": ("Words", "step_words"),
+    "engine.guidance.prompts": ("Prompt", "step_prompt"),
     "engine.guidance.session": ("Session",),
     "engine.guidance.settings": ("Settings",),
     "engine.guidance.snapshot": ("Snapshot",),

@@ -15,7 +15,7 @@ from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
@@ -143,7 +143,7 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
     wait_for_sentence(page, texts.STARTING[2])
     audience.show(guiding)
     assert guiding.match is not None
-    wait_for_sentence(page, step_words(guiding.match.steps[2]).holder)
+    wait_for_sentence(page, step_prompt(guiding.match.steps[2]).holder)
     assert page.inner_text(".v-top b") == "3"
     assert page.get_attribute(".v-dial svg", "aria-label") is not None
     size = page.evaluate("getComputedStyle(document.querySelector('.v-say')).fontSize")
@@ -174,7 +174,7 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
     # An upright phone has the picture as wide as it can be, and all of the rest below it.
     page.set_viewport_size({"width": 420, "height": 860})
     audience.show(guiding)
-    wait_for_sentence(page, step_words(guiding.match.steps[2]).holder)
+    wait_for_sentence(page, step_prompt(guiding.match.steps[2]).holder)
     page.wait_for_function(
         "() => { const r = [...document.querySelectorAll('canvas')].at(-1).getBoundingClientRect();"
         " return r.width === 420 && Math.abs(r.height - 420 * 9 / 16) < 1 }"

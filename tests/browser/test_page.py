@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.waiting import wait_until
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.scene.pages.guide import intents
@@ -51,7 +51,7 @@ def test_page_shows_state_scene_projections_and_progress(
     page = open_page()
     page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
     assert guiding.match is not None and guiding.target is not None
-    assert page.locator(".v-sentence").inner_text() == step_words(guiding.match.steps[2]).holder
+    assert page.locator(".v-sentence").inner_text() == step_prompt(guiding.match.steps[2]).holder
     assert f"{guiding.match.remaining_deg[1]:+.0f}".replace("-", "−") in page.inner_text(
         ".v-amount"
     )

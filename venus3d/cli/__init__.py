@@ -23,7 +23,7 @@ from venus3d.engine.errors import VenusError
 from venus3d.scene.pages.exercise.practice_options import PracticeOptions
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.teach.options import TeachOptions
-from venus3d.threads.signals import taken
+from venus3d.threads.signals import on_stop_signal
 
 DESCRIPTION = """Camera calibration that a person can see.
 
@@ -111,7 +111,7 @@ def _run(given: list[str]) -> int:
             args=given or ["--help"],
         )
         # A plain kill, a closed terminal: what was captured is kept, as with Ctrl-C.
-        with taken(_interrupt, ctrl_c=False):
+        with on_stop_signal(_interrupt, ctrl_c=False):
             _command_of(options)()
     except VenusError as error:
         print(f"venus3d: {error}", file=sys.stderr)

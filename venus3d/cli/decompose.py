@@ -17,7 +17,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step, Steps, decompose
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.refusals import refusals
 from venus3d.scene.render.offscreen import Offscreen
@@ -76,8 +76,8 @@ def _heading(target: Pose, board: Board) -> str:
 def _told(step: Step) -> str:
     lines = [
         f"\nStep {step.number} of 4",
-        f"  camera: {step_words(step).camera}",
-        f"  holder: {step_words(step).holder}",
+        f"  camera: {step_prompt(step).camera}",
+        f"  holder: {step_prompt(step).holder}",
     ]
     if step.corners_outside:
         lines.append(f"  Mind: {len(step.corners_outside)} corners leave the picture here.")

@@ -13,7 +13,7 @@ from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.convergence import Progress
-from venus3d.engine.guidance.prompts import PARAMETER_WORDS
+from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
 from venus3d.storage.result import to_json
 from venus3d.storage.result_folder import ResultFolder
 
@@ -29,7 +29,7 @@ def parameter_table(calibration: Calibration, truth: Camera | None = None) -> st
         row = f"{name:4}{value:12.{digits}f}   {known:>10}"
         if truth is not None:
             row += f"{truth.parameters[index]:12.{digits}f}"
-        rows.append(f"{row}  {unit:2}  {PARAMETER_WORDS[index]}")
+        rows.append(f"{row}  {unit:2}  {PARAMETER_DESCRIPTIONS[index]}")
     return "\n".join(rows)
 
 

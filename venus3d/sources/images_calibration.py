@@ -12,7 +12,7 @@ from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.result import Calibration
-from venus3d.engine.calibration.view_selection import choose_informative
+from venus3d.engine.calibration.view_selection import select_views
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.sources.recording import Images, Recording, observe_recording
@@ -83,7 +83,7 @@ def calibrate_recording(
     warnings = [*recording.notes, *detector.notes]
     if recording.is_video:
         chosen = (
-            choose_informative(detector.board, seen, limit=max_frames)
+            select_views(detector.board, seen, limit=max_frames)
             if every is None
             else range(0, len(seen), every)
         )
@@ -117,7 +117,7 @@ def _board_of(observations: Sequence[Observation], board: Board) -> Board:
 def _board_diagnoses(detector: Detector, recording: Recording) -> tuple[Diagnosis, ...]:
     # Where most pictures lack the board, they may show another one.
     if 2 * sum(o.count > 0 for o in recording.observations) < len(recording.observations):
-        return (*detector.explain(), *detector.diagnoses)
+        return (*detector.explain_misses(), *detector.diagnoses)
     return detector.diagnoses
 
 

@@ -22,7 +22,7 @@ from venus3d.sources.frame import Frame, Source
 from venus3d.sources.video import Video
 from venus3d.threads.latency import low_latency
 from venus3d.threads.latest import Latest
-from venus3d.threads.signals import taken
+from venus3d.threads.signals import on_stop_signal
 
 # How long a still of a folder is shown.
 _STILL_S = 1.0
@@ -85,7 +85,7 @@ class ObservationStream:
             thread.start()
         try:
             # Instead of breaking off wherever we are.
-            with taken(self.stop):
+            with on_stop_signal(self.stop):
                 while not self._stop.is_set():
                     step()
         finally:

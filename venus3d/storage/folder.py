@@ -84,7 +84,7 @@ def sync_folder(folder: Path) -> None:
 
 
 @contextmanager
-def alone_in(folder: Path) -> Generator[None, None, None]:
+def locked(folder: Path) -> Generator[None, None, None]:
     """Keep other processes and threads that ask for the same out meanwhile, where that is possible.
 
     Raises `OSError` if there is no such folder.

@@ -13,7 +13,7 @@ from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.storage.camera_yaml import camera_yaml
-from venus3d.storage.folder import alone_in, reason, replace_files, sync_folder
+from venus3d.storage.folder import locked, reason, replace_files, sync_folder
 from venus3d.storage.result import result_json
 
 
@@ -58,7 +58,7 @@ class ResultFolder:
         told: list[str] = []
         try:
             self.directory.mkdir(parents=True, exist_ok=True)
-            with alone_in(self.directory):
+            with locked(self.directory):
                 self._follow()
                 contents = dict(zip(self.paths, (camera, result), strict=True))
                 replace_files(contents, before=lambda: told.extend(self._keep_others()))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import calibrate
-from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.view_selection import shift_px
@@ -34,7 +34,7 @@ _MORE_DEG, _FARTHER = 5.0, 1.15  # beyond what a recording holds
 _SHARP = 0.7  # of the median sharpness; below it a frame counts as blurred
 SAME = 0.0025
 """Of the image's width: a frame whose corners lie nearer to a kept view's repeats it. The same as
-for `calibrate` (`choose_informative`)."""
+for `calibrate` (`select_views`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +191,7 @@ def nearest(
     best: tuple[int, Pose] | None = None
     least = np.inf
     for index in indices:
-        pose = locate(camera, pool.board, pool.observations[index])
+        pose = estimate_pose(camera, pool.board, pool.observations[index])
         if pose is not None and (apart := distance(wanted, pose, camera, limits)) < least:
             best, least = (index, pose), apart
     return best

@@ -23,7 +23,7 @@ import cv2
 
 from venus3d.engine.errors import StorageError, VenusError
 from venus3d.storage.folder import write_bytes
-from venus3d.threads.signals import taken
+from venus3d.threads.signals import on_stop_signal
 
 Value = str | int | float
 Row = Mapping[str, Value]
@@ -114,7 +114,7 @@ def _asked_to_stop() -> Generator[threading.Event, None, None]:
         asked.set()
         raise KeyboardInterrupt
 
-    with taken(stop):
+    with on_stop_signal(stop):
         yield asked
 
 

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
@@ -186,7 +186,7 @@ def _most_telling(pool: Pool, unused: Sequence[int], calibration: Calibration) -
 
     def uncertainty_px(index: int) -> float:
         view = pool.observations[index]
-        pose = locate(posterior.camera, pool.board, view)
+        pose = estimate_pose(posterior.camera, pool.board, view)
         return np.inf if pose is None else posterior.with_seen(view, pose).uncertainty_px
 
     return min(unused, key=uncertainty_px)
@@ -213,7 +213,7 @@ def rms_of_views_px(camera: Camera, pool: Pool, indices: Sequence[int]) -> float
     squares: list[Array] = []
     for index in indices:
         view = pool.observations[index]
-        pose = locate(camera, pool.board, view)
+        pose = estimate_pose(camera, pool.board, view)
         if pose is None:
             return float("inf")
         error = view.corners - camera.project(pose.apply(pool.board.points_of(view.ids)))

@@ -19,7 +19,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.detection import Detector, Region
 from venus3d.engine.geometry.decomposition import Step, decompose
 from venus3d.engine.geometry.pose import Array, Pose
@@ -110,7 +110,7 @@ def draw_axes(
 ) -> Pose | None:
     """Guiding with live detection: the board's axes and the target's, drawn into the image."""
     seen = detector.detect(image, region=region)
-    pose = locate(clip.camera, clip.board, seen)
+    pose = estimate_pose(clip.camera, clip.board, seen)
     for shown in (pose, target):
         if shown is not None:
             cv2.drawFrameAxes(

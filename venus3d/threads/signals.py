@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def taken(act: Callable[[], None], *, ctrl_c: bool = True) -> Generator[None, None, None]:
+def on_stop_signal(act: Callable[[], None], *, ctrl_c: bool = True) -> Generator[None, None, None]:
     """Meanwhile call `act`, on the main thread, for each of these signals.
 
     SIGHUP stays as it is where it is ignored on purpose (nohup) and where there is none (Windows).

@@ -12,7 +12,7 @@ from venus3d.engine.calibration.adjustment import calibrate, largest_angle_deg
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.view_selection import choose_informative
+from venus3d.engine.calibration.view_selection import select_views
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -276,5 +276,5 @@ def test_a_real_video_that_hardly_tilts_says_how_little_it_knows(shared_data: Pa
     assert 30 < every_8th.sigma[0] < 60
     assert "The views differ by only 1° in tilt" in diagnose(every_8th)[0].cause
     for limit in (10, 20, 40):
-        found = calibrate(board, [seen[i] for i in choose_informative(board, seen, limit=limit)])
+        found = calibrate(board, [seen[i] for i in select_views(board, seen, limit=limit)])
         assert abs(found.camera.fx - 2104) < 2 * found.sigma[0]

@@ -18,7 +18,7 @@ import pytest
 from tests.engine.board_pictures import picture_of
 from tests.engine.calibration.test_adjustment import GOOD, observe, tilted
 from venus3d.engine.calibration.adjustment import calibrate
-from venus3d.engine.calibration.board_recognition import BoardCheck, recognise
+from venus3d.engine.calibration.board_recognition import BoardRecognition, recognise_board
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind
@@ -110,7 +110,7 @@ def test_the_session_says_it_when_views_are_weak(
     assert "parallel-views" in kinds[4]
     ranks = [get_args(DiagnosisKind).index(d.kind) for d in session.snapshot().diagnoses]
     assert ranks == sorted(ranks)
-    while session.undo():
+    while session.undo_view():
         if session.pending is not None:
             session.apply(session.pending.run(lambda: True))
     assert session.snapshot().diagnoses == ()
@@ -338,14 +338,16 @@ def test_the_right_board_and_no_board_are_nothing_to_say(
 ) -> None:
     blobs = cv2.GaussianBlur(rng.integers(0, 255, (360, 640), dtype=np.uint8), (0, 0), 3)
     blobs = np.asarray(cv2.normalize(blobs, None, 0, 255, cv2.NORM_MINMAX), dtype=np.uint8)
-    assert recognise(default_board, [np.full((360, 640), 90, np.uint8), blobs, picture]) is None
+    assert (
+        recognise_board(default_board, [np.full((360, 640), 90, np.uint8), blobs, picture]) is None
+    )
     old = replace(default_board, legacy=True)
     pose = Pose.from_vector([20, 30, 0, 0, 0, 0.5])
-    assert recognise(default_board, [picture_of(old, small_camera, pose)]) is None
+    assert recognise_board(default_board, [picture_of(old, small_camera, pose)]) is None
     # Half of the board out of the picture, and a smaller dictionary with the same markers.
     aside = picture_of(default_board, small_camera, Pose.from_vector([0, 0, 0, 0.25, 0, 0.4]))
-    assert recognise(default_board, [aside]) is None
-    assert recognise(replace(default_board, dictionary="DICT_5X5_50"), [picture]) is None
+    assert recognise_board(default_board, [aside]) is None
+    assert recognise_board(replace(default_board, dictionary="DICT_5X5_50"), [picture]) is None
 
 
 @pytest.mark.parametrize(
@@ -364,7 +366,7 @@ def test_another_dictionary_is_named(
     ):
         pose = Pose.from_vector([15, -20, 0, 0, 0, 0.34])
         shown = picture_of(printed, small_camera, pose)
-        told = recognise(asked, [np.full((360, 640), 90, np.uint8), shown])
+        told = recognise_board(asked, [np.full((360, 640), 90, np.uint8), shown])
         assert told is not None and told.kind == "wrong-dictionary"
         assert asked.dictionary in told.cause
         advised = told.cure.split()[-1].rstrip(".")
@@ -379,14 +381,14 @@ def test_swapped_rows_and_columns(small_camera: Camera, default_board: Board, le
     swapped = replace(default_board, columns=6, rows=9)
     detector = Detector(swapped)
     assert detector.detect(shown).count == 0
-    (told,) = detector.explain()
+    (told,) = detector.explain_misses()
     assert told.kind == "swapped-size"
     assert "--board.columns 9 --board.rows 6" in told.cure
 
 
 @pytest.mark.parametrize("columns", [8, 10, 12])
 def test_another_number_of_columns(picture: np.ndarray, default_board: Board, columns: int) -> None:
-    told = recognise(replace(default_board, columns=columns), [picture])
+    told = recognise_board(replace(default_board, columns=columns), [picture])
     assert told is not None and told.kind == "swapped-size"
     assert "9 columns" in told.cause and "--board.columns 9" in told.cure
 
@@ -427,25 +429,27 @@ def test_a_running_session_is_told_after_a_while_and_no_longer_when_the_board_co
 def test_a_check_that_finds_another_board_gone_forgets_it(
     picture: np.ndarray, default_board: Board
 ) -> None:
-    check = BoardCheck(replace(default_board, dictionary="DICT_4X4_50"))
-    assert check.suspects[0] == "DICT_4X4_50" and len(check.suspects) == len(set(check.suspects))
-    assert not check.look(picture), "first the board's own dictionary"
-    assert check.look(picture) and check.diagnosis is not None
-    assert not check.look(np.full((360, 640), 90, np.uint8))
+    check = BoardRecognition(replace(default_board, dictionary="DICT_4X4_50"))
+    assert check.dictionaries[0] == "DICT_4X4_50" and len(check.dictionaries) == len(
+        set(check.dictionaries)
+    )
+    assert not check.try_next(picture), "first the board's own dictionary"
+    assert check.try_next(picture) and check.diagnosis is not None
+    assert not check.try_next(np.full((360, 640), 90, np.uint8))
     assert check.diagnosis is None
 
 
 @pytest.mark.slow
 def test_real_recordings_with_wrong_options(shared_data: Path) -> None:
     still = cv2.imread(str(shared_data / "lifecam-charuco-8x8" / "02.jpg"), cv2.IMREAD_GRAYSCALE)
-    assert recognise(STILLS, [still]) is None
-    told = recognise(replace(STILLS, dictionary="DICT_5X5_100"), [still])
+    assert recognise_board(STILLS, [still]) is None
+    told = recognise_board(replace(STILLS, dictionary="DICT_5X5_100"), [still])
     assert told is not None and "DICT_4X4_1000" in told.cure
-    told = recognise(replace(STILLS, columns=9, rows=6), [still])
+    told = recognise_board(replace(STILLS, columns=9, rows=6), [still])
     assert told is not None and "8 columns" in told.cause
     video = cv2.VideoCapture(str(shared_data / "wpilib-charuco-12x8.mp4"))
     frame = cv2.cvtColor(video.read()[1], cv2.COLOR_BGR2GRAY)
     right = Board(12, 8, 0.0180086, 0.0139954, "DICT_5X5_1000")
-    assert recognise(right, [frame]) is None
-    told = recognise(replace(right, columns=8, rows=12), [frame])
+    assert recognise_board(right, [frame]) is None
+    told = recognise_board(replace(right, columns=8, rows=12), [frame])
     assert told is not None and told.kind == "swapped-size"

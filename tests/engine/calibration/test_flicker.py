@@ -106,7 +106,7 @@ def test_another_target_is_judged_afresh(guided: Session, default_board: Board) 
     board = there.moved([-1.3 * tolerance.limit_mm / 1000, 0, 0])
     guided.observe(seen(known.camera, default_board, known.target.pose, noise))
     assert all(match_of(guided).within)
-    guided.choose(0)
+    guided.choose_alternative(0)
     guided.observe(seen(known.camera, default_board, board, noise))
     assert match_of(guided).active_step == 1
 

@@ -11,7 +11,7 @@ import pytest
 from tests.engine.calibration.test_adjustment import observe
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.view_selection import choose_informative
+from venus3d.engine.calibration.view_selection import select_views
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 
@@ -35,7 +35,7 @@ def recording(paper_camera: Camera, default_board: Board) -> list[Observation]:
 def test_the_frames_that_say_something_are_taken(
     recording: list[Observation], default_board: Board
 ) -> None:
-    chosen = choose_informative(default_board, recording, limit=12)
+    chosen = select_views(default_board, recording, limit=12)
     assert len(chosen) == 12 == len(set(chosen)) and chosen == sorted(chosen)
     assert sum(100 <= i <= 150 for i in chosen) >= 10
     best = calibrate(default_board, [recording[i] for i in chosen])
@@ -50,7 +50,7 @@ def test_a_larger_limit_never_knows_less(
     sigmas = [
         calibrate(
             default_board,
-            [recording[i] for i in choose_informative(default_board, recording, limit=limit)],
+            [recording[i] for i in select_views(default_board, recording, limit=limit)],
         ).sigma[0]
         for limit in (5, 10, 20, 40)
     ]
@@ -68,7 +68,7 @@ def test_blurred_frames_wrong_frames_and_empty_ones_are_passed_over(
         spoilt[i] = replace(recording[i], corners=moved)
     for i in range(102, 150, 5):
         spoilt[i] = Observation.nothing((1280, 720))
-    chosen = choose_informative(default_board, spoilt, limit=20)
+    chosen = select_views(default_board, spoilt, limit=20)
     assert chosen and all(not (100 <= i < 150 and i % 5 in (0, 1, 2)) for i in chosen)
     found = calibrate(default_board, [spoilt[i] for i in chosen])
     assert found.rms_px < 0.6 and abs(found.camera.fx - 1068) < 4 * found.sigma[0]
@@ -76,10 +76,10 @@ def test_blurred_frames_wrong_frames_and_empty_ones_are_passed_over(
 
 def test_a_view_is_not_taken_twice(recording: list[Observation], default_board: Board) -> None:
     still = recording[:100]
-    assert len(choose_informative(default_board, still, limit=40)) <= 2
-    assert choose_informative(default_board, [still[0]] * 5, limit=40) == [0]
+    assert len(select_views(default_board, still, limit=40)) <= 2
+    assert select_views(default_board, [still[0]] * 5, limit=40) == [0]
 
 
 def test_nothing_comes_of_nothing(default_board: Board) -> None:
-    assert choose_informative(default_board, []) == []
-    assert choose_informative(default_board, [Observation.nothing((1280, 720))] * 3) == []
+    assert select_views(default_board, []) == []
+    assert select_views(default_board, [Observation.nothing((1280, 720))] * 3) == []

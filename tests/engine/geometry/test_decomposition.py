@@ -14,7 +14,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import corners_outside, decompose, home_pose
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 
 CAMERA = Camera(1280, 720, 1068, 1073, 635, 355, -0.0031, -0.2059, -0.0028, -0.0038, 0.2478)
 BOARD = Board()
@@ -89,22 +89,22 @@ def test_the_edge_that_is_named_comes_closer(axis: str, angle: float) -> None:
     p["xy".index(axis)] = angle
     target = Pose.from_vector(p)
     step = decompose(target, CAMERA, BOARD)["xy".index(axis) + 1]
-    named = next(edge for edge in EDGES if f"the {edge} edge" in step_words(step).camera)
+    named = next(edge for edge in EDGES if f"the {edge} edge" in step_prompt(step).camera)
     assert target.apply(EDGES[named])[2] < home_pose().apply(EDGES[named])[2]
-    assert "30°" in step_words(step).camera and "30°" in step_words(step).holder
+    assert "30°" in step_prompt(step).camera and "30°" in step_prompt(step).holder
     if axis == "x":
-        assert step_words(step).holder == step_words(step).camera, (
+        assert step_prompt(step).holder == step_prompt(step).camera, (
             "up and down are the same for both"
         )
     else:
         other = {"left": "right", "right": "left"}[named]
-        assert f"on your {other}" in step_words(step).holder
+        assert f"on your {other}" in step_prompt(step).holder
 
 
 @pytest.mark.parametrize("angle", [-20.0, 20.0])
 def test_clockwise_is_clockwise_in_the_picture(angle: float) -> None:
     target = Pose.from_vector([0, 0, angle, 0, 0, 0.5])
-    words = step_words(decompose(target, CAMERA, BOARD)[3])
+    words = step_prompt(decompose(target, CAMERA, BOARD)[3])
     top = CAMERA.project(target.apply(EDGES["top"])) - CAMERA.project(target.t)
     # The picture's y points down: the top edge goes to the right when it turns clockwise.
     is_clockwise = top[0] > 0
@@ -127,8 +127,8 @@ def test_words_for_a_move_name_where_the_picture_of_the_board_goes(
     move: list[float], camera: str, holder: str
 ) -> None:
     step = decompose(home_pose().moved(move), CAMERA, BOARD)[0]
-    assert step_words(step).camera == f"Move the board 100 mm {camera}."
-    assert step_words(step).holder == f"Move the board 100 mm {holder}."
+    assert step_prompt(step).camera == f"Move the board 100 mm {camera}."
+    assert step_prompt(step).holder == f"Move the board 100 mm {holder}."
     before, after = CAMERA.project(step.before.t), CAMERA.project(step.after.t)
     wanted = {"right": (0, 1), "left": (0, -1), "down": (1, 1), "up": (1, -1)}
     for word, (coordinate, sign) in wanted.items():

@@ -11,7 +11,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import decompose, decompose_vector, home_pose
 from venus3d.engine.geometry.pose import Axes, Pose
-from venus3d.engine.geometry.rotation_orders import ORDERS, is_almost_locked, turns
+from venus3d.engine.geometry.rotation_orders import ORDERS, is_near_gimbal_lock, turns
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -63,4 +63,4 @@ def test_steps_keep_their_numbers_in_gimbal_lock(
     ):
         assert one.angle_deg == pytest.approx(other.angle_deg)
         np.testing.assert_allclose(one.after.R, other.after.R, atol=1e-12)
-    assert is_almost_locked(88) and is_almost_locked(-90) and not is_almost_locked(70)
+    assert is_near_gimbal_lock(88) and is_near_gimbal_lock(-90) and not is_near_gimbal_lock(70)

@@ -9,7 +9,7 @@ from venus3d.engine.calibration.information import covariance_of, view_informati
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.convergence import MIN_VIEWS, Progress, judge
+from venus3d.engine.guidance.convergence import MIN_VIEWS, Progress, check_convergence
 from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.engine.planning.suggest import suggest
 
@@ -21,16 +21,16 @@ def progress(views: int, *sigma: float) -> Progress:
 
 def test_nothing_to_compare_with() -> None:
     for rule in ("printed", "repaired"):
-        verdict = judge([progress(1, 1.0)], rule=rule)  # type: ignore[arg-type]
+        verdict = check_convergence([progress(1, 1.0)], rule=rule)  # type: ignore[arg-type]
         assert not verdict.converged and np.isnan(verdict.ratio).all()
-        assert not judge([], rule=rule).converged  # type: ignore[arg-type]
+        assert not check_convergence([], rule=rule).converged  # type: ignore[arg-type]
 
 
 def test_printed_to_the_letter() -> None:
     """phi = 1 where 1 - r <= epsilon, r the ratio of variances; also where it grew."""
     old = progress(2, *[1.0] * 9)
     new = progress(3, *np.sqrt([0.5, 0.89, 0.91, 1.0, 1.2, 3.0, 0.2, 0.8999, 0.9001]))
-    verdict = judge([old, new], rule="printed")
+    verdict = check_convergence([old, new], rule="printed")
     np.testing.assert_allclose(verdict.ratio, [0.5, 0.89, 0.91, 1, 1.2, 3, 0.2, 0.8999, 0.9001])
     assert verdict.parameters == (False, False, True, True, True, True, False, False, True)
 
@@ -38,26 +38,26 @@ def test_printed_to_the_letter() -> None:
 def test_repaired_asks_of_standard_deviations_and_not_of_growth() -> None:
     old = progress(MIN_VIEWS - 1, *[1.0] * 9)
     new = progress(MIN_VIEWS, *[0.5, 0.89, 0.91, 1.0, 1.01, 3.0, 0.2, 0.899, 0.901])
-    verdict = judge([old, new])
+    verdict = check_convergence([old, new])
     assert verdict.parameters == (False, False, True, True, False, False, False, False, True)
-    assert not judge([old, new], epsilon=0.001).parameters[2]
+    assert not check_convergence([old, new], epsilon=0.001).parameters[2]
 
 
 def test_no_verdict_from_few_views() -> None:
     history = [progress(n, 1.0) for n in range(1, MIN_VIEWS)]
-    assert not any(judge(history).parameters)
-    assert judge([*history, progress(MIN_VIEWS, 1.0)]).converged
+    assert not any(check_convergence(history).parameters)
+    assert check_convergence([*history, progress(MIN_VIEWS, 1.0)]).converged
 
 
 def test_a_verdict_is_kept() -> None:
     history = [progress(n, 1.0) for n in (MIN_VIEWS, MIN_VIEWS + 1)]
-    assert judge([*history, progress(MIN_VIEWS + 2, 0.5)]).converged
-    assert not judge([*history, progress(MIN_VIEWS + 2, 0.5)], rule="printed").converged
+    assert check_convergence([*history, progress(MIN_VIEWS + 2, 0.5)]).converged
+    assert not check_convergence([*history, progress(MIN_VIEWS + 2, 0.5)], rule="printed").converged
 
 
 def test_a_parameter_that_was_held_fixed_has_no_ratio() -> None:
     fixed = progress(MIN_VIEWS - 1, 1, 1, 0, 0, 0, 0, 0, 0, 0)
-    verdict = judge([fixed, progress(MIN_VIEWS, 1.0)])
+    verdict = check_convergence([fixed, progress(MIN_VIEWS, 1.0)])
     assert verdict.parameters == (True, True) + (False,) * 7
     assert np.isnan(verdict.ratio[2:]).all() and not np.isnan(verdict.ratio[:2]).any()
 
@@ -88,10 +88,10 @@ def test_a_guided_calibration_converges_between_6_and_14_views(
                         views, 0.4, paper_camera.parameters, np.sqrt(np.diag(covariance)), error
                     )
                 )
-                if judge(history).converged:
+                if check_convergence(history).converged:
                     break
             pose = suggest(
                 default_board, paper_camera, information, np.sqrt(0.1), rng=rng, number=views + 1
             ).target.pose
-        assert judge(history).converged and 6 <= history[-1].views <= 14
+        assert check_convergence(history).converged and 6 <= history[-1].views <= 14
         assert history[-1].uncertainty_px < 0.5

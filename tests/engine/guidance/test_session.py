@@ -132,28 +132,28 @@ def test_undo_drop_and_skip(rig: Rig) -> None:
     assert before.target is not None
     asked = before.target
 
-    assert rig.session.skip() and rig.session.pending is not None
+    assert rig.session.skip_target() and rig.session.pending is not None
     other = rig.session.apply(rig.session.pending.run())
     assert other.target is not None and other.target.number == asked.number + 1
     moved = other.target.pose.distance_to(asked.pose) / asked.pose.t[2]
     assert other.target.pose.angle_to_deg(asked.pose) > 15 or moved > 0.1
 
-    assert rig.session.drop(2) and rig.session.pending is not None
+    assert rig.session.drop_view(2) and rig.session.pending is not None
     dropped = rig.session.apply(rig.session.pending.run())
     assert [view.number for view in dropped.views] == [1, 3]
-    assert not rig.session.drop(2)
+    assert not rig.session.drop_view(2)
 
-    assert rig.session.undo() and rig.session.undo()
+    assert rig.session.undo_view() and rig.session.undo_view()
     empty = rig.session.snapshot()
-    assert empty.phase == "startup" and empty.views == () and not rig.session.undo()
+    assert empty.phase == "startup" and empty.views == () and not rig.session.undo_view()
     assert rig.until_views(2).views[-1].number == 5, "numbers are never used twice"
 
 
 def test_an_older_works_outcome_is_ignored(rig: Rig) -> None:
     rig.until_views(3)
-    assert rig.session.skip()
+    assert rig.session.skip_target()
     old = rig.session.pending
-    assert old is not None and rig.session.undo()
+    assert old is not None and rig.session.undo_view()
     stale = old.run()
     assert rig.session.apply(stale).phase == "captured"
     assert rig.session.pending is not None
@@ -233,12 +233,12 @@ def test_finishing_keeps_the_view_that_is_still_being_worked_on(rig: Rig) -> Non
     assert rig.session.pending is not None
     end = rig.session.apply(rig.session.pending.run())
     assert end.phase == "finished" and len(end.views) == 4 and end.target is None
-    assert not rig.session.undo() and not rig.session.capture()
+    assert not rig.session.undo_view() and not rig.session.capture()
 
 
 def test_dropping_a_bad_view_forgets_what_was_judged_with_it(rig: Rig) -> None:
     rig.until_views(5)
-    assert rig.session.drop(2) and rig.session.pending is not None
+    assert rig.session.drop_view(2) and rig.session.pending is not None
     dropped = rig.session.apply(rig.session.pending.run())
     assert [progress.views for progress in dropped.history] == [1, 4]
     assert dropped.convergence is not None and not dropped.convergence.converged
@@ -321,7 +321,7 @@ def test_a_view_taken_elsewhere_was_promised_nothing(rig: Rig) -> None:
 def test_what_was_promised_with_a_view_that_was_dropped_is_forgotten(rig: Rig) -> None:
     before = rig.until_views(4)
     assert np.isfinite(before.history[-1].predicted_uncertainty_px)
-    assert rig.session.drop(3) and rig.session.pending is not None
+    assert rig.session.drop_view(3) and rig.session.pending is not None
     after = rig.session.apply(rig.session.pending.run())
     assert [progress.views for progress in after.history] == [1, 2, 3]
     assert np.isnan(after.history[-1].predicted_uncertainty_px)
@@ -332,12 +332,14 @@ def test_another_of_the_nearly_equal_targets_is_chosen(
 ) -> None:
     rig = Rig(paper_camera, default_board, Settings(max_views=20))
     snapshot = rig.session.snapshot()
-    assert not rig.session.choose(0)
+    assert not rig.session.choose_alternative(0)
     while snapshot.target is None or not snapshot.target.alternatives:
         snapshot = rig.step()
     best, others = snapshot.target, snapshot.target.alternatives
-    assert not rig.session.choose(len(others)) and not rig.session.choose(-1)
-    assert rig.session.choose(0)
+    assert not rig.session.choose_alternative(len(others)) and not rig.session.choose_alternative(
+        -1
+    )
+    assert rig.session.choose_alternative(0)
     chosen = rig.session.snapshot()
     assert chosen.target is not None and chosen.target.pose is others[0].pose
     assert chosen.target.number == best.number and chosen.phase == "guiding"
@@ -346,10 +348,10 @@ def test_another_of_the_nearly_equal_targets_is_chosen(
         best.pose,
     ]
     for _ in others:
-        assert rig.session.choose(0)
+        assert rig.session.choose_alternative(0)
     again = rig.session.snapshot().target
     assert again is not None and again.pose is best.pose, "once round"
-    assert rig.session.choose(0)
+    assert rig.session.choose_alternative(0)
     rig.follow(rig.session.snapshot())
     views = len(chosen.views)
     after = rig.until_views(views + 1)
@@ -363,16 +365,16 @@ def test_the_method_changes_while_running(rig: Rig) -> None:
         "projection-variance",
     )
     with pytest.raises(VenusError, match="rms calibrates anew for every pose"):
-        rig.session.change("global", "rms")
+        rig.session.change_method("global", "rms")
     with pytest.raises(VenusError, match="random does not search"):
-        rig.session.change("random", "sum-iod")
+        rig.session.change_method("random", "sum-iod")
     same = rig.session.snapshot()
     assert same.target is before.target and same.method == "global" and same.phase == "guiding"
-    rig.session.change("global")
-    rig.session.change("global", "projection-variance")
+    rig.session.change_method("global")
+    rig.session.change_method("global", "projection-variance")
     assert rig.session.pending is None, "nothing to change"
 
-    rig.session.change("venus", "max-iod")
+    rig.session.change_method("venus", "max-iod")
     assert rig.session.pending is not None
     changed = rig.session.apply(rig.session.pending.run())
     assert changed.target is not None and changed.target.method == "venus"
@@ -386,7 +388,7 @@ def test_the_method_changes_while_running(rig: Rig) -> None:
     rig.session.observe(rig.look())
     assert rig.session.capture()
     old = rig.session.pending
-    rig.session.change("random")
+    rig.session.change_method("random")
     assert old is not None and rig.session.pending is not old and rig.session.pending is not None
     assert rig.session.apply(old.run()).phase == "captured"
     end = rig.session.apply(rig.session.pending.run())
@@ -436,7 +438,7 @@ def test_what_the_user_ended_stays_ended(paper_camera: Camera, default_board: Bo
 
 
 def test_the_method_changes_before_the_first_view(rig: Rig) -> None:
-    rig.session.change("venus")
+    rig.session.change_method("venus")
     assert rig.session.snapshot().method == "venus" and rig.session.snapshot().cost == "sum-iod"
     after = rig.until_views(1)
     assert after.target is not None and after.target.method == "venus"
@@ -494,5 +496,5 @@ def test_a_captured_picture_is_handed_over_once_and_not_kept(rig: Rig) -> None:
     assert session.take_new_view() is None and session.pending is not None
     assert [o.image for o in session.pending.observations] == [None]
     session.observe(replace(rig.look(), image=seen.image))
-    assert session.capture() and session.undo()
+    assert session.capture() and session.undo_view()
     assert session.take_new_view() is None, "it was taken back"

@@ -54,21 +54,25 @@ class User:
         elif action == "fail" and pending is not None:
             session.fail(pending, CalibrationError("It could not be done."))
         elif action == "drop" and session.snapshot().views:
-            session.drop(int(rng.choice([view.number for view in session.snapshot().views])))
+            session.drop_view(int(rng.choice([view.number for view in session.snapshot().views])))
         elif action == "choose":
-            session.choose(int(rng.integers(3)))
+            session.choose_alternative(int(rng.integers(3)))
         elif action == "change":
             cost = None if rng.random() < 0.5 else COSTS[rng.integers(len(COSTS))]
             with suppress(VenusError):  # what does not go together
-                session.change(METHODS[rng.integers(len(METHODS))], cost)
+                session.change_method(METHODS[rng.integers(len(METHODS))], cost)
         elif action == "board":
             other = replace(self.board, legacy=bool(rng.random() < 0.5))
             self.follow(session.observe(replace(self.seen(), board=other)))
         elif action == "finish":
             session.finish()
             self.ended = True
-        elif action in ("capture", "skip", "undo"):
-            getattr(session, action)()
+        elif action == "capture":
+            session.capture()
+        elif action == "skip":
+            session.skip_target()
+        elif action == "undo":
+            session.undo_view()
 
     def seen(self) -> Observation:
         pixels = self.camera.project(self.pose.apply(self.board.corners))

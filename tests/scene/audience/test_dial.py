@@ -13,7 +13,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.matching import Match, match
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target
@@ -62,7 +62,7 @@ def angle_of(point: tuple[float, float]) -> float:
 def test_the_hand_moves_as_the_board_does_for_its_holder(at) -> None:
     """Clockwise in the picture is counter-clockwise for who holds it: from the right to the top."""
     clockwise = at(z=30)
-    assert "counter-clockwise" in step_words(clockwise.steps[3]).holder
+    assert "counter-clockwise" in step_prompt(clockwise.steps[3]).holder
     assert angle_of(hand(dial_html(clockwise, 4))) > 20
     assert angle_of(hand(dial_html(at(z=-30), 4))) < -20
     right, left = (angle_of(hand(dial_html(at(z=deg), 4))) for deg in (12, -12))
@@ -85,7 +85,9 @@ def test_the_green_band_ends_where_the_step_is_done(at, step: int, axis: str) ->
 def test_a_move_has_three_scales_with_the_holders_left_and_right(at) -> None:
     """To the picture's right is to the holder's left: the board is on its right side now."""
     found = at(mm=(50, -20, 0))
-    assert "left" in step_words(found.steps[0]).holder and "up" in step_words(found.steps[0]).holder
+    assert (
+        "left" in step_prompt(found.steps[0]).holder and "up" in step_prompt(found.steps[0]).holder
+    )
     root = svg(dial_html(found, 1))
     boards = [float(c.attrib["cx"]) for c in root.iter("circle")]
     assert boards[0] > 230 and boards[1] > 215 and boards[2] == pytest.approx(200, abs=1)
@@ -144,7 +146,7 @@ def test_each_state_has_its_sentence(guided: Snapshot, at) -> None:
     assert view_model_of(guided, paused=True).sentence == texts.PAUSED[2]
     step = view_model_of(guided)
     assert (step.badge, step.title, step.step) == ("3", "Swing", 3)
-    assert step.sentence == step_words(at(y=20).steps[2]).holder
+    assert step.sentence == step_prompt(at(y=20).steps[2]).holder
     assert view_model_of(replace(guided, match=at())).title == texts.HOLD_STILL[1]
     assert view_model_of(replace(guided, pose=None, match=None)).title == texts.NOT_SEEN[1]
     assert view_model_of(replace(guided, phase="captured")).title == texts.THINKING[1]

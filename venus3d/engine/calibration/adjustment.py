@@ -114,7 +114,7 @@ def largest_angle_deg(calibration: Calibration) -> float:
     return float(np.degrees(np.arccos(np.clip(np.min(normals @ normals.T), -1.0, 1.0))))
 
 
-def has_spread(corners: Array) -> bool:
+def determines_homography(corners: Array) -> bool:
     """Whether corners (N, 2) are at least four and not all on one line: they fix a homography."""
     if corners.shape[0] < 4:
         return False
@@ -136,7 +136,7 @@ def _checked(observations: Sequence[Observation]) -> tuple[int, int]:
             f"The images differ in size ({named} px); calibrate each size by itself."
         )
     for index, o in enumerate(observations, start=1):
-        if not has_spread(o.corners):
+        if not determines_homography(o.corners):
             raise CalibrationError(
                 f"View {o.name or index} shows fewer than four corners that are not on one line; "
                 "leave it out."

@@ -15,7 +15,7 @@ _FEWEST_CORNERS = 6
 _LARGEST_ERROR = 0.02
 
 
-def locate(
+def estimate_pose(
     camera: Camera, board: Board, observation: Observation, previous: Pose | None = None
 ) -> Pose | None:
     """`T_camera_board` of an observation, or None if its corners do not carry a pose.

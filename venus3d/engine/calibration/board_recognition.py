@@ -32,7 +32,7 @@ _NEAR = 0.25
 """A marker lies there if it is this close, in sides of a marker: room for a lens's distortion."""
 
 
-class BoardCheck:
+class BoardRecognition:
     """Looks for other boards in pictures in which the board was missed. Used by one thread."""
 
     def __init__(self, board: Board) -> None:
@@ -40,7 +40,7 @@ class BoardCheck:
         own = _family(board.dictionary)
         # One of each family, the largest: all of a family begin with the same markers.
         named = {_family(name): name for name in sorted(DICTIONARIES, key=_size)}
-        self.suspects: tuple[str, ...] = (
+        self.dictionaries: tuple[str, ...] = (
             board.dictionary,
             *(name for name in sorted(named.values(), key=_size) if _family(name) != own),
         )
@@ -62,11 +62,11 @@ class BoardCheck:
         """The board was not found in this whole picture (H, W); has a look now and then."""
         self._misses += 1
         if self._misses >= _PATIENCE and self._misses % _EVERY == 0:
-            self.look(grey)
+            self.try_next(grey)
 
-    def look(self, grey: NDArray[np.uint8]) -> bool:
+    def try_next(self, grey: NDArray[np.uint8]) -> bool:
         """Try one dictionary on a picture (H, W). True if it settles what the picture shows."""
-        name = self.suspects[self._turn]
+        name = self.dictionaries[self._turn]
         ids, quads = _markers(self._board, name, grey)
         seen = len(np.unique(ids)) >= _FEWEST_MARKERS
         if not seen:
@@ -76,22 +76,22 @@ class BoardCheck:
         else:
             self._diagnosis = _misplaced(self._board, ids, quads)
         if not seen:  # what was settled is asked again, anything else is not
-            self._turn = (self._turn + 1) % len(self.suspects)
+            self._turn = (self._turn + 1) % len(self.dictionaries)
         if seen or self._turn == 0:
             self._misses = -_PAUSE
         return seen
 
 
-def recognise(board: Board, pictures: Iterable[NDArray[np.uint8]]) -> Diagnosis | None:
+def recognise_board(board: Board, pictures: Iterable[NDArray[np.uint8]]) -> Diagnosis | None:
     """What the first of the grey pictures (H, W) that shows markers shows instead of `board`.
 
     None if no picture shows markers, or if they lie as on the board. Tries every dictionary on
     every picture: some 0.2 s each at 720p.
     """
     for picture in pictures:
-        check = BoardCheck(board)
-        for _ in check.suspects:
-            if check.look(picture):
+        check = BoardRecognition(board)
+        for _ in check.dictionaries:
+            if check.try_next(picture):
                 break
         if check.diagnosis is not None:
             return check.diagnosis

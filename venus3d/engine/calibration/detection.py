@@ -17,16 +17,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.adjustment import has_spread
-from venus3d.engine.calibration.board_recognition import BoardCheck, recognise
+from venus3d.engine.calibration.adjustment import determines_homography
+from venus3d.engine.calibration.board_recognition import BoardRecognition, recognise_board
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.refinement import (
     Grey,
+    edge_sharpness,
     local_scales,
-    refined,
-    sharpness_of,
-    windows_of,
+    refine_corners,
+    refinement_windows,
 )
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
@@ -68,7 +68,7 @@ class Detector:
         """The narrow side of the smallest square in the last image with the board, pixels."""
         self._evidence: dict[Board, int] = dict.fromkeys(_readings(board), 0)
         self._frames = 0
-        self._check = BoardCheck(board)
+        self._check = BoardRecognition(board)
         self._missed: deque[Grey] = deque(maxlen=_KEPT_MISSED)
 
     @property
@@ -104,9 +104,9 @@ class Detector:
         )
         return (*found, layout)
 
-    def explain(self) -> tuple[Diagnosis, ...]:
+    def explain_misses(self) -> tuple[Diagnosis, ...]:
         """What the last pictures without the board show instead; may take a second."""
-        found = recognise(self._asked, self._missed)
+        found = recognise_board(self._asked, self._missed)
         return () if found is None else (found,)
 
     def settle(self, images: Iterable[Any]) -> Board:
@@ -159,7 +159,7 @@ class Detector:
         if grey.size == 0:
             return nothing
         ids, corners = self._read(grey, quick)
-        if not has_spread(corners):
+        if not determines_homography(corners):
             if region is None and not quick:
                 self._check.missed(grey)
                 self._missed.append(grey)
@@ -167,10 +167,10 @@ class Detector:
         self._check.found()
         scales = local_scales(self._board, ids, corners)
         if self._refine:
-            corners = refined(grey, corners, windows_of(self._board, scales))
+            corners = refine_corners(grey, corners, refinement_windows(self._board, scales))
         squares = np.linalg.norm(scales, axis=1).min(axis=1) * self._board.square
         self.square_px = float(squares.min())
-        sharpness = sharpness_of(grey, corners, squares)
+        sharpness = edge_sharpness(grey, corners, squares)
         return Observation(ids, corners + np.array([x0, y0]), size, sharpness)
 
     def _read(self, grey: Grey, quick: bool) -> tuple[NDArray[np.intp], Array]:

@@ -36,7 +36,7 @@ def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
     return np.nan_to_num(scales, nan=0.0, posinf=0.0, neginf=0.0)
 
 
-def windows_of(board: Board, scales: Array) -> NDArray[np.intp]:
+def refinement_windows(board: Board, scales: Array) -> NDArray[np.intp]:
     """(N,) half-windows that stay clear of the markers around each corner, pixels."""
     gap = (board.square - board.marker) / 2
     along = np.linspace(gap, board.square / 2, 5)
@@ -49,7 +49,7 @@ def windows_of(board: Board, scales: Array) -> NDArray[np.intp]:
     return np.minimum(np.floor(_WINDOW * room), _LARGEST_WINDOW).astype(np.intp)
 
 
-def refined(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
+def refine_corners(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
     """Corners (N, 2) after cornerSubPix in half-windows (N,); those under 2 px are left alone."""
     better = corners.copy()
     for window in np.unique(windows[windows >= _SMALLEST_WINDOW]):
@@ -64,7 +64,7 @@ def refined(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
     return better
 
 
-def sharpness_of(grey: Grey, corners: Array, squares: Array) -> float:
+def edge_sharpness(grey: Grey, corners: Array, squares: Array) -> float:
     """Contrast of the board's edges per pixel, 0 ... 1.
 
     The steepest grey step per pixel around each corner over the contrast there: 1 for a step from

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate, has_spread
-from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.adjustment import calibrate, determines_homography
+from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.information import prior_information, view_information
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError
@@ -35,7 +35,7 @@ class _Candidate:
     rms_px: float
 
 
-def choose_informative(
+def select_views(
     board: Board, observations: Sequence[Observation], *, limit: int = 40, same: float = 0.0025
 ) -> list[int]:
     """Indices of the observations to calibrate from, ascending; at most `limit`.
@@ -52,7 +52,7 @@ def choose_informative(
     Returns:
         An empty list if no observation is of use.
     """
-    usable = [i for i, o in enumerate(observations) if has_spread(o.corners)]
+    usable = [i for i, o in enumerate(observations) if determines_homography(o.corners)]
     if not usable:
         return []
     median = float(np.median([observations[i].sharpness for i in usable]))
@@ -90,7 +90,7 @@ def _candidates(
     found: list[_Candidate] = []
     for index in indices:
         observation = observations[index]
-        pose = locate(camera, board, observation)
+        pose = estimate_pose(camera, board, observation)
         if pose is None:
             continue
         points = board.points_of(observation.ids)

@@ -38,10 +38,12 @@ class Turn:
         return Pose(np.asarray(turned.as_matrix()) @ self.before.R, self.before.t)
 
 
-Turns = tuple[Turn, Turn, Turn]
+TurnSequence = tuple[Turn, Turn, Turn]
 
 
-def turns(start: Pose, angles_deg: ArrayLike, *, order: str = "xyz", axes: Axes = "fixed") -> Turns:
+def turns(
+    start: Pose, angles_deg: ArrayLike, *, order: str = "xyz", axes: Axes = "fixed"
+) -> TurnSequence:
     """The turns of `start` by the angles (3,) about X, Y and Z, degrees, in this order of axes.
 
     About "fixed" axes each turn is about an axis of the camera; about the board's "own", the axis
@@ -64,6 +66,6 @@ def turns(start: Pose, angles_deg: ArrayLike, *, order: str = "xyz", axes: Axes 
     return (made[0], made[1], made[2])
 
 
-def is_almost_locked(angle_y_deg: float) -> bool:
+def is_near_gimbal_lock(angle_y_deg: float) -> bool:
     """Whether a turn about Y comes so near to +-90 degrees that X and Z turn nearly alike."""
     return 90.0 - abs(angle_y_deg) < _ALMOST_LOCKED_DEG

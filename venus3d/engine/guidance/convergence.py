@@ -54,7 +54,7 @@ class Progress:
     """What the last view's target had promised for `uncertainty_px`; NaN likewise."""
 
 
-def judge(
+def check_convergence(
     history: Sequence[Progress],
     epsilon: float = 0.1,
     rule: Rule = "repaired",

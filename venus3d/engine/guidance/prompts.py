@@ -1,4 +1,4 @@
-"""The words of guidance, in one place: short sentences for the camera's and for the holder's side.
+"""The sentences of guidance, as seen by the camera and as seen by the person who holds the board.
 
 Signs (DESIGN): +X brings the top edge towards the camera, +Y the edge on the image's right, +Z
 turns the board clockwise in the image. The holder faces the camera, so left and right, clockwise
@@ -12,13 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Axis
 from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.phase import Phase
 
-PARAMETER_WORDS = (
+PARAMETER_DESCRIPTIONS = (
     "focal length, horizontal",
     "focal length, vertical",
     "image centre, horizontal",
@@ -34,7 +33,7 @@ where the optical axis meets the picture."""
 
 
 @dataclass(frozen=True)
-class Words:
+class Prompt:
     """One instruction in two wordings."""
 
     camera: str
@@ -43,15 +42,15 @@ class Words:
     """As seen by the person who holds the board and faces the camera."""
 
 
-def step_words(step: Step) -> Words:
+def step_prompt(step: Step) -> Prompt:
     """What to do in one of the four steps."""
     if step.axis is None:
-        return words_for_move(step.translation)
-    return words_for_turn(step.axis, step.angle_deg)
+        return translation_prompt(step.translation)
+    return turn_prompt(step.axis, step.angle_deg)
 
 
-def words_for_move(translation: ArrayLike) -> Words:
-    """Words for a displacement (3,) of the board's centre in the camera's frame, metres."""
+def translation_prompt(translation: ArrayLike) -> Prompt:
+    """For a displacement (3,) of the board's centre in the camera's frame, metres."""
     x, y, z = (float(v) * 1000 for v in np.asarray(translation, dtype=np.float64))
     depth = _part(z, "away from the camera", "towards the camera")
     height = _part(y, "down", "up")
@@ -62,25 +61,27 @@ def words_for_move(translation: ArrayLike) -> Words:
             return "The position is right; leave it."
         return "Move the board " + _listed(parts) + "."
 
-    return Words(sentence("to the right", "to the left"), sentence("to your left", "to your right"))
+    return Prompt(
+        sentence("to the right", "to the left"), sentence("to your left", "to your right")
+    )
 
 
-def words_for_turn(axis: Axis, angle_deg: float) -> Words:
-    """Words for a signed turn about one of the camera's fixed axes, degrees."""
+def turn_prompt(axis: Axis, angle_deg: float) -> Prompt:
+    """For a signed turn about one of the camera's fixed axes, degrees."""
     amount = f"{abs(angle_deg):.0f}°"
     if abs(angle_deg) < 0.5:
-        return Words(*(2 * (f"Nothing to turn about {axis.upper()}.",)))
+        return _both(f"Nothing to turn about {axis.upper()}.")
     if axis == "x":
         edge = "top" if angle_deg > 0 else "bottom"
-        return Words(*(2 * (f"Tilt the {edge} edge towards the camera by {amount}.",)))
+        return _both(f"Tilt the {edge} edge towards the camera by {amount}.")
     if axis == "y":
         seen, held = ("right", "left") if angle_deg > 0 else ("left", "right")
-        return Words(
+        return Prompt(
             f"Swing the {seen} edge towards the camera by {amount}.",
             f"Swing the edge on your {held} towards the camera by {amount}.",
         )
     seen, held = ("clockwise", "counter-clockwise")[:: 1 if angle_deg > 0 else -1]
-    return Words(f"Rotate the board {seen} by {amount}.", f"Rotate the board {held} by {amount}.")
+    return Prompt(f"Rotate the board {seen} by {amount}.", f"Rotate the board {held} by {amount}.")
 
 
 def _part(mm: float, positive: str, negative: str) -> str:
@@ -91,69 +92,62 @@ def _listed(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
-def words_for_startup(seen: int, corners: int) -> Words:
-    """What to do before the whole board has been seen once; `seen` of `corners` are visible."""
-    if seen == 0:
-        text = "Hold the board upright in front of the camera."
-        return Words(text, text)
-    text = f"Move the board back until all of it is in the picture ({seen} of {corners} corners)."
-    return Words(text, text)
+def _both(text: str) -> Prompt:
+    return Prompt(text, text)
 
 
-NOT_SEEN = Words(
-    "The board is not seen: bring it back into the picture.",
-    "The board is not seen: bring it back into the picture.",
+STEP_RIGHT = _both("This step is right; leave it.")
+HOLD_STILL = _both("Hold the board still.")
+NOT_SEEN = _both("The board is not seen: bring it back into the picture.")
+_NO_TARGET = _both(
+    "Hold the board as you like, tilted and well spread over the picture, and press C."
 )
-NO_TARGET = Words(
-    "Hold the board as you like, tilted and well spread over the picture, and press C.",
-    "Hold the board as you like, tilted and well spread over the picture, and press C.",
-)
-STEP_RIGHT = Words("This step is right; leave it.", "This step is right; leave it.")
-HOLD_STILL = Words("Hold the board still.", "Hold the board still.")
-CALCULATING = Words(
-    "Got it. Working out the camera and the next pose.",
-    "Got it. Working out the camera and the next pose.",
-)
-CONVERGED = Words(
-    "The camera is calibrated: more views change nothing that matters.",
-    "The camera is calibrated: more views change nothing that matters.",
-)
-FINISHED = Words("You have ended this calibration.", "You have ended this calibration.")
-ENOUGH = Words(
+FINISHED = _both("You have ended this calibration.")
+ENOUGH = _both(
     "All the views asked for are taken, and not every parameter has settled. U takes the last one "
-    "back; --max-views allows more.",
-    "All the views asked for are taken, and not every parameter has settled. U takes the last one "
-    "back; --max-views allows more.",
+    "back; --max-views allows more."
 )
 STARTUP_REASON = (
     "A board tilted by 45° shows the focal length in a single picture: its far edge looks shorter."
 )
 
-_STATES = {
-    "captured": ("Captured", CALCULATING),
-    "converged": ("Calibrated", CONVERGED),
+_AFTER_CAPTURE: dict[Phase, tuple[str, Prompt]] = {
+    "captured": ("Captured", _both("Got it. Working out the camera and the next pose.")),
+    "converged": (
+        "Calibrated",
+        _both("The camera is calibrated: more views change nothing that matters."),
+    ),
     "finished": ("Finished", FINISHED),
 }
 
 
-def said(phase: Phase, match: Match | None, seen: bool, by_user: bool = True) -> tuple[str, Words]:
-    """Headline and instruction.
+def headline_and_prompt(
+    phase: Phase, match: Match | None, seen: bool, by_user: bool = True
+) -> tuple[str, Prompt]:
+    """Two or three words for the state, and the one sentence that says what to do now.
 
-    `seen` is whether the board is, `by_user` who has ended it; `match` is None without a target.
+    Args:
+        match: None without a board or without a target.
+        seen: whether the board is.
+        by_user: whether the user has ended the session.
     """
     if phase == "finished" and not by_user:
         return "Finished", ENOUGH
-    if phase in _STATES:
-        return _STATES[phase]
+    if phase in _AFTER_CAPTURE:
+        return _AFTER_CAPTURE[phase]
     if not seen:
         return "Board not seen", NOT_SEEN
     if match is None:
-        return "No target", NO_TARGET
+        return "No target", _NO_TARGET
     if match.reached or all(match.within):
         return "Hold still", HOLD_STILL
-    return f"Step {match.active_step} of 4", step_words(match.steps[match.active_step - 1])
+    return f"Step {match.active_step} of 4", step_prompt(match.steps[match.active_step - 1])
 
 
-def said_at_startup(corners: int, board: Board) -> tuple[str, Words]:
-    """The same while nothing is known yet and `corners` of the board are seen."""
-    return "Show the board", words_for_startup(corners, board.corner_count)
+def startup_headline_and_prompt(seen: int, corners: int) -> tuple[str, Prompt]:
+    """The same before all of the board was seen once: `seen` of its `corners` are."""
+    if seen == 0:
+        return "Show the board", _both("Hold the board upright in front of the camera.")
+    return "Show the board", _both(
+        f"Move the board back until all of it is in the picture ({seen} of {corners} corners)."
+    )

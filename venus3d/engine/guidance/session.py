@@ -25,10 +25,10 @@ from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
 from venus3d.engine.guidance.phase import Phase
-from venus3d.engine.guidance.prompts import said, said_at_startup
+from venus3d.engine.guidance.prompts import headline_and_prompt, startup_headline_and_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.startup import Startup
-from venus3d.engine.guidance.tracking import Tracker
+from venus3d.engine.guidance.tracking import PoseTracker
 from venus3d.engine.guidance.views import CapturedView, CapturedViews
 from venus3d.engine.guidance.work import Outcome, Settings, Work, noise_of
 from venus3d.engine.planning.heuristic_poses import HeuristicState
@@ -73,7 +73,7 @@ class Session:
         self._warnings: tuple[str, ...] = ()
         self._diagnoses: tuple[Diagnosis, ...] = ()
         self._outcome: Outcome | None = None
-        self._seen = Tracker(board, self._image_size, self.settings)
+        self._tracker = PoseTracker(board, self._image_size, self.settings)
         self._keep_going, self._lost, self._number = False, "", 0
 
     # -- what happens ----------------------------------------------------------------------------
@@ -90,14 +90,16 @@ class Session:
         self._board_diagnoses = observation.board_diagnoses
         if self._phase == "startup":
             self._startup.observe(observation)
-            self._target = self._startup.aimed(
+            self._target = self._startup.updated_target(
                 self._target, self._next_target, self.settings.method, self.settings.cost
             )
-        self._seen.see(observation, self.camera, self._target)
+        self._tracker.observe(observation, self.camera, self._target)
         self._number += 1
         if self.settings.auto_capture and self._phase in ("startup", "guiding"):
             ready = self._phase == "guiding" or self._startup.determined
-            if (ready and self._seen.held >= self.settings.hold_frames) or self._is_useful():
+            if (
+                ready and self._tracker.held_frames >= self.settings.hold_frames
+            ) or self._is_useful():
                 self.capture()
         return self.snapshot()
 
@@ -107,12 +109,14 @@ class Session:
         A view that does not show the focal length is taken as well when asked for: guidance then
         goes on with a guessed camera, and says so, until tilted views come.
         """
-        seen = self._seen
+        tracker = self._tracker
         over = self._phase == "finished" or self._ending
-        if seen.pose is None or over or self._captured.has(seen.observation):
+        if tracker.pose is None or over or self._captured.has(tracker.observation):
             return False
-        at_target = seen.is_there and self._phase == "guiding"
-        self._new_view = self._captured.add(seen.observation, self._target if at_target else None)
+        at_target = tracker.is_at_target and self._phase == "guiding"
+        self._new_view = self._captured.add(
+            tracker.observation, self._target if at_target else None
+        )
         self._keep_going = self._keep_going or self._phase == "converged"
         self._recalibrate()
         return True
@@ -122,7 +126,7 @@ class Session:
         view, self._new_view = self._new_view, None
         return view
 
-    def skip(self) -> bool:
+    def skip_target(self) -> bool:
         """Give up the present target for another one elsewhere. False if there is none."""
         if self._target is None or self._phase != "guiding":
             return False
@@ -130,10 +134,10 @@ class Session:
         self._recalibrate()
         return True
 
-    def choose(self, index: int) -> bool:
-        """Take another of the target's alternatives. False if there is none of that number.
+    def choose_alternative(self, index: int) -> bool:
+        """Take another of the target's alternatives. False if there is no such one.
 
-        The pose given up becomes the last alternative, so that `choose(0)` goes round them all.
+        The pose given up becomes the last one, so that `choose_alternative(0)` goes round them all.
         """
         old = self._target
         if old is None or self._phase != "guiding" or not 0 <= index < len(old.alternatives):
@@ -141,10 +145,10 @@ class Session:
         others = [other for i, other in enumerate(old.alternatives) if i != index]
         others.append(replace(old, alternatives=()))
         self._target = replace(old.alternatives[index], alternatives=tuple(others))
-        self._seen.aim(self.camera, self._target)
+        self._tracker.set_target(self.camera, self._target)
         return True
 
-    def change(self, method: Method, cost: Cost | None = None) -> None:
+    def change_method(self, method: Method, cost: Cost | None = None) -> None:
         """Find the next poses in another way; a target that is shown is searched anew.
 
         The method's own search is used, and for `cost` None its own cost. Raises `VenusError` for a
@@ -157,12 +161,12 @@ class Session:
         if self._captured.views and self._phase in ("guiding", "captured") and not self._ending:
             self._recalibrate()
 
-    def undo(self) -> bool:
+    def undo_view(self) -> bool:
         """Take the last captured view back. False if there is none."""
         views = self._captured.views
-        return bool(views) and self.drop(views[-1].number)
+        return bool(views) and self.drop_view(views[-1].number)
 
-    def drop(self, number: int) -> bool:
+    def drop_view(self, number: int) -> bool:
         """Take the view with this number back. False if there is none, or the user has ended it."""
         index = None if self._ending else self._captured.drop(number)
         if index is None:
@@ -177,7 +181,7 @@ class Session:
         """End the session; what was captured stays, and what is pending is still to be applied."""
         self._ending = True
         self._target = None
-        self._seen.aim(self.camera, None)
+        self._tracker.set_target(self.camera, None)
         if self.pending is None:
             self._phase = "finished"
             self._diagnose()
@@ -202,7 +206,7 @@ class Session:
                 self._target, self._generation = outcome.suggestion.target, outcome.suggestion.state
                 self._next_target = self._target.number + 1
         self._diagnose()
-        self._seen.aim(self.camera, self._target)
+        self._tracker.set_target(self.camera, self._target)
         return self.snapshot()
 
     def fail(self, work: Work, error: CalibrationError) -> Snapshot:
@@ -246,19 +250,23 @@ class Session:
 
     def snapshot(self) -> Snapshot:
         """Everything about this moment."""
-        seen, known = self._seen, self._outcome
-        headline, instruction = said(self._phase, seen.match, seen.pose is not None, self._ending)
+        tracker, known = self._tracker, self._outcome
+        headline, instruction = headline_and_prompt(
+            self._phase, tracker.match, tracker.pose is not None, self._ending
+        )
         if self._phase == "startup" and not self._startup.determined and self._target is None:
-            headline, instruction = said_at_startup(seen.observation.count, self.board)
+            headline, instruction = startup_headline_and_prompt(
+                tracker.observation.count, self.board.corner_count
+            )
         return Snapshot(
             number=self._number,
             phase=self._phase,
             board=self.board,
             camera=self.camera,
-            observation=seen.observation,
-            pose=seen.pose,
+            observation=tracker.observation,
+            pose=tracker.pose,
             target=self._target,
-            match=seen.match,
+            match=tracker.match,
             calibration=self._calibration,
             convergence=self._convergence,
             history=self._history,
@@ -282,13 +290,13 @@ class Session:
 
     def _is_useful(self) -> bool:
         """Whether this observation tells enough although it is not the target (see settings)."""
-        drop, seen = self.settings.useful_drop, self._seen
-        if drop is None or seen.pose is None or not seen.is_still:
+        drop, tracker = self.settings.useful_drop, self._tracker
+        if drop is None or tracker.pose is None or not tracker.is_still:
             return False
         if self._calibration is None:
             return True  # the first view of a recording: there is nothing to compare it with
         now = Posterior.of(self.board, self.camera, self._information, noise_of(self._calibration))
-        told = now.with_seen(seen.observation, seen.pose)
+        told = now.with_seen(tracker.observation, tracker.pose)
         return told.uncertainty_px <= (1 - drop) * now.uncertainty_px
 
     def _diagnose(self) -> None:
@@ -324,4 +332,4 @@ class Session:
             last_target=views[-1].target,
         )
         self._phase = "captured"
-        self._seen.held = 0
+        self._tracker.held_frames = 0

@@ -16,7 +16,7 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
 from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.phase import Phase
-from venus3d.engine.guidance.prompts import Words
+from venus3d.engine.guidance.prompts import Prompt
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.engine.planning.method import Cost, Method
 from venus3d.engine.planning.search_trace import SearchTrace
@@ -44,7 +44,7 @@ class Snapshot:
     history: tuple[Progress, ...]
     headline: str
     """Two or three words for the state: "Hold still", "Captured", "Step 3 of 4"."""
-    instruction: Words
+    instruction: Prompt
     """The one sentence that says what to do now."""
     warnings: tuple[str, ...] = field(default=())
     diagnoses: tuple[Diagnosis, ...] = field(default=())

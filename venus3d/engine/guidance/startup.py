@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate, has_spread
-from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.adjustment import calibrate, determines_homography
+from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
@@ -78,7 +78,7 @@ class Startup:
             z = float(np.clip(self._distance, nearest, _FARTHER * nearest))
         return Pose.from_vector([TILT_DEG, 0, 0, 0, 0, z])
 
-    def aimed(
+    def updated_target(
         self, old: Target | None, number: int, method: Method, cost: Cost | None
     ) -> Target | None:
         """The start-up pose as target `number`; `old`, while the estimate has hardly moved it."""
@@ -106,7 +106,7 @@ class Startup:
         usable = (
             observation.image_size == self._image_size
             and bool(np.isfinite(observation.corners).all())
-            and has_spread(observation.corners)
+            and determines_homography(observation.corners)
         )
         if not usable:
             return False
@@ -118,7 +118,7 @@ class Startup:
             self._complete = observation
         if self._complete is not None and (first or better):
             # A longer focal length puts the same picture farther away.
-            pose = locate(self._camera, self._board, self._complete)
+            pose = estimate_pose(self._camera, self._board, self._complete)
             self._distance = None if pose is None else float(pose.t[2])
         return better
 

@@ -5,7 +5,7 @@ When a view is captured is left to `session`.
 
 from __future__ import annotations
 
-from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
@@ -16,8 +16,8 @@ from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.target import Target
 
 
-class Tracker:
-    """What is seen of one board now. Used by one thread."""
+class PoseTracker:
+    """One board's pose in each frame and its match with the target. Used by one thread."""
 
     def __init__(self, board: Board, image_size: tuple[int, int], settings: Settings) -> None:
         """Nothing seen yet."""
@@ -30,10 +30,10 @@ class Tracker:
         """None while there is no board or no target."""
         # The last one for this target: a board that is lost for a frame finds its step again.
         self._last: Match | None = None
-        self.held = 0
+        self.held_frames = 0
         """For how many observations in a row the target has been reached."""
 
-    def see(self, observation: Observation, camera: Camera, target: Target | None) -> None:
+    def observe(self, observation: Observation, camera: Camera, target: Target | None) -> None:
         """Take in one frame. Raises `CalibrationError` if its size is not that of the others."""
         (width, height), (w, h) = self.observation.image_size, observation.image_size
         if (w, h) != (width, height):
@@ -43,15 +43,17 @@ class Tracker:
             )
         self._before, self.observation = self.observation.without_image(), observation
         self._compare(camera, target, self._before)
-        self.held = self.held + 1 if self.match is not None and self.match.reached else 0
+        self.held_frames = (
+            self.held_frames + 1 if self.match is not None and self.match.reached else 0
+        )
 
-    def aim(self, camera: Camera, target: Target | None) -> None:
+    def set_target(self, camera: Camera, target: Target | None) -> None:
         """Look at the same frame again, with another camera or target."""
-        self.held, self._last = 0, None
+        self.held_frames, self._last = 0, None
         self._compare(camera, target, None)
 
     @property
-    def is_there(self) -> bool:
+    def is_at_target(self) -> bool:
         """Whether the board is at its target, moving or not."""
         return self.match is not None and (self.match.reached or all(self.match.within))
 
@@ -61,7 +63,7 @@ class Tracker:
         return motion_px(self._before, self.observation) <= self._settings.still_px
 
     def _compare(self, camera: Camera, target: Target | None, before: Observation | None) -> None:
-        self.pose = locate(camera, self._board, self.observation, self.pose)
+        self.pose = estimate_pose(camera, self._board, self.observation, self.pose)
         self.match = None
         if self.pose is not None and target is not None:
             self.match = match(

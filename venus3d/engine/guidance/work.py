@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import calibrate
-from venus3d.engine.calibration.board_pose import locate
+from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.corner_noise import NoiseModel
 from venus3d.engine.calibration.information import view_information
 from venus3d.engine.calibration.observation import Observation, View
@@ -20,7 +20,7 @@ from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera, planning_camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.guidance.convergence import Convergence, Progress, judge
+from venus3d.engine.guidance.convergence import Convergence, Progress, check_convergence
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.forecast import Forecast, forecast
 from venus3d.engine.planning.heuristic_poses import HeuristicState
@@ -92,7 +92,9 @@ class Work:
         calibration, warnings = self._calibrated()
         information = information_of(calibration, self.board)
         history = (*self.history, self._progress(calibration))
-        convergence = judge(history, epsilon=self.settings.epsilon, rule=self.settings.rule)
+        convergence = check_convergence(
+            history, epsilon=self.settings.epsilon, rule=self.settings.rule
+        )
         enough = len(self.observations) >= self.settings.max_views
         is_over = enough or (convergence.converged and not self.keep_going)
         suggestion, moves = None, SearchRecorder(on_step)
@@ -241,7 +243,7 @@ def provisional(
     """Views located with a camera that they do not determine; guidance can go on with it."""
     views: list[View] = []
     for number, observation in zip(numbers, observations, strict=True):
-        pose = locate(camera, board, observation)
+        pose = estimate_pose(camera, board, observation)
         if pose is None:
             raise CalibrationError(
                 f"View {number} shows no pose of this board; check the board's options."

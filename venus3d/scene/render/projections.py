@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.planning.target import Target
 from venus3d.scene.render.describe import describe_step
 from venus3d.scene.render.offscreen import Offscreen
@@ -102,7 +102,7 @@ def framed(picture: Picture, step: Step, dark: bool) -> Picture:
     """The picture under a header with the step's number, title and words."""
     style = step_style(step.number)
     colour = style.colour(dark)
-    picture = headed(picture, str(step.number), colour, style.title, step_words(step).camera, dark)
+    picture = headed(picture, str(step.number), colour, style.title, step_prompt(step).camera, dark)
     return told(picture, step, dark)
 
 

@@ -13,7 +13,7 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.geometry.decomposition import Step, Steps
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.scene.render.palette import step_style
 from venus3d.scene.web import texts as say
 from venus3d.scene.web.drawing import Failures
@@ -80,7 +80,7 @@ def tiles_html(shown: ShownSteps, theme: Theme, note: str = "") -> str:
 
 
 def _tile(step: Step, source: str, theme: Theme) -> str:
-    words, title = escape(step_words(step).camera), step_style(step.number).title
+    words, title = escape(step_prompt(step).camera), step_style(step.number).title
     return (
         f"<div class='v-tile' data-step='{step.number}' title='{words}' "
         f"style='--step:{theme.steps[step.number - 1]}'><div class='v-told'><b>{step.number}</b>"

@@ -9,7 +9,7 @@ from html import escape
 
 from venus3d.engine.geometry.decomposition import Steps
 from venus3d.engine.guidance.matching import Match
-from venus3d.engine.guidance.prompts import HOLD_STILL, STEP_RIGHT, step_words
+from venus3d.engine.guidance.prompts import HOLD_STILL, STEP_RIGHT, step_prompt
 from venus3d.scene.render.amounts import degrees
 from venus3d.scene.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web import step_texts as say
@@ -63,7 +63,7 @@ def step_card(match: Match, number: int, theme: Theme, note: str, foot: str = ""
     """One of the four steps. Without a `foot` it says what the camera sees of it, if the holder is
     told something else."""
     done = match.within[number - 1]
-    words = STEP_RIGHT if done else step_words(match.steps[number - 1])
+    words = STEP_RIGHT if done else step_prompt(match.steps[number - 1])
     if not foot and words.camera != words.holder:
         seen = escape(say.IN_THE_PICTURE.format(words=words.camera))
         foot = f"<div class='v-picture'>{seen}</div>"

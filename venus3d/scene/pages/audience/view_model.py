@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from venus3d.engine.guidance.matching import Match
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.web.diagnoses import another_board, doubt
@@ -56,7 +56,7 @@ def view_model_of(snapshot: Snapshot | None, paused: bool = False) -> AudienceVi
     if match.reached or all(match.within):
         return AudienceViewModel("good", *texts.HOLD_STILL, match=match)
     step = match.active_step
-    words = step_words(match.steps[step - 1])
+    words = step_prompt(match.steps[step - 1])
     return AudienceViewModel(
         "step", str(step), texts.STEP_TITLES[step - 1], words.holder, step, match
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.exercise import Score
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.view_model import PracticeMoment
 from venus3d.scene.render.amounts import degrees
@@ -55,7 +55,7 @@ def _card_of(moment: PracticeMoment, theme: Theme) -> tuple[str, str, str, str, 
     style = STEP_STYLES[step.number - 1]
     amount = _amounts(moment)[step.number - 1]
     colour = theme.steps[step.number - 1]
-    return colour, str(step.number), style.title, step_words(step).camera, amount
+    return colour, str(step.number), style.title, step_prompt(step).camera, amount
 
 
 def _amounts(moment: PracticeMoment) -> tuple[str, ...]:

@@ -20,8 +20,8 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.prompts import said
-from venus3d.engine.guidance.tracking import Tracker
+from venus3d.engine.guidance.prompts import headline_and_prompt
+from venus3d.engine.guidance.tracking import PoseTracker
 from venus3d.engine.guidance.work import Settings
 from venus3d.engine.planning.target import Target
 from venus3d.scene.pages.exercise.trial_plan import Plan
@@ -96,7 +96,7 @@ class TrialSession:
         self._target: Target | None = None
         self._shown_count = 0
         self._times: list[HelpTimes] = []
-        self._seen = Tracker(board, camera.image_size, self._settings)
+        self._seen = PoseTracker(board, camera.image_size, self._settings)
         self._number = 0
         self._now = 0.0
         self._start: float | None = None  # of this help; None until its first frame
@@ -118,7 +118,7 @@ class TrialSession:
         """Go on with a board whose layout turned out differently."""
         if board != self.board:
             self.board = board
-            self._seen = Tracker(board, self._camera.image_size, self._settings)
+            self._seen = PoseTracker(board, self._camera.image_size, self._settings)
 
     def begin(self) -> bool:
         """Show the first pose of the next help. False if none is waiting for that."""
@@ -145,20 +145,20 @@ class TrialSession:
             self._use_board(observation.board)
         self._now = observation.time_s
         self._number += 1
-        self._seen.see(observation, self._camera, self._target)
+        self._seen.observe(observation, self._camera, self._target)
         if self._stage != "running":
             return
         if self._start is None:
             self._start = self._shown = self._now
         self._by_machine = self._by_machine or by_machine
-        if self._seen.held >= self._settings.hold_frames:
+        if self._seen.held_frames >= self._settings.hold_frames:
             self._done("reached")
 
     def snapshot(self) -> TrialSnapshot:
         """Everything about this moment."""
         seen = self._seen
         phase = "finished" if self._stage == "over" else "guiding"
-        headline, instruction = said(phase, seen.match, seen.pose is not None)
+        headline, instruction = headline_and_prompt(phase, seen.match, seen.pose is not None)
         return TrialSnapshot(
             number=self._number,
             phase=phase,
@@ -188,7 +188,7 @@ class TrialSession:
             pose=self._pose + 1,
             poses=len(self._targets),
             elapsed_s=self._now - begun if running and begun is not None else 0.0,
-            there=self._seen.is_there,
+            there=self._seen.is_at_target,
             times=self.times,
             written=self._written,
         )
@@ -241,7 +241,7 @@ class TrialSession:
                 evaluated=0,
                 search_s=0.0,
             )
-        self._seen.aim(self._camera, self._target)
+        self._seen.set_target(self._camera, self._target)
 
 
 def _with(times: HelpTimes, told: PoseTime) -> HelpTimes:

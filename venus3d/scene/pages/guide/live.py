@@ -147,17 +147,17 @@ class LiveGuide:
                         texts.ENDED if session.phase == "finished" else texts.NOTHING_TO_CAPTURE
                     )
             case intents.SkipTarget():
-                session.skip()
+                session.skip_target()
             case intents.UndoView():
-                session.undo()
+                session.undo_view()
             case intents.DropView(number):
-                if not session.drop(number):
+                if not session.drop_view(number):
                     self._viewer.say(texts.VIEWS_STAY)
             case intents.ChooseAlternative(index, number):
                 self._choose(index, number)
             case intents.ChangeMethod(method, cost):
                 try:
-                    session.change(method, cost)
+                    session.change_method(method, cost)
                 except VenusError as error:
                     self._viewer.say(str(error))
             case intents.Finish():
@@ -178,7 +178,7 @@ class LiveGuide:
         target = self._session.snapshot().target
         if target is not None and target.number != number:
             self._viewer.say(texts.ANOTHER_TARGET)
-        elif not self._session.choose(index):
+        elif not self._session.choose_alternative(index):
             self._viewer.say(
                 texts.NO_OTHER_POSE if self._session.phase == "guiding" else texts.NO_POSE_TO_CHOOSE
             )

@@ -84,7 +84,7 @@ def run_guide(
             said = (*source.notes, *tracker.detector.notes, *snapshot.warnings, *notes)
             # No more views come, so the set is judged as it is.
             known = snapshot.calibration
-            found = tracker.detector.explain() if known is None else diagnose(known)
+            found = tracker.detector.explain_misses() if known is None else diagnose(known)
             found = dict.fromkeys((*tracker.detector.diagnoses, *found))
             final = replace(snapshot, diagnoses=worst_first(found))
             return GuideResult(final, tuple(dict.fromkeys(said)), truth)

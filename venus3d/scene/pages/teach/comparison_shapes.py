@@ -15,7 +15,7 @@ import numpy as np
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import AXES, Array, Axes, Pose
-from venus3d.engine.geometry.rotation_orders import Turn, Turns
+from venus3d.engine.geometry.rotation_orders import Turn, TurnSequence
 from venus3d.scene.render.amounts import degrees
 from venus3d.scene.render.arrows import (
     arc_arrow,
@@ -54,7 +54,7 @@ def comparison_points(board: Board) -> Array:
 def turning_board_shapes(
     board: Board,
     side: Side,
-    turns: Turns,
+    turns: TurnSequence,
     way: float,
     *,
     axes: Axes,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from venus3d.engine.geometry.decomposition import Step
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.comparison_words import comparison_words
 from venus3d.scene.pages.teach.scene_shapes import amount_text
@@ -24,7 +24,7 @@ def card_html(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
 def _steps(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
     step = taught.steps[state.step - 1]
     holder = state.viewpoint == "holder"
-    words = step_words(step).holder if holder else step_words(step).camera
+    words = step_prompt(step).holder if holder else step_prompt(step).camera
     who = texts.SIDES["holder" if holder else "camera"]
     colour = theme.steps[step.number - 1]
     if state.at_rest:

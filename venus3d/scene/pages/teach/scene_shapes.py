@@ -13,7 +13,7 @@ import numpy as np
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
 from venus3d.engine.geometry.pose import Array, Axes, Pose
-from venus3d.engine.geometry.rotation_orders import Turns
+from venus3d.engine.geometry.rotation_orders import TurnSequence
 from venus3d.lessons.lesson import Arrangement
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.comparison_shapes import (
@@ -121,7 +121,7 @@ def _comparison(taught: TaughtPose, state: TeachState) -> list[Shape]:
     way = min(max(state.way - 1.0, 0.0), 3.0)  # the move is no turn
     own = state.arrangement == "axes"
     left, right = texts.COLUMNS[state.arrangement]
-    readings: tuple[tuple[Turns, Axes, str], ...] = (
+    readings: tuple[tuple[TurnSequence, Axes, str], ...] = (
         (taught.fixed, "fixed", left),
         (
             taught.others(state.arrangement),

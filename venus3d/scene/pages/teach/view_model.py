@@ -11,7 +11,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Steps, decompose_vector, home_pose
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.geometry.rotation_orders import Turns, is_almost_locked, turns
+from venus3d.engine.geometry.rotation_orders import TurnSequence, is_near_gimbal_lock, turns
 from venus3d.engine.planning.focal_uncertainty import focal_sigma, focal_words
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.refusals import Refusal, refusals
@@ -30,11 +30,11 @@ class TaughtPose:
     steps: Steps
     refusals: tuple[Refusal, ...]
     """Why a person would not be asked for this pose, worst first."""
-    fixed: Turns
+    fixed: TurnSequence
     """X, Y, Z about the camera's fixed axes."""
-    own: Turns
+    own: TurnSequence
     """The same numbers about the board's own axes."""
-    reordered: Turns
+    reordered: TurnSequence
     """The same numbers about fixed axes, in another order."""
     order: str
     """That order."""
@@ -50,7 +50,7 @@ class TaughtPose:
         """1 ... 4: the last step in which something is done; 1 if there is none."""
         return max((step.number for step in self.steps if not step.is_idle), default=1)
 
-    def others(self, arrangement: Arrangement) -> Turns:
+    def others(self, arrangement: Arrangement) -> TurnSequence:
         """The turns that are shown beside `fixed`."""
         return self.own if arrangement == "axes" else self.reordered
 
@@ -96,7 +96,7 @@ class PoseAnalysis:
             own=turns(home_pose(), p[:3], axes="own"),
             reordered=turns(home_pose(), p[:3], order=order),
             order=order,
-            locked=is_almost_locked(p[1]),
+            locked=is_near_gimbal_lock(p[1]),
             sigma_px=sigma,
             sigma_words=focal_words(sigma, camera),
         )

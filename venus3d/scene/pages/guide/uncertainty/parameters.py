@@ -13,7 +13,7 @@ import numpy as np
 
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.convergence import Progress
-from venus3d.engine.guidance.prompts import PARAMETER_WORDS
+from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.uncertainty import texts
 
@@ -79,7 +79,7 @@ def _row(snapshot: Snapshot, index: int) -> str:
     sentence = escape(texts.PARAMETER_SENTENCES[index])
     return (
         f"<details class='v-row v-param'><summary title='{sentence}'><b>{PARAMETERS[index]}</b>"
-        f"<span class='v-word'>{PARAMETER_WORDS[index]}</span>"
+        f"<span class='v-word'>{PARAMETER_DESCRIPTIONS[index]}</span>"
         f"<span class='v-mark{kind}'>{mark}</span>"
         f"<span class='v-value'>{value_text(float(value), float(sigma), index)}</span>"
         f"{sparkline(snapshot.history, index)}</summary>"

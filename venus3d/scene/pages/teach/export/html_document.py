@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from html import escape
 
 from venus3d.engine.geometry.decomposition import Step
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.lessons.lesson import Lesson, Question
 from venus3d.scene.pages.teach import texts as teach_texts
 from venus3d.scene.pages.teach.export import texts
@@ -143,11 +143,11 @@ def _figures(page: ExportedPage, dark: bool) -> str:
 
 
 def _step(step: Step, picture: Picture, dark: bool) -> str:
-    style, words = step_style(step.number), step_words(step).camera
+    style, words = step_style(step.number), step_prompt(step).camera
     colour = style.colour(dark)
     alt = escape(texts.STEP_ALT.format(number=step.number, words=words), quote=True)
     look = f"--step:{hex_of(colour)};--on:{hex_of(text_on(colour))}"
-    held = f"<br><small>{escape(holder_sentence(step_words(step)))}</small>"
+    held = f"<br><small>{escape(holder_sentence(step_prompt(step)))}</small>"
     return (
         f"<figure style='{look}'><figcaption><b>{step.number}</b><span>"
         f"<strong>{style.title}</strong><br>{escape(words)}"

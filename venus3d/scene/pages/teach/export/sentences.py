@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from venus3d.engine.guidance.prompts import Words
+from venus3d.engine.guidance.prompts import Prompt
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.state import Vector
 
@@ -24,7 +24,7 @@ def pose_sentence(vector: Vector) -> str:
     return f"{turned} {texts.PLACED.format(places=_listed(places))}"
 
 
-def holder_sentence(words: Words) -> str:
+def holder_sentence(words: Prompt) -> str:
     """An instruction for the person who holds the board; empty if it is the same for both sides."""
     if words.holder == words.camera:
         return ""

@@ -8,7 +8,7 @@ from typing import Any
 from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
-from venus3d.engine.guidance.prompts import step_words
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.export.sentences import holder_sentence, pose_sentence
 from venus3d.scene.pages.teach.state import Vector
@@ -68,7 +68,7 @@ def sheet(
 
 def _lines(step: Step, width: int) -> tuple[str, ...]:
     """What to do in this step, for the picture and for the hands, in lines of a cell."""
-    words = (step_words(step).camera, holder_sentence(step_words(step)))
+    words = (step_prompt(step).camera, holder_sentence(step_prompt(step)))
     return tuple(line for text in words for line in wrapped(text, font(_WORDS), width - 60))
 
 
