@@ -1,8 +1,7 @@
-"""`venus3d` with every text of its pages replaced by the same nonsense; holes and tags are kept.
+"""A plugin for pytest that replaces every text of the pages by the same nonsense.
 
-    python tests/browser/nonsense.py guide sim
-
-All labels are then equal: code that recognises one takes all for it.
+All labels are then equal: code that recognises one takes all for it. Holes and tags are kept. It
+has to come before the pages: `pytest -p tests.browser.nonsense`.
 """
 
 from __future__ import annotations
@@ -73,8 +72,4 @@ class _Finder(PathFinder):
         return spec
 
 
-if __name__ == "__main__":
-    sys.meta_path.insert(0, _Finder)  # type: ignore[arg-type]
-    from venus3d.cli import main
-
-    sys.exit(main())
+sys.meta_path.insert(0, _Finder)  # type: ignore[arg-type]
