@@ -32,7 +32,7 @@ pytestmark = pytest.mark.slow
 
 PAGES = {
     "guide": "guide sim --autopilot --speed 4 --no-tour --output {folder} --port {port}",
-    "trial": "guide sim --autopilot --trial --output {folder} --port {port}",
+    "trial": "trial sim --autopilot --output {folder} --port {port}",
     "audience": "guide sim --autopilot --speed 4 --output {folder} --port {other}"
     " --audience {port}",
     "teach": "teach --port {port}",

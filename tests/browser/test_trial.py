@@ -17,12 +17,12 @@ _PATIENCE_MS = 90_000
 
 
 class Trial:
-    """`venus3d guide sim --trial` with the simulated hand, two poses a help."""
+    """`venus3d trial sim` with the simulated hand, two poses a help."""
 
     def __init__(self, start: Callable[..., Any], folder: Path) -> None:
         self.path = folder / "trial.csv"
         self.program = start(
-            *("guide", "sim", "--trial", "--participant", "Anna <A>", "--trial-poses", "2"),
+            *("trial", "sim", "--participant", "Anna <A>", "--poses", "2"),
             *(
                 "--camera-size",
                 "640x360",
@@ -94,7 +94,7 @@ def test_each_help_shows_itself_and_nothing_of_the_others(page: Any, trial: Tria
     assert [(row["help"], row["pose"], row["outcome"]) for row in trial.rows] == [
         (help_, pose, "given up") for help_ in ("steps", "axes", "outline") for pose in "12"
     ]
-    assert {row["hand"] for row in trial.rows} == {"person"}
+    assert {row["moved_by"] for row in trial.rows} == {"person"}
     assert "Anna <A>" in out and str(trial.path) in out
 
 
@@ -106,7 +106,7 @@ def test_a_trial_that_is_broken_off_goes_on_and_the_times_stay(
     page.keyboard.press("Space")
     page.wait_for_selector(".v-count:has-text('2 of 2')")
     assert [(row["pose"], row["outcome"]) for row in trial.rows] == [("1", "reached")]
-    assert trial.rows[0]["hand"] == "autopilot" and float(trial.rows[0]["overlap"]) > 0.85
+    assert trial.rows[0]["moved_by"] == "autopilot" and float(trial.rows[0]["overlap"]) > 0.85
     page.reload()
     wait_for_next(page, "the axes")
     trial.program.kill()

@@ -53,7 +53,9 @@ def literals(tree: ast.Module) -> Iterator[tuple[int, str]]:
             skip(node)
         elif isinstance(node, ast.Call):
             called = node.func
-            if isinstance(called, ast.Name) and called.id.endswith("Error"):
+            if isinstance(called, ast.Name) and (
+                called.id.endswith("Error") or called.id == "TypeVar"
+            ):
                 skip(node)
             for keyword in node.keywords:
                 if keyword.arg in _NAMED_BY:

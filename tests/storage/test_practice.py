@@ -9,26 +9,47 @@ from pathlib import Path
 import pytest
 
 from venus3d.engine.errors import StorageError
-from venus3d.storage.practice import COLUMNS, PracticeFile, PracticeRow
+from venus3d.storage.exercise import COLUMNS, ExerciseFile, ExerciseRow
 
-ROW = PracticeRow(
-    "Anna, 3b", 2, "zr xt", 4, "outline", "reached", 12.25, "keys gizmo", 150.0, 120.5, 40.0, 30.0,
-    2.5, 0.5, 0.0, 0.0, 30.0, 120.5, 0.0, 500.0, 7, "2026-01-02T03:04:05+00:00",
-)  # fmt: skip
+ROW = ExerciseRow(
+    participant="Anna, 3b",
+    level=2,
+    free="zr xt",
+    pose=4,
+    help="outline",
+    outcome="reached",
+    seconds=12.25,
+    moved_by="keys gizmo",
+    path_mm=150.0,
+    shortest_mm=120.5,
+    path_deg=40.0,
+    shortest_deg=30.0,
+    overlap=0.9,
+    off_mm=2.5,
+    off_deg=0.5,
+    xr_deg=0.0,
+    yr_deg=0.0,
+    zr_deg=30.0,
+    xt_mm=120.5,
+    yt_mm=0.0,
+    zt_mm=500.0,
+    seed=7,
+)
 
 
 def test_a_second_run_appends_and_pythons_reader_reads_it(tmp_path: Path) -> None:
     path = tmp_path / "new" / "practice.csv"
     for row in (ROW, replace(ROW, pose=5, outcome="given up")):
-        file = PracticeFile(path)
+        file = ExerciseFile(path, "practice")
         file.append(row)
         file.close()
     with path.open(newline="") as text:
         first, second = csv.DictReader(text)
     assert tuple(first) == COLUMNS
-    assert (first["trainee"], float(first["seconds"])) == ("Anna, 3b", 12.25)
+    assert (first["participant"], float(first["seconds"])) == ("Anna, 3b", 12.25)
+    assert first["time"] and first["since_first_s"] == "nan", "a trial's column"
     assert (second["pose"], second["outcome"]) == ("5", "given up")
-    again = PracticeFile(path)
+    again = ExerciseFile(path, "practice")
     assert [row.pose for row in again.rows] == [4, 5]
     again.close()
 
@@ -37,5 +58,5 @@ def test_another_programs_file_is_refused_and_left_alone(tmp_path: Path) -> None
     path = tmp_path / "practice.csv"
     path.write_text("time,x\n1,2\n")
     with pytest.raises(StorageError, match=r"no file of practice times.*--output"):
-        PracticeFile(path)
+        ExerciseFile(path, "practice")
     assert path.read_text() == "time,x\n1,2\n"

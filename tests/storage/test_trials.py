@@ -6,15 +6,15 @@ import csv
 import errno
 import os
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from venus3d.engine.errors import StorageError
-from venus3d.storage.trials import COLUMNS, TrialFile, TrialRow
+from venus3d.storage.exercise import COLUMNS, ExerciseFile, ExerciseRow
 
-ROW = TrialRow(
+ROW = ExerciseRow(
     participant="Anna, 3b",
     number=1,
     order="steps axes outline",
@@ -36,15 +36,15 @@ ROW = TrialRow(
     yt_mm=-50.0,
     zt_mm=600.0,
     source="sim",
-    hand="person",
+    moved_by="person",
     seed=0,
     poses=10,
     time="2026-01-02T03:04:05+00:00",
 )
 
 
-def written(path: Path, *rows: TrialRow) -> None:
-    file = TrialFile(path)
+def written(path: Path, *rows: ExerciseRow) -> None:
+    file = ExerciseFile(path, "trial")
     for row in rows:
         file.append(row)
     file.close()
@@ -63,7 +63,7 @@ def test_pythons_own_csv_reader_reads_what_was_written(tmp_path: Path) -> None:
 
 def test_a_line_is_on_the_disk_before_the_file_is_closed(tmp_path: Path) -> None:
     """A teacher may pull the plug: nothing waits in a buffer."""
-    file = TrialFile(tmp_path / "trial.csv")
+    file = ExerciseFile(tmp_path / "trial.csv", "trial")
     file.append(ROW)
     assert len((tmp_path / "trial.csv").read_text().splitlines()) == 2
     file.close()
@@ -74,8 +74,8 @@ def test_a_line_is_on_the_disk_before_the_file_is_closed(tmp_path: Path) -> None
 def test_any_name_comes_back_as_it_was(tmp_path: Path, name: str) -> None:
     row = replace(ROW, participant=name)
     written(tmp_path / "trial.csv", row, row)
-    file = TrialFile(tmp_path / "trial.csv")
-    assert [asdict(r) for r in file.rows] == 2 * [asdict(row)]
+    file = ExerciseFile(tmp_path / "trial.csv", "trial")
+    assert [str(r) for r in file.rows] == 2 * [str(row)]
     file.close()
 
 
@@ -93,7 +93,7 @@ def test_a_file_that_went_through_an_editor_is_gone_on_with(tmp_path: Path, how:
     written(path, ROW)
     path.write_bytes(TOUCHES[how](path.read_bytes()))
     written(path, replace(ROW, pose=5))
-    file = TrialFile(path)
+    file = ExerciseFile(path, "trial")
     assert [row.pose for row in file.rows] == [4, 5]
     file.close()
 
@@ -112,7 +112,7 @@ def test_another_file_is_refused_and_left_alone(tmp_path: Path, content: bytes) 
     path = tmp_path / "trial.csv"
     path.write_bytes(content)
     with pytest.raises(StorageError, match=r"no file of trial times.*--output"):
-        TrialFile(path)
+        ExerciseFile(path, "trial")
     assert path.read_bytes() == content
 
 
@@ -123,20 +123,20 @@ def test_a_damaged_line_is_named(tmp_path: Path, damage: tuple[str, str]) -> Non
     head, first, second = path.read_text().splitlines(keepends=True)
     path.write_text(head + first + second.replace(*damage))
     with pytest.raises(StorageError, match=r"Line 3 of .*trial.csv"):
-        TrialFile(path)
+        ExerciseFile(path, "trial")
 
 
 def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("")
     with pytest.raises(StorageError, match=r"cannot be written .* --output"):
-        TrialFile(tmp_path / "taken" / "trial.csv")
+        ExerciseFile(tmp_path / "taken" / "trial.csv", "trial")
     (tmp_path / "trial.csv").mkdir()
     with pytest.raises(StorageError, match=r"cannot be written .*is a directory"):
-        TrialFile(tmp_path / "trial.csv")
+        ExerciseFile(tmp_path / "trial.csv", "trial")
 
 
 def test_a_full_disk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = TrialFile(tmp_path / "trial.csv")
+    file = ExerciseFile(tmp_path / "trial.csv", "trial")
 
     def full(_: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

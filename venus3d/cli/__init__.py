@@ -20,7 +20,7 @@ from venus3d import __version__
 from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
 from venus3d.cli.study import StudyOptions, study
 from venus3d.engine.errors import VenusError
-from venus3d.scene.pages.exercise.practice_options import PracticeOptions
+from venus3d.scene.pages.exercise.options import PracticeOptions, TrialOptions
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.teach.options import TeachOptions
 from venus3d.threads.signals import on_stop_signal
@@ -48,6 +48,12 @@ Command = (
         PracticeOptions,
         tyro.conf.subcommand(
             "practice", description="Let trainees bring a board to target poses, and score them."
+        ),
+    ]
+    | Annotated[
+        TrialOptions,
+        tyro.conf.subcommand(
+            "trial", description="Time volunteers who reach poses with three kinds of help."
         ),
     ]
     | Annotated[
@@ -104,6 +110,11 @@ def _run(given: list[str]) -> int:
         print(f"venus3d {__version__}")
         return OK
     try:
+        if given[:1] == ["guide"] and "--trial" in given:
+            raise VenusError(
+                "The trial is a command of its own: venus3d trial [SOURCE]; --trial-poses is its "
+                "--poses."
+            )
         options = tyro.cli(
             Command,  # type: ignore[arg-type]  # tyro takes a union, which no annotation can say
             prog="venus3d",
@@ -156,6 +167,10 @@ def _command_of(options: object) -> Callable[[], None]:
         from venus3d.cli.practice import practice
 
         return lambda: practice(options)
+    if isinstance(options, TrialOptions):
+        from venus3d.cli.trial import trial
+
+        return lambda: trial(options)
     if isinstance(options, CalibrateOptions):
         from venus3d.cli.calibrate import calibrate_command
 

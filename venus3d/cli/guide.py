@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from venus3d.cli.report import deliver, print_result, tell, write_first
-from venus3d.cli.trial import trial
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.audience.controls import AudienceControls
@@ -33,9 +32,6 @@ RESULT_FOLDER = Path("venus3d-result")
 def guide(options: GuideOptions) -> None:
     """Guide, print, write. Raises `VenusError` for a user's mistake."""
     options.check()  # a mistake here is told before anything starts
-    if options.trial:
-        trial(options)
-        return
     if options.output is None and not options.headless:
         # Ten minutes of holding a board must not be lost for want of an option.
         options = replace(options, output=RESULT_FOLDER)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from venus3d.scene.pages.exercise.practice_options import PracticeOptions
+from venus3d.scene.pages.exercise.options import PracticeOptions
 from venus3d.scene.pages.exercise.practice_run import run_practice
 
 
 def practice(options: PracticeOptions) -> None:
     """Serve the page until Ctrl-C. Raises `VenusError` for a user's mistake."""
-    options.check()
     run_practice(options)

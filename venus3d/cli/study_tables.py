@@ -72,7 +72,7 @@ class Table2Options:
 
 @dataclass(frozen=True)
 class Table3Options:
-    """SIMULATED people reach ten poses with each help; for real ones use guide --trial."""
+    """SIMULATED people reach ten poses with each help; for real ones use venus3d trial."""
 
     people: int = 5
     """How many simulated people."""

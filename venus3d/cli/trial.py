@@ -1,28 +1,24 @@
-"""`venus3d guide --trial`: time one volunteer, then print the times of all who took part."""
+"""`venus3d trial`: time one volunteer, then print the times of all who took part."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from pathlib import Path
 from statistics import median
 from typing import Any
 
-from venus3d.scene.pages.exercise.trial_panel import clock
+from venus3d.scene.pages.exercise.options import TrialOptions
+from venus3d.scene.pages.exercise.trial_html import clock
+from venus3d.scene.pages.exercise.trial_plan import times_of
+from venus3d.scene.pages.exercise.trial_run import run_trial
 from venus3d.scene.pages.exercise.trial_texts import HELP_NAMES
-from venus3d.scene.pages.exercise.trial_view_model import HELPS, Help
-from venus3d.scene.pages.guide.options import GuideOptions
-from venus3d.scene.pages.guide.run import run_guided_trial
-from venus3d.storage.trials import TrialRow
-
-TRIAL_FOLDER = Path("venus3d-trial")
-"""Where the times are written if no folder is named: all participants into the same file."""
+from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Help
+from venus3d.storage.exercise import ExerciseRow
 
 
-def trial(options: GuideOptions) -> None:
+def trial(options: TrialOptions) -> None:
     """Run the trial and print what came of it. Raises `VenusError` for a user's mistake."""
-    folder = TRIAL_FOLDER if options.output is None else options.output
-    result = run_guided_trial(options, folder)
+    result = run_trial(options)
     name = result.plan.participant
     if not result.complete:
         print(f"Not finished: go on with --participant {json.dumps(name, ensure_ascii=False)}.")
@@ -36,7 +32,7 @@ def trial(options: GuideOptions) -> None:
                 "total_s": entry.ends_s[-1] if entry.ends_s else None,
                 "given_up": entry.given_up,
             }
-            for entry in result.times
+            for entry in times_of(result.run)
         }
         summary: dict[str, Any] = {
             "participant": name,
@@ -48,14 +44,14 @@ def trial(options: GuideOptions) -> None:
         print(json.dumps(summary, ensure_ascii=False))
 
 
-def times_table(rows: Sequence[TrialRow]) -> str:
+def times_table(rows: Sequence[ExerciseRow]) -> str:
     """Table 3 of the paper with these people: the time for all poses after the first, m:ss.
 
     A star marks a time in which poses were given up or the simulated hand had the board; a dash a
     help that was not finished.
     """
     people = list(dict.fromkeys(row.participant for row in rows))
-    cells = [[HELP_NAMES[h], *(_total(rows, person, h) for person in people)] for h in HELPS]
+    cells = [[HELP_NAMES[h], *(_total(rows, person, h) for person in people)] for h in TRIAL_HELPS]
     lines = [["time after the first pose", *people], *cells]
     widths = [max(len(line[i]) for line in lines) for i in range(len(people) + 1)]
     text = "\n".join(
@@ -69,11 +65,11 @@ def times_table(rows: Sequence[TrialRow]) -> str:
     return text + ("\n* poses given up, or the simulated hand was at work" if starred else "")
 
 
-def _total(rows: Sequence[TrialRow], person: str, help_: Help) -> str:
+def _total(rows: Sequence[ExerciseRow], person: str, help_: Help) -> str:
     mine = [row for row in rows if row.participant == person and row.help == help_]
     last = max((row.attempt for row in mine), default=0)
     mine = [row for row in mine if row.attempt == last]
     if not mine or mine[-1].pose != mine[-1].poses:
         return "–"
-    doubtful = any(row.outcome != "reached" or row.hand != "person" for row in mine)
+    doubtful = any(row.outcome != "reached" or row.moved_by != "person" for row in mine)
     return clock(round(mine[-1].since_first_s)) + ("*" if doubtful else "")

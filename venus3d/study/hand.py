@@ -3,7 +3,7 @@
 It looks at the help, believes something about what is left to do, moves, and looks again, until the
 program's own `matching` says that the pose is reached. What it believes and how long everything
 takes are `Assumptions`, each with its reason; what comes out follows from them. The real test is
-`venus3d guide --trial` with people. Motions are counted by their duration alone: on the way the
+`venus3d trial` with people. Motions are counted by their duration alone: on the way the
 board is not still, so no pose counts as reached there.
 """
 

@@ -2,7 +2,7 @@
 
 A simulation, no measurement: what comes out follows from `hand.Assumptions`, and the lines on
 sensitivity say how much. The same ten targets for every help; time runs from the first pose on, as
-in the paper. People are measured with `venus3d guide --trial`.
+in the paper. People are measured with `venus3d trial`.
 """
 
 from __future__ import annotations

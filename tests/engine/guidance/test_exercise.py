@@ -17,8 +17,8 @@ from venus3d.engine.guidance.exercise import (
     LEAST_TURN_DEG,
     LEVELS,
     Attempt,
-    Score,
     choose_free,
+    detour,
     practice_target,
     start_pose,
     with_free_only,
@@ -149,8 +149,6 @@ def test_a_number_that_is_typed_is_not_walked_by_way_of_its_digits() -> None:
 
 
 def test_the_detour_is_the_worse_of_shift_and_turn() -> None:
-    score = Score(4, 1, "steps", True, 3.0, 150, 100, 20, 20)
-    assert score.detour == pytest.approx(1.5)
-    only_turn = Score(1, 1, "steps", True, 3.0, 4, 0.0, 60, 20)
-    assert only_turn.detour == pytest.approx(3)
-    assert np.isnan(Score(1, 1, "steps", True, 3.0, 4, 0.0, 1, 0.0).detour)
+    assert detour(150, 100, 20, 20) == pytest.approx(1.5)
+    assert detour(4, 0.0, 60, 20) == pytest.approx(3), "only a turn"
+    assert np.isnan(detour(4, 0.0, 1, 0.0))

@@ -9,7 +9,7 @@ import pytest
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.scene.pages.exercise.board_drag import dragged_pose
-from venus3d.scene.pages.exercise.pictures import PictureQueue, fitting
+from venus3d.scene.pages.exercise.picture_turns import PictureTurns, fitting
 
 
 def test_the_grabbed_point_stays_under_the_pointer_in_the_projection(paper_camera: Camera) -> None:
@@ -41,7 +41,7 @@ def test_gestures_turn_and_push_as_they_say() -> None:
 
 def test_pictures_come_in_turns_and_the_newest_wins() -> None:
     drawn: list[str] = []
-    turns = PictureQueue()
+    turns = PictureTurns()
     asked = (("a2", 1), ("b1", 2), ("a3", 1), ("c1", 3), ("b2", 2))
     for name, who in asked:
         turns.ask(who, "seen", lambda name=name: drawn.append(name))
@@ -56,7 +56,7 @@ def test_pictures_come_in_turns_and_the_newest_wins() -> None:
 
 def test_a_class_shares_the_pictures_evenly() -> None:
     """All of five move all the time, and there is time for three pictures a round."""
-    turns, had = PictureQueue(), dict.fromkeys(range(5), 0)
+    turns, had = PictureTurns(), dict.fromkeys(range(5), 0)
     for _ in range(50):
         for who in had:
             turns.ask(who, "seen", lambda: None)

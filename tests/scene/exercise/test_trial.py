@@ -18,12 +18,12 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.work import Settings
 from venus3d.engine.planning.limits import Limits
-from venus3d.scene.pages.exercise.trial_plan import Plan, order_of, plan_of, targets_of
-from venus3d.scene.pages.exercise.trial_session import PoseTime, TrialSession
-from venus3d.scene.pages.exercise.trial_view_model import HELPS
-from venus3d.scene.pages.guide.options import GuideOptions
-from venus3d.scene.pages.guide.run import run_guided_trial
-from venus3d.storage.trials import TrialFile, TrialRow
+from venus3d.scene.pages.exercise.options import TrialOptions
+from venus3d.scene.pages.exercise.trial import Trial
+from venus3d.scene.pages.exercise.trial_plan import Plan, order_of, plan_of, targets_of, times_of
+from venus3d.scene.pages.exercise.trial_run import run_trial
+from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS
+from venus3d.storage.exercise import ExerciseFile, ExerciseRow
 
 FAR = Pose.from_vector([0, 0, 0, 0.1, 0.05, 0.9])
 TARGETS = tuple(
@@ -39,15 +39,15 @@ def test_three_participants_are_a_latin_square_and_six_are_balanced() -> None:
     orders = [order_of(number) for number in range(1, 7)]
     assert len(set(orders)) == 6
     for place in range(3):
-        assert {order[place] for order in orders[:3]} == set(HELPS)
+        assert {order[place] for order in orders[:3]} == set(TRIAL_HELPS)
         assert set(Counter(order[place] for order in orders).values()) == {2}
     followed = Counter(pair for order in orders for pair in pairwise(order))
     assert len(followed) == 6 and set(followed.values()) == {2}
     assert order_of(7) == order_of(1)
 
 
-def row(plan: Plan, help_: str, pose: int, attempt: int = 1) -> TrialRow:
-    return TrialRow(
+def row(plan: Plan, help_: str, pose: int, attempt: int = 1) -> ExerciseRow:
+    return ExerciseRow(
         participant=plan.participant,
         number=plan.number,
         order=" ".join(plan.order),
@@ -69,7 +69,7 @@ def row(plan: Plan, help_: str, pose: int, attempt: int = 1) -> TrialRow:
         yt_mm=0.0,
         zt_mm=500.0,
         source="sim",
-        hand="person",
+        moved_by="person",
         seed=0,
         poses=3,
         time="",
@@ -119,11 +119,11 @@ class Hand:
     """A hand that jumps, in front of the paper's camera without noise."""
 
     def __init__(self, camera: Camera, board: Board, plan: Plan) -> None:
-        self.told: list[PoseTime] = []
+        self.rows: list[ExerciseRow] = []
         self.time_s = 100.0
         self._camera, self._board = camera, board
-        self.session = TrialSession(
-            board, camera, plan, TARGETS, self.told.append, settings=Settings(hold_frames=3)
+        self.trial = Trial(
+            board, camera, plan, TARGETS, self.rows.append, settings=Settings(hold_frames=3)
         )
 
     def hold(self, pose: Pose, frames: int, *, by_machine: bool = False) -> None:
@@ -133,7 +133,7 @@ class Hand:
             seen = Observation(
                 np.arange(len(pixels)), pixels, self._camera.image_size, time_s=self.time_s
             )
-            self.session.observe(seen, by_machine=by_machine)
+            self.trial.observe(seen, by_machine=by_machine)
             self.time_s += 0.1
 
 
@@ -144,63 +144,64 @@ def hand(paper_camera: Camera, default_board: Board) -> Iterator[Hand]:
 
 def test_the_clock_counts_what_the_hand_took(hand: Hand) -> None:
     hand.hold(TARGETS[0], 10)
-    assert not hand.told, "nothing counts before the teacher presses Start"
-    hand.session.begin()
+    assert not hand.rows, "nothing counts before the teacher presses Start"
+    hand.trial.begin()
     hand.hold(FAR, 20)  # 2.0 s; then the jump is motion, so the hold begins one frame later
     for target in TARGETS:
         hand.hold(target, 4)
         hand.hold(FAR, 10)
-    assert [told.pose for told in hand.told] == [1, 2, 3]
-    assert [told.outcome for told in hand.told] == ["reached"] * 3
+    assert [row.pose for row in hand.rows] == [1, 2, 3]
+    assert [row.outcome for row in hand.rows] == ["reached"] * 3
     # Shown at the first frame after Start; done with at the fourth frame at the target.
-    assert [told.seconds for told in hand.told] == pytest.approx([2.3, 1.4, 1.4])
-    assert [told.since_first_s for told in hand.told] == pytest.approx([0.0, 1.4, 2.8])
-    assert [told.since_start_s for told in hand.told] == pytest.approx([2.3, 3.7, 5.1])
-    assert all(told.overlap > 0.99 and told.off_mm < 1 and told.off_deg < 0.2 for told in hand.told)
-    moment = hand.session.snapshot().trial
-    assert moment is not None
-    assert (moment.stage, moment.place, moment.help) == ("ready", 2, order_of(1)[1])
-    assert moment.times[0].reached_s == pytest.approx((1.4, 1.4)), "the first pose is for practice"
+    assert [row.seconds for row in hand.rows] == pytest.approx([2.3, 1.4, 1.4])
+    assert [row.since_first_s for row in hand.rows] == pytest.approx([0.0, 1.4, 2.8])
+    assert [row.since_start_s for row in hand.rows] == pytest.approx([2.3, 3.7, 5.1])
+    assert all(row.overlap > 0.99 and row.off_mm < 1 and row.off_deg < 0.2 for row in hand.rows)
+    view = hand.trial.view()
+    assert (view.stage, view.place, view.help) == ("ready", 2, order_of(1)[1])
+    assert times_of(view.rows)[0].reached_s == pytest.approx((1.4, 1.4)), (
+        "the first pose is for practice"
+    )
 
 
 def test_a_pose_in_passing_does_not_count(hand: Hand) -> None:
-    hand.session.begin()
+    hand.trial.begin()
     for _ in range(5):
         hand.hold(FAR, 1)
         hand.hold(TARGETS[0], 3)
-    assert not hand.told
+    assert not hand.rows
     hand.hold(TARGETS[0], 1)
-    assert len(hand.told) == 1
+    assert len(hand.rows) == 1
 
 
 def test_a_pose_that_is_given_up_is_written_as_such(hand: Hand) -> None:
-    assert not hand.session.give_up()
-    hand.session.begin()
+    assert not hand.trial.give_up()
+    hand.trial.begin()
     hand.hold(FAR, 5)
-    assert hand.session.give_up()
-    (told,) = hand.told
-    assert (told.outcome, told.pose) == ("given up", 1)
-    assert told.off_mm == pytest.approx(1000 * FAR.distance_to(TARGETS[0]), rel=1e-3)
+    assert hand.trial.give_up()
+    (row,) = hand.rows
+    assert (row.outcome, row.pose) == ("given up", 1)
+    assert row.off_mm == pytest.approx(1000 * FAR.distance_to(TARGETS[0]), rel=1e-3)
     hand.hold(TARGETS[1], 4)
-    assert [told.outcome for told in hand.told] == ["given up", "reached"]
+    assert [row.outcome for row in hand.rows] == ["given up", "reached"]
 
 
 def test_a_time_to_which_the_simulated_hand_helped_is_marked(hand: Hand) -> None:
-    hand.session.begin()
+    hand.trial.begin()
     hand.hold(FAR, 2, by_machine=True)
     hand.hold(TARGETS[0], 4)
     hand.hold(TARGETS[1], 4)
-    assert [told.by_machine for told in hand.told] == [True, False]
+    assert [row.moved_by for row in hand.rows] == ["autopilot", "person"]
 
 
 def test_helps_come_in_the_participants_order_and_the_trial_ends(hand: Hand) -> None:
-    while hand.session.begin():
+    while hand.trial.begin():
         for target in TARGETS:
             hand.hold(target, 4)
-    assert hand.session.stage == "over"
-    assert [told.help for told in hand.told] == [help_ for help_ in order_of(1) for _ in TARGETS]
-    assert [told.place for told in hand.told] == [1, 1, 1, 2, 2, 2, 3, 3, 3]
-    assert not hand.session.begin() and not hand.session.give_up()
+    assert hand.trial.stage == "over"
+    assert [row.help for row in hand.rows] == [help_ for help_ in order_of(1) for _ in TARGETS]
+    assert [row.place for row in hand.rows] == [1, 1, 1, 2, 2, 2, 3, 3, 3]
+    assert not hand.trial.begin() and not hand.trial.give_up()
 
 
 # -- the whole, and mistakes ---------------------------------------------------------------------
@@ -208,20 +209,19 @@ def test_helps_come_in_the_participants_order_and_the_trial_ends(hand: Hand) -> 
 
 @pytest.mark.slow
 def test_two_rehearsals_share_a_file_and_differ_in_order(tmp_path: Path) -> None:
-    options = GuideOptions(
-        source="sim", trial=True, headless=True, trial_poses=2, camera_size="640x360", speed=2.0
+    options = TrialOptions(
+        headless=True, poses=2, camera_size="640x360", speed=2.0, output=tmp_path
     )
-    options.check()
     for number in (1, 2):
-        result = run_guided_trial(options, tmp_path)
+        result = run_trial(options)
         assert result.complete and result.plan.participant == f"P{number}"
-    file = TrialFile(tmp_path / "trial.csv")
+    file = ExerciseFile(tmp_path / "trial.csv", "trial")
     file.close()
     for number in (1, 2):
         mine = [row for row in file.rows if row.number == number]
         assert [row.help for row in mine] == [help_ for help_ in order_of(number) for _ in range(2)]
         assert [row.pose for row in mine] == [1, 2] * 3
-        assert all(row.hand == "autopilot" and row.outcome == "reached" for row in mine)
+        assert all(row.moved_by == "autopilot" and row.outcome == "reached" for row in mine)
         assert all(row.overlap > 0.85 and row.seconds > 0 for row in mine)
     targets = {(row.pose, row.xr_deg, row.yr_deg, row.zt_mm) for row in file.rows}
     assert len(targets) == 2, "the same two targets for everybody and every help"
@@ -229,34 +229,26 @@ def test_two_rehearsals_share_a_file_and_differ_in_order(tmp_path: Path) -> None
 
 MISTAKES: dict[str, tuple[tuple[str, ...], str]] = {
     "a real camera that is not calibrated": (
-        ("0", "--trial"),
+        ("0",),
         "A trial needs a calibrated camera: calibrate it first with venus3d guide, then give its "
         "file with --camera camera.yaml.",
     ),
     "no such camera file": (
-        ("sim", "--trial", "--headless", "--camera", "none.yaml"),
+        ("sim", "--headless", "--camera", "none.yaml"),
         "The camera file none.yaml cannot be read; give a camera.yaml that venus3d wrote.",
     ),
-    "a participant of no trial": (
-        ("sim", "--participant", "Anna"),
-        "--participant goes with --trial; leave it out to calibrate.",
-    ),
     "no name": (
-        ("sim", "--trial", "--participant", " "),
+        ("sim", "--participant", " "),
         "The participant's name is empty; leave --participant out for P1, P2.",
     ),
-    "an option that would be ignored": (
-        ("sim", "--trial", "--method", "venus"),
-        "--method chooses how a camera is calibrated, and a trial calibrates none; leave it out.",
-    ),
-    "another one": (
-        ("sim", "--trial", "--no-auto-capture"),
-        "--no-auto-capture chooses how a camera is calibrated, and a trial calibrates none; leave "
-        "it out.",
+    "nobody to rehearse": (
+        ("0", "--headless", "--camera", "camera.yaml"),
+        "A trial without a page is a rehearsal of the simulated hand, so --headless goes with sim "
+        "only.",
     ),
     "one pose": (
-        ("sim", "--trial", "--trial-poses", "1"),
-        "--trial-poses must be from 2 to 100, not 1.",
+        ("sim", "--poses", "1"),
+        "--poses must be from 2 to 100, not 1.",
     ),
 }
 
@@ -266,7 +258,7 @@ def test_a_mistake_is_one_sentence(
     mistake: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     arguments, sentence = MISTAKES[mistake]
-    assert main(["guide", *arguments, "--output", str(tmp_path)]) == 2
+    assert main(["trial", *arguments, "--output", str(tmp_path)]) == 2
     assert capsys.readouterr().err == f"venus3d: {sentence}\n"
 
 
@@ -275,7 +267,7 @@ def test_times_are_never_written_into_another_file(
 ) -> None:
     path = tmp_path / "trial.csv"
     path.write_text("my,own,table\n")
-    assert main(["guide", "sim", "--trial", "--headless", "--output", str(tmp_path)]) == 2
+    assert main(["trial", "sim", "--headless", "--output", str(tmp_path)]) == 2
     assert capsys.readouterr().err == (
         f"venus3d: {path} is no file of trial times, or of another version; move it away or "
         "choose another folder with --output.\n"
@@ -288,6 +280,14 @@ def test_a_folder_that_cannot_be_written(
 ) -> None:
     (tmp_path / "taken").write_text("")
     place = tmp_path / "taken" / "folder"
-    assert main(["guide", "sim", "--trial", "--headless", "--output", str(place)]) == 2
+    assert main(["trial", "sim", "--headless", "--output", str(place)]) == 2
     said = capsys.readouterr().err
     assert "cannot be written" in said and "--output" in said and said.count("\n") == 1
+
+
+def test_guide_says_where_the_trial_went(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["guide", "0", "--trial", "--participant", "Anna"]) == 2
+    assert capsys.readouterr().err == (
+        "venus3d: The trial is a command of its own: venus3d trial [SOURCE]; --trial-poses is its "
+        "--poses.\n"
+    )

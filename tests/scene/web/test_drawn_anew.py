@@ -27,13 +27,17 @@ from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.exercise import texts as practice_texts
-from venus3d.scene.pages.exercise.practice_run import Hall
-from venus3d.scene.pages.exercise.trainee import Course
-from venus3d.scene.pages.exercise.trial_view import TrialPage, TrialViewer
-from venus3d.scene.pages.exercise.view import PracticePage
+from venus3d.scene.pages.exercise import practice_texts
+from venus3d.scene.pages.exercise.practice import Practice, PracticeSettings
+from venus3d.scene.pages.exercise.practice_page import PracticePage
+from venus3d.scene.pages.exercise.practice_run import PracticeServer
+from venus3d.scene.pages.exercise.trial import Trial
+from venus3d.scene.pages.exercise.trial_page import TrialPage
+from venus3d.scene.pages.exercise.trial_plan import plan_of
+from venus3d.scene.pages.exercise.trial_run import TrialServer
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import PoseAnalysis, TaughtPose
@@ -42,7 +46,7 @@ from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
 from venus3d.scene.web import texts as common
 from venus3d.scene.web.server import start_server
-from venus3d.storage.practice import PracticeFile
+from venus3d.storage.exercise import ExerciseFile
 
 FRAME = np.full((72, 128, 3), 90, np.uint8)
 
@@ -138,18 +142,37 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
 
 
 def test_a_trials_page_that_breaks_is_drawn_anew(
-    guided: Snapshot, fault: Fault, monkeypatch: pytest.MonkeyPatch
+    paper_camera: Camera, default_board: Board, fault: Fault, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    viewer = TrialViewer(port=free_port())
+    """In the tab in which it broke; the trial goes on."""
+    server, _ = start_server("127.0.0.1", free_port())
+    plan, target = plan_of("Anna", []), Pose.from_vector([0, 0, 0, 0, 0, 0.5])
+    trial = Trial(default_board, paper_camera, plan, (target,), lambda _: None)
+    trials, stop = TrialServer(server, trial), threading.Event()
+    trials.show_picture(FRAME)
+
+    def run() -> None:
+        while not stop.wait(0.02):
+            trials.obey(), trials.refresh(), trials.step()
+
+    loop = threading.Thread(target=run)
+    loop.start()
     try:
-        fault.before(TrialPage, "show", monkeypatch)
-        before, fault.due = viewer.server, 1
-        viewer.show(guided)
-        viewer.show_picture(FRAME)
-        wait_until(lambda: viewer.server is not before)
-        page_of(viewer.port, "/board/live", "GuiImageMessage", common.DRAWN_ANEW)
+        with RawClient(server.get_port()) as tab:
+            tab.look()
+            wait_until(lambda: trials.tabs and trials.tabs[0].shown)
+            before = trials.tabs[0].page
+            fault.before(TrialPage, "show", monkeypatch)
+            fault.due, came = 1, ""
+            wait_until(lambda: trials.tabs[0].page is not before)
+            while not all(text in came for text in ("GuiImageMessage", common.DRAWN_ANEW)):
+                came += str(tab.window(timeout=20))
+            assert loop.is_alive()
     finally:
-        viewer.close()
+        stop.set()
+        loop.join(timeout=10)
+        trials.close()
+        server.stop()
 
 
 def test_a_page_that_cannot_be_drawn_anew_is_tried_again(
@@ -320,29 +343,32 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     server, _ = start_server("127.0.0.1", free_port())
-    course = Course.of(paper_camera, default_board, 0, "practice.csv")
-    hall = Hall(server, course, PracticeFile(tmp_path / "practice.csv"), painter)
-    loop = threading.Thread(target=hall.run)
+    settings = PracticeSettings.of(paper_camera, default_board, 0, "practice.csv")
+    practice = PracticeServer(
+        server, settings, ExerciseFile(tmp_path / "practice.csv", "practice"), painter
+    )
+    loop = threading.Thread(target=practice.run)
     loop.start()
     real = PracticePage.show
 
-    def faulty(page: PracticePage, taught: Any) -> None:
-        if page is hall.desks[0].page:
+    def faulty(page: PracticePage, view: Any) -> None:
+        if page is practice.tabs[0].page:
             fault()
-        real(page, taught)
+        real(page, view)
 
     try:
         with RawClient(server.get_port()) as one, RawClient(server.get_port()) as other:
             one.look(), other.look()
-            wait_until(lambda: len(hall.desks) == 2 and all(d.shown for d in hall.desks))
-            first, second = hall.desks
-            pages = first.page, second.page
+            wait_until(lambda: len(practice.tabs) == 2 and all(t.shown for t in practice.tabs))
+            first, second = practice.tabs
+            pages, trainee = (first.page, second.page), first.exercise
+            assert isinstance(trainee, Practice)
             monkeypatch.setattr(PracticePage, "show", faulty)
-            first.trainee.name = "Anna"
+            trainee.name = "Anna"
             fault.due = 1
             first.shown = None  # to be drawn again
             wait_until(lambda: first.page is not pages[0] and first.shown is not None)
-            assert second.page is pages[1] and first.trainee.name == "Anna"
+            assert second.page is pages[1] and trainee.name == "Anna"
             tab, came = (one, other)[first.client.client_id], ""  # numbered as they came
             while common.DRAWN_ANEW_WHY.split("(")[0] not in came or "/board/live" not in came:
                 came += str(tab.window(timeout=20))
@@ -350,9 +376,9 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
             fault.due, first.shown = 1, None
             while practice_texts.BROKEN not in came:
                 came += str(tab.window(timeout=20))
-            assert hall.desks == (second,) and loop.is_alive()
+            assert practice.tabs == (second,) and loop.is_alive()
     finally:
-        hall.close()
+        practice.close()
         loop.join(timeout=10)
         server.stop()
 

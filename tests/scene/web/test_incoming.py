@@ -20,16 +20,19 @@ from tests.scene.raw_client import AHEAD, RawClient, instance
 from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.scene.pages.exercise.practice_run import Hall
-from venus3d.scene.pages.exercise.trainee import Course
-from venus3d.scene.pages.exercise.trial_view import TrialViewer
+from venus3d.engine.geometry.pose import Pose
+from venus3d.scene.pages.exercise.practice import PracticeSettings
+from venus3d.scene.pages.exercise.practice_run import PracticeServer
+from venus3d.scene.pages.exercise.trial import Trial
+from venus3d.scene.pages.exercise.trial_plan import plan_of
+from venus3d.scene.pages.exercise.trial_run import TrialServer
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.web.incoming import is_heard, widget_of
 from venus3d.scene.web.server import LocalServer, start_server
-from venus3d.storage.practice import PracticeFile
+from venus3d.storage.exercise import ExerciseFile
 
 
 @pytest.fixture(scope="module")
@@ -265,19 +268,25 @@ def opened_page(
     page: str, camera: Camera, board: Board, painter: Offscreen, folder: Path
 ) -> tuple[Any, Callable[[], None]]:
     """The widgets of one page, and what closes it."""
-    if page in ("guide", "trial"):
-        viewer = (Viewer if page == "guide" else TrialViewer)(port=free_port())
+    if page == "guide":
+        viewer = Viewer(port=free_port())
         return viewer.server.gui, viewer.close
     if page == "teach":
         teach = TeachViewer(PoseAnalysis(camera, board), painter, camera, port=free_port())
         return teach.server.gui, teach.close
     server, _ = start_server("127.0.0.1", free_port())
-    course = Course.of(camera, board, 0, "practice.csv")
-    hall = Hall(server, course, PracticeFile(folder / "practice.csv"), painter)
-    with RawClient(server.get_port()) as tab:
-        tab.look()
-        tab.backlog()
-        # The page's last message may be read before its desk is there.
-        wait_until(lambda: hall.desks)
-        (desk,) = hall.desks
-        return desk.client.gui, lambda: (hall.close(), server.stop())[0]
+    if page == "trial":
+        target = Pose.from_vector([0, 0, 0, 0, 0, 0.5])
+        trial = Trial(board, camera, plan_of("Anna", []), (target,), lambda _: None)
+        exercise: PracticeServer | TrialServer = TrialServer(server, trial)
+    else:
+        settings = PracticeSettings.of(camera, board, 0, "practice.csv")
+        file = ExerciseFile(folder / "practice.csv", "practice")
+        exercise = PracticeServer(server, settings, file, painter)
+    with RawClient(server.get_port()) as client:
+        client.look()
+        client.backlog()
+        # The page's last message may be read before its tab is there.
+        wait_until(lambda: exercise.tabs)
+        (tab,) = exercise.tabs
+        return tab.client.gui, lambda: (exercise.close(), server.stop())[0]

@@ -1,7 +1,7 @@
 """Practising: which target a level asks for, and how far the board was moved to get there.
 
-Pure values: no clock (a time is passed in), no screen. When a pose counts as reached is said by
-`matching`; who practises, and with which help, is the app's matter.
+Pure values: no clock (a time is passed in), no screen. When a pose counts as reached is left to
+`matching`; who practises, and with which help, to the page.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LEAST_TURN_DEG = 15.0
 LEAST_SHIFT = 0.15
 """And a shift at least this fraction of the board's width."""
 REST_S = 1.0
-"""A jump counts as walked once the board has stood for so long where it brought it: typed with
+"""A jump counts as a way taken once the board has stood for so long where it brought it: typed with
 one finger, the next digit takes most of a second."""
 _TRIES, _DRAWS = 40, 512
 
@@ -182,7 +182,7 @@ class Attempt:
     def moved(self, pose: Pose, now_s: float, *, jump: bool = False) -> Attempt:
         """After the board was brought to `pose`, of which only the free numbers count.
 
-        A `jump` is not walked: where it leads on within `REST_S`, only the way from where the
+        A `jump` that goes on within `REST_S` is one with the next: only the way from where the
         jumps began to where they end counts. So "450" is not by way of "4" and "45".
         """
         pose = with_free_only(pose, self.start, self.free)
@@ -228,33 +228,11 @@ class Attempt:
         return self.start.angle_to_deg(self.target)
 
 
-@dataclass(frozen=True)
-class Score:
-    """How one pose went."""
+def detour(path_mm: float, shortest_mm: float, path_deg: float, shortest_deg: float) -> float:
+    """How many times the shortest way was taken: the larger of the shift's and the turn's ratio.
 
-    level: int
-    pose: int
-    help: str
-    reached: bool
-    """False: it was given up."""
-    seconds: float
-    path_mm: float
-    shortest_mm: float
-    path_deg: float
-    shortest_deg: float
-
-    @property
-    def detour(self) -> float:
-        """How many times the shortest way was walked: the larger of the shift's and the turn's.
-
-        NaN where the target asks for neither.
-        """
-        ratios = [
-            walked / shortest
-            for walked, shortest, least in (
-                (self.path_mm, self.shortest_mm, 1.0),
-                (self.path_deg, self.shortest_deg, 1.0),
-            )
-            if shortest >= least
-        ]
-        return max(ratios, default=float("nan"))
+    NaN where the target asks for neither.
+    """
+    pairs = ((path_mm, shortest_mm), (path_deg, shortest_deg))
+    ratios = [path / shortest for path, shortest in pairs if shortest >= 1.0]
+    return max(ratios, default=float("nan"))

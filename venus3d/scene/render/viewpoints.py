@@ -18,6 +18,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import viser
@@ -128,6 +129,25 @@ def view_kept_wide(eye: Array, at: Array, roomy: float, aspect: float) -> SceneC
     if aspect < _VERY_NARROW < roomy:
         low[1] = _RAISED * np.tan(FOV_RAD / 2) * float(np.linalg.norm(offset))
     return SceneCamera(at + offset + low, at + low, FOV_RAD)
+
+
+# Where the person who guides a board looks from: behind, above and to the side of the camera.
+_GUIDE_EYE, _GUIDE_AT = np.array([-0.60, -0.42, -0.33]), np.array([0.015, 0.04, 0.235])
+_NEAR_TARGET = 0.45
+"""Up to this distance of the target, metres, the scene is seen from there."""
+_ROOMY_ASPECT = 0.9
+"""Width over height of a scene in which everything fits from there."""
+
+
+def guiding_view(back: float) -> Callable[[float], SceneCamera]:
+    """From behind the camera at camera, board and target, `back` times as far away as usual."""
+    return partial(view_kept_wide, back * _GUIDE_EYE, back * _GUIDE_AT, _ROOMY_ASPECT)
+
+
+def steps_back(distance: float) -> float:
+    """How much farther away to look from, 1 ... 2.5, so that a target `distance` metres away from
+    the camera is seen; in halves, so that the view a person has turned to is mostly kept."""
+    return float(min(2.5, max(1.0, np.ceil(2 * distance / _NEAR_TARGET) / 2)))
 
 
 def between(start: SceneCamera, end: SceneCamera, fraction: float) -> SceneCamera:

@@ -1,4 +1,4 @@
-"""Who gets which help when, and which poses are asked for."""
+"""Who gets which help when, which poses are asked for, and how long they took in all."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.scene.pages.exercise.trial_view_model import HELPS, Help
-from venus3d.storage.trials import TrialRow
+from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Help
+from venus3d.storage.exercise import REACHED, ExerciseRow
 
 # A Latin square and its mirror image: after three participants each help has come first, second
 # and third equally often, after six each has followed each of the others equally often.
@@ -46,12 +46,26 @@ class Plan:
         return dict(self.attempts).get(help_, 0) + 1
 
 
+@dataclass(frozen=True)
+class HelpTimes:
+    """How one help went, or goes."""
+
+    help: str
+    ends_s: tuple[float, ...]
+    """For each pose in order when it was done with, seconds since the first one was."""
+    reached_s: tuple[float, ...]
+    """Seconds for each pose that was reached, the first one of the help left out: it is there to
+    get used to the help."""
+    given_up: int
+    """How many poses were given up."""
+
+
 def order_of(number: int) -> tuple[Help, ...]:
     """The helps in the order of participant `number` (1 ...); all six orders take turns."""
-    return tuple(HELPS[i] for i in _ORDERS[(number - 1) % len(_ORDERS)])
+    return tuple(TRIAL_HELPS[i] for i in _ORDERS[(number - 1) % len(_ORDERS)])
 
 
-def plan_of(name: str | None, rows: Sequence[TrialRow]) -> Plan:
+def plan_of(name: str | None, rows: Sequence[ExerciseRow]) -> Plan:
     """The plan of a participant, given what is written already.
 
     A new one, or None for "P1", "P2", ..., gets the next order; one whose run was broken off goes
@@ -65,7 +79,7 @@ def plan_of(name: str | None, rows: Sequence[TrialRow]) -> Plan:
     mine = [row for row in rows if row.participant == name]
     done = {row.help for row in mine if row.pose == row.poses}
     attempts = {row.help: row.attempt for row in mine}
-    if done.issuperset(HELPS):
+    if done.issuperset(TRIAL_HELPS):
         raise VenusError(
             f"{name} has done this trial already; name somebody else with --participant."
         )
@@ -73,8 +87,8 @@ def plan_of(name: str | None, rows: Sequence[TrialRow]) -> Plan:
         name,
         number,
         order_of(number),
-        frozenset(h for h in HELPS if h in done),
-        tuple((h, attempts[h]) for h in HELPS if h in attempts),
+        frozenset(h for h in TRIAL_HELPS if h in done),
+        tuple((h, attempts[h]) for h in TRIAL_HELPS if h in attempts),
     )
 
 
@@ -89,3 +103,16 @@ def targets_of(
     space = Space(board, camera, limits)
     rng = np.random.default_rng([seed, 0])
     return tuple(Pose.from_vector(random_pose(space, rng)) for _ in range(count))
+
+
+def times_of(rows: Sequence[ExerciseRow]) -> tuple[HelpTimes, ...]:
+    """How the helps of one run went, in their order."""
+    begun = [row.help for row in rows]
+    times: list[HelpTimes] = []
+    for help_ in sorted({*begun}.intersection(TRIAL_HELPS), key=begun.index):
+        mine = [row for row in rows if row.help == help_]
+        reached = [row for row in mine if row.outcome == REACHED]
+        seconds = tuple(row.seconds for row in reached if row.pose > 1)
+        ends_s = tuple(row.since_first_s for row in mine)
+        times.append(HelpTimes(help_, ends_s, seconds, len(mine) - len(reached)))
+    return tuple(times)

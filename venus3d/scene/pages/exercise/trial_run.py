@@ -1,36 +1,48 @@
-"""`venus3d guide --trial`: opens the rooms for a trial, runs it, closes them."""
+"""The server of a trial: all tabs show the one trial that runs before the camera."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import viser
+
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.guidance.work import Settings
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.limits import Limits
+from venus3d.scene.pages.exercise.exercise import Exercise
+from venus3d.scene.pages.exercise.options import TrialOptions
+from venus3d.scene.pages.exercise.page import Picture
+from venus3d.scene.pages.exercise.server import ExerciseServer, Tab
+from venus3d.scene.pages.exercise.trial import Trial
+from venus3d.scene.pages.exercise.trial_page import TrialPage, layout_of, live_picture
 from venus3d.scene.pages.exercise.trial_plan import Plan, plan_of, targets_of
-from venus3d.scene.pages.exercise.trial_session import PoseTime, TrialSession
-from venus3d.scene.pages.exercise.trial_view import TrialViewer
-from venus3d.scene.pages.exercise.trial_view_model import HelpTimes
-from venus3d.scene.pages.guide import intents
-from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.exercise.trial_texts import DRAG_HINT, SERVING
+from venus3d.scene.pages.exercise.view_model import MoveBoard, Request, TrialView
+from venus3d.scene.render.annotated_picture import LivePicture
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
+from venus3d.scene.web.page import announce_page
+from venus3d.scene.web.projections_panel import Tiles
+from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
+from venus3d.sources.interactive import open_interactive
 from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.sim import Simulation
 from venus3d.storage.camera_yaml import read_camera_yaml
-from venus3d.storage.rows import target_columns, time_column
-from venus3d.storage.trials import TrialFile, TrialRow
+from venus3d.storage.exercise import ExerciseFile, ExerciseRow
 
 FILE = "trial.csv"
 # Headless, the simulated hand is given up on after this long with a pose, seconds.
 _PATIENCE_S = 120.0
+_PICTURE_PERIOD_S = 1 / 15
+_HINT_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -38,87 +50,151 @@ class TrialResult:
     """What one participant's trial came to."""
 
     plan: Plan
-    times: tuple[HelpTimes, ...]
+    run: tuple[ExerciseRow, ...]
+    """Of this run."""
     path: Path
     complete: bool
-    rows: tuple[TrialRow, ...]
+    rows: tuple[ExerciseRow, ...]
     """Everything in the file, other participants' included."""
 
 
-class TrialGuide:
-    """One trial with its viewer. `run` returns when `stop` was called or the source broke."""
+class TrialServer(ExerciseServer[TrialView]):
+    """The trial's page in every tab."""
 
     def __init__(
-        self, session: TrialSession, source: Source, tracker: BoardTracker, viewer: TrialViewer
+        self,
+        server: LocalServer,
+        trial: Trial,
+        *,
+        projections: Projections | None = None,
+        simulation: Simulation | None = None,
     ) -> None:
-        """`source` is closed by `run`."""
-        self._session, self._viewer = session, viewer
-        self._stream = ObservationStream(
-            source, tracker, on_picture=lambda frame: viewer.show_picture(frame.image)
+        """Let people look on.
+
+        Args:
+            server: closed by the caller, after this.
+            projections: draws the four steps as the camera sees them; the caller closes it.
+            simulation: the source, if its board can be moved on the page.
+        """
+        super().__init__(server)
+        self._trial, self._projections, self._simulation = trial, projections, simulation
+        self._tiles = Tiles()
+        self._view = trial.view()
+        self._image: LivePicture | None = None
+        self._drawn: tuple[object, tuple[Picture, Picture]] | None = None
+        self._picture_due_s = 0.0
+        self._open()
+
+    def show_picture(self, image: LivePicture) -> None:
+        """Show this live picture (BGR or grey); from any thread, the newest wins."""
+        self._image = image
+
+    def refresh(self) -> None:
+        """Take over what has changed in the trial."""
+        self._view = self._trial.view()
+        self._order_steps()
+        if self._simulation is not None:
+            self._simulation.follow(self._view.snapshot.target, self._view.pose)
+
+    def obey(self) -> bool:
+        """Do what people asked for in any tab; whether anybody asked."""
+        asked = [request for tab in self.tabs for request in tab.drain()]
+        for request in asked:
+            self._trial.handle(request)
+            if self._simulation is not None:
+                if isinstance(request, MoveBoard):
+                    self._simulation.move_to(request.pose)
+                self._simulation.autopilot_on = self._trial.autopilot
+        return bool(asked)
+
+    def step(self) -> bool:
+        """Show everybody the trial as it is now."""
+        now = time.monotonic()
+        if self._image is not None and now >= self._picture_due_s:
+            self._picture_due_s = now + _PICTURE_PERIOD_S
+            for tab in self.tabs:
+                self._order_picture(tab)
+        return super().step()
+
+    def _exercise_of(self, number: int) -> Trial:
+        return self._trial
+
+    def _make_page(
+        self,
+        client: viser.ClientHandle,
+        exercise: Exercise[TrialView],
+        ask: Callable[[Request], None],
+    ) -> TrialPage:
+        projections = self._projections
+        return TrialPage(
+            client,
+            ask,
+            self._view,
+            simulated=self._simulation is not None,
+            shown_steps=self._tiles.shown,
+            drawn_by=lambda: "" if projections is None else projections.note,
         )
 
-    def stop(self) -> None:
-        """Ask for the end; from any thread."""
-        self._stream.stop()
+    def _next_view(self, tab: Tab[TrialView]) -> TrialView | None:
+        return None if tab.shown is self._view else self._view
 
-    def run(self) -> None:
-        """Run until stopped, by `stop`, Ctrl-C or a signal that asks to end; until then the page
-        stays.
+    def _order_pictures(
+        self, tab: Tab[TrialView], view: TrialView, before: TrialView | None
+    ) -> None:
+        if before is None:
+            self._order_picture(tab)
 
-        Raises what broke the source; what was measured is on the disk.
-        """
-        self._stream.run(self._guide)
-        self._stream.check()
+    def _order_picture(self, tab: Tab[TrialView]) -> None:
+        page = tab.page
+        assert isinstance(page, TrialPage)
 
-    def _guide(self) -> None:
-        session, source = self._session, self._stream.source
-        observation = self._stream.take(timeout=0.05)
-        asked = self._viewer.drain_intents()
-        for intent in asked:
-            self._obey(intent)
-        if observation is not None:
-            by_machine = isinstance(source, Simulation) and source.autopilot_on
-            session.observe(observation, by_machine=by_machine)
-        if not asked and observation is None:
-            return
-        snapshot = session.snapshot()
-        if isinstance(source, Simulation):
-            source.follow(snapshot.target, snapshot.pose)
-        self._viewer.show(snapshot)
+        def draw() -> None:
+            image, view = self._image, self._view
+            if image is None:
+                return
+            # For all tabs at once.
+            if self._drawn is None or self._drawn[0] != (id(image), id(view)):
+                self._drawn = ((id(image), id(view)), live_picture(image, view))
+            page.show_picture(*self._drawn[1])
 
-    def _obey(self, intent: intents.Intent) -> None:
-        source = self._stream.source
-        match intent:
-            case intents.Begin():
-                self._session.begin()
-            case intents.SkipTarget():
-                self._session.give_up()
-            case intents.DragBoard(pose) if isinstance(source, Simulation):
-                source.autopilot_on = False
-                source.move_to(pose)
-            case intents.Toggle("autopilot") if isinstance(source, Simulation):
-                source.autopilot_on = self._viewer.state.autopilot
-            case _:
-                pass
+        self._turns.ask(tab.client.client_id, "live", draw)
+
+    def _order_steps(self) -> None:
+        """Have the target's four steps drawn as the camera sees them, if they are not yet."""
+        view, target = self._view, self._view.snapshot.target
+        if layout_of(view) != "steps" or target is None:
+            self._tiles.forget()
+        elif self._projections is not None:
+            key = (id(target), view.dark)
+            if key != self._tiles.key:
+                pictures = self._projections.of(
+                    target, view.camera, view.board, dark=view.dark, header=False
+                )
+                self._tiles.expect(key, target.steps, pictures)
 
 
-def run_trial(
-    options: GuideOptions, open_source: Callable[[], Source], folder: Path
-) -> TrialResult:
-    """Run one participant's trial, until all is done (headless) or it is stopped (viewer).
-
-    Args:
-        options: as checked.
-        open_source: opens `options.source`.
-        folder: where the file of times is, or will be.
+def run_trial(options: TrialOptions) -> TrialResult:
+    """Run one participant's trial, until all is done (headless) or it is stopped (page).
 
     Raises `VenusError` for whatever the user can mend.
     """
+    options.check()
+    if options.headless:
+        options = replace(options, autopilot=True)  # nobody could drag the simulated board
     board = options.board.board()
-    with ExitStack() as rooms:
-        file = rooms.enter_context(closing(TrialFile(folder / FILE)))
+    with ExitStack() as stack:
+        file = stack.enter_context(closing(ExerciseFile(options.output / FILE, "trial")))
         plan = plan_of(options.participant, file.rows)
-        source = rooms.enter_context(closing(open_source()))
+        source = open_interactive(
+            options.source,
+            board,
+            size=options.image_size,
+            seed=options.seed,
+            headless=options.headless,
+            autopilot=options.autopilot,
+            speed=options.speed,
+        )
+        stack.enter_context(closing(source))
         if not (source.is_live or isinstance(source, Simulation)):
             raise VenusError(
                 f"Nobody can move the board in the recording {options.source}; name a camera, a "
@@ -126,67 +202,80 @@ def run_trial(
             )
         camera = _camera(options, source)
         limits = replace(Limits.for_board(board, camera), **options.limits.chosen())
-        targets = targets_of(options.seed, camera, board, limits, options.trial_poses)
-
-        def record(told: PoseTime) -> None:
-            file.append(_row(told, plan, options))
-
-        settings = Settings(overlap_needed=options.overlap)
-        session = TrialSession(
-            board, camera, plan, targets, record, settings=settings, written=str(file.path)
+        trial = Trial(
+            board,
+            camera,
+            plan,
+            targets_of(options.seed, camera, board, limits, options.poses),
+            file.append,
+            settings=Settings(overlap_needed=options.overlap),
+            written=str(file.path),
+            source=options.source,
+            seed=options.seed,
         )
+        trial.autopilot = options.autopilot
         tracker = BoardTracker(Detector(board, find_layout=not isinstance(source, Simulation)))
         if options.headless:
-            _run_headless(session, source, tracker)
+            _run_headless(trial, source, tracker)
         else:
-            _run_on_a_page(session, source, tracker, options, rooms)
-        return TrialResult(plan, session.times, file.path, session.stage == "over", (*file.rows,))
+            _run_on_a_page(trial, source, tracker, options, stack)
+        complete = trial.stage == "over"
+        return TrialResult(plan, (*trial.rows,), file.path, complete, (*file.rows,))
 
 
 def _run_on_a_page(
-    session: TrialSession,
-    source: Source,
-    tracker: BoardTracker,
-    options: GuideOptions,
-    rooms: ExitStack,
+    trial: Trial, source: Source, tracker: BoardTracker, options: TrialOptions, stack: ExitStack
 ) -> None:
-    offscreen = rooms.enter_context(closing(Offscreen()))
-    viewer = TrialViewer(
-        options.host,
-        options.port,
-        projections=Projections(offscreen),
-        draggable_board=isinstance(source, Simulation),
-        autopilot=options.autopilot,
+    """Until Ctrl-C or a signal that asks to end; until then the page stays.
+
+    Raises what broke the source; what was measured is on the disk.
+    """
+    simulation = source if isinstance(source, Simulation) else None
+    offscreen = stack.enter_context(closing(Offscreen()))
+    web, note = start_server(options.host, options.port)
+    stack.callback(web.stop)
+    server = TrialServer(web, trial, projections=Projections(offscreen), simulation=simulation)
+    stack.enter_context(closing(server))
+    announce_page(SERVING, web.url, note)
+    if simulation is not None and not options.autopilot:
+        trial.say(DRAG_HINT, _HINT_S)
+    stream = ObservationStream(
+        source, tracker, on_picture=lambda frame: server.show_picture(frame.image)
     )
-    rooms.enter_context(closing(viewer))
-    for note in viewer.notes:
-        print(note, flush=True)
-    print(f"Viewer: {viewer.url}   (Ctrl-C ends it)", flush=True)
-    if isinstance(source, Simulation) and not options.autopilot:
-        hint = "Drag the board by its handles in the scene, or press O for the simulated hand."
-        viewer.say(hint, seconds=60)
-    TrialGuide(session, source, tracker, viewer).run()
+
+    def step() -> None:
+        observation = stream.take(timeout=0.05)
+        asked = server.obey()
+        if observation is not None:
+            trial.observe(observation, by_machine=trial.autopilot and simulation is not None)
+        if asked or observation is not None:
+            server.refresh()
+        server.step()
+
+    stream.run(step)
+    stream.check()
 
 
-def _run_headless(session: TrialSession, source: Source, tracker: BoardTracker) -> None:
+def _run_headless(trial: Trial, source: Source, tracker: BoardTracker) -> None:
     """The simulated hand does everything, in simulated time: a rehearsal."""
     assert isinstance(source, Simulation)
-    since, done = 0.0, 0
-    while session.stage != "over":
+    since_s, done = 0.0, 0
+    while trial.stage != "over":
         frame = source.read()
         if frame is None:
             return
-        session.observe(tracker.track(frame), by_machine=True)
-        session.begin()
-        count = sum(len(times.ends_s) for times in session.times)
-        since, done = (frame.time_s, count) if count != done else (since, done)
-        if frame.time_s - since > _PATIENCE_S:
-            session.give_up()
-        snapshot = session.snapshot()
+        trial.observe(tracker.track(frame), by_machine=True)
+        if trial.stage == "ready":
+            trial.begin()
+        if len(trial.rows) != done:
+            since_s, done = frame.time_s, len(trial.rows)
+        if frame.time_s - since_s > _PATIENCE_S:
+            trial.give_up()
+        snapshot = trial.snapshot()
         source.follow(snapshot.target, snapshot.pose)
 
 
-def _camera(options: GuideOptions, source: Source) -> Camera:
+def _camera(options: TrialOptions, source: Source) -> Camera:
     """The camera that is known. Raises `VenusError` if its pictures have another shape."""
     if options.camera is None:
         assert isinstance(source, Simulation)
@@ -200,28 +289,3 @@ def _camera(options: GuideOptions, source: Source) -> Camera:
             "other one with --camera-size."
         )
     return camera.scaled(source.image_size)
-
-
-def _row(told: PoseTime, plan: Plan, options: GuideOptions) -> TrialRow:
-    return TrialRow(
-        participant=plan.participant,
-        number=plan.number,
-        order=" ".join(plan.order),
-        attempt=told.attempt,
-        place=told.place,
-        help=told.help,
-        pose=told.pose,
-        outcome=told.outcome,
-        seconds=told.seconds,
-        since_first_s=told.since_first_s,
-        since_start_s=told.since_start_s,
-        overlap=told.overlap,
-        off_mm=told.off_mm,
-        off_deg=told.off_deg,
-        source=options.source,
-        hand="autopilot" if told.by_machine else "person",
-        seed=options.seed,
-        poses=options.trial_poses,
-        time=time_column(),
-        **target_columns(told.target),
-    )

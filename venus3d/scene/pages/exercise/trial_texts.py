@@ -1,6 +1,6 @@
 """What the page of a trial says."""
 
-TAB = "Trial"
+TAB, GUIDANCE_TAB = "Trial", "What to do now"
 START, START_HINT = (
     "Start (space bar)",
     "Show the first pose. The clock counts from when it has been reached.",
@@ -9,10 +9,14 @@ GIVE_UP, GIVE_UP_HINT = (
     "Give up this pose (K)",
     "Go on to the next pose; it is written as given up.",
 )
-START_COMMAND = ("Start", "Show the first pose")
-GIVE_UP_COMMAND = ("Give up this pose", "Go on to the next")
-THEME_COMMAND = ("Light or dark", "Change the brightness")
-AUTOPILOT_COMMAND = ("Autopilot", "Let the simulated hand move the board, or take it yourself")
+COMMANDS = {
+    "next": ("Start", "Show the first pose"),
+    "give_up": ("Give up this pose", "Go on to the next"),
+    "theme": ("Light or dark", "Change the brightness"),
+    "autopilot": ("Autopilot", "Let the simulated hand move the board, or take it yourself"),
+}
+SERVING = "Viewer"
+DRAG_HINT = "Drag the board by its handles in the scene, or press O for the simulated hand."
 
 HELP_NAMES = {"steps": "the four steps", "axes": "the axes", "outline": "the filled outline"}
 HOW = {

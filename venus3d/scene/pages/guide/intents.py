@@ -87,11 +87,6 @@ class DragBoard:
     """`T_camera_board`."""
 
 
-@dataclass(frozen=True)
-class Begin:
-    """The participant of a trial is ready: show the first pose of the next help."""
-
-
 Intent = (
     Capture
     | SkipTarget
@@ -103,5 +98,4 @@ Intent = (
     | Toggle
     | TurnStep
     | DragBoard
-    | Begin
 )

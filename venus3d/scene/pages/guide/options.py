@@ -13,17 +13,6 @@ from venus3d.engine.planning.method import Cost, Method, Strategy, search_method
 from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
 from venus3d.scene.web.address import audience_address
 
-_CALIBRATING = {
-    "method": "--method",
-    "cost": "--cost",
-    "search": "--search",
-    "wanted_error": "--wanted-error",
-    "keep_best": "--keep-best",
-    "convergence": "--convergence",
-    "max_views": "--max-views",
-    "auto_capture": "--no-auto-capture",
-}
-
 
 @dataclass(frozen=True)
 class GuideOptions:
@@ -82,27 +71,14 @@ class GuideOptions:
     audience_sound: Switch = False
     """The second page plays a tone when a step is right, two when a view is captured."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
-    """Folder for camera.yaml and result.json, written after every view, earlier ones kept (--trial:
-    trial.csv); with the viewer, venus3d-result (--trial: venus3d-trial) if none is named."""
+    """Folder for camera.yaml and result.json, written after every view, earlier ones kept; with the
+    viewer, venus3d-result if none is named."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
-    trial: Switch = False
-    """No calibration: time one volunteer with three kinds of help to the same poses."""
-    participant: Annotated[
-        str | None, arg(metavar="NAME", help_behavior_hint="(usual: P1, P2, ...)")
-    ] = None
-    """Who takes part in the trial; one who was interrupted goes on."""
-    camera: Annotated[
-        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(sim: its own)")
-    ] = None
-    """The calibrated camera that the trial looks through."""
-    trial_poses: int = 10
-    """How many poses there are with each help of the trial."""
 
     def check(self) -> None:
         """Raises `VenusError` for the first option that cannot be met."""
         self.board.board()
-        self._check_trial()
         self._check_audience()
         search_method(self.method, self.cost, self.search)
         self.limits.check()
@@ -114,34 +90,6 @@ class GuideOptions:
         if self.camera_size is not None:
             image_size_of(self.camera_size)
 
-    def _check_trial(self) -> None:
-        if not self.trial and (self.participant is not None or self.camera is not None):
-            option = "--camera" if self.participant is None else "--participant"
-            raise VenusError(f"{option} goes with --trial; leave it out to calibrate.")
-        if not self.trial:
-            return
-        check_range("--trial-poses", self.trial_poses, 2, 100)
-        # A trial's poses are its own and nothing is calibrated: what would be ignored is refused.
-        usual = GuideOptions()
-        for name, option in _CALIBRATING.items():
-            if getattr(self, name) != getattr(usual, name):
-                raise VenusError(
-                    f"{option} chooses how a camera is calibrated, and a trial calibrates none; "
-                    "leave it out."
-                )
-        if self.headless and self.source != "sim":
-            raise VenusError(
-                "A trial without a viewer is a rehearsal of the simulated hand, so --trial "
-                "--headless goes with sim only."
-            )
-        if self.source != "sim" and self.camera is None:
-            raise VenusError(
-                "A trial needs a calibrated camera: calibrate it first with venus3d guide, then "
-                "give its file with --camera camera.yaml."
-            )
-        if self.participant is not None and not self.participant.strip():
-            raise VenusError("The participant's name is empty; leave --participant out for P1, P2.")
-
     def _check_audience(self) -> None:
         if self.audience is None:
             if self.audience_view != "picture" or any(
@@ -151,8 +99,6 @@ class GuideOptions:
             return
         if self.headless:
             raise VenusError("--audience shows what a viewer shows; leave --headless out.")
-        if self.trial:
-            raise VenusError("A trial is for the participant alone; leave --audience out.")
         audience_address(self.audience, self.port)
 
     @property

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import worst_first
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
-from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Settings
-from venus3d.scene.pages.exercise.trial_run import TrialResult, run_trial
 from venus3d.scene.pages.guide import texts
 from venus3d.scene.pages.guide.headless import run_headless
 from venus3d.scene.pages.guide.live import LiveGuide
@@ -31,16 +28,11 @@ from venus3d.scene.web.page import announce_page
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
-from venus3d.sources.open_source import open_source
+from venus3d.sources.interactive import open_interactive
 from venus3d.sources.sim import Simulation
-from venus3d.threads.latency import limit_gl_threads
 
 # A recording does not follow a target: a view that lowers the expected error so much counts.
 _USEFUL_DROP = 0.1
-# Headless, the simulated hand is looked at this often; a person's viewer gets every frame.
-_HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
-_HEADLESS_HASTE = 2.5
-_IN_SIGHT = Pose.from_vector([12, -8, 4, 0, 0, 0.5])
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,12 +114,6 @@ def run_guide(
         return result(live.run(), viewer.notes)
 
 
-def run_guided_trial(options: GuideOptions, folder: Path) -> TrialResult:
-    """The trial that the options say, its times in `folder`. Raises `VenusError`."""
-    options = _possible(options)
-    return run_trial(options, lambda: _opened(options, options.board.board()), folder)
-
-
 def _possible(options: GuideOptions) -> GuideOptions:
     """The options as they can be met. Raises `VenusError` for those that would never end."""
     if not options.headless:
@@ -141,21 +127,14 @@ def _possible(options: GuideOptions) -> GuideOptions:
 
 
 def _opened(options: GuideOptions, board: Board) -> Source:
-    if not options.headless:
-        limit_gl_threads()
-    if options.source != "sim":
-        return open_source(options.source, size=options.image_size, realtime=not options.headless)
-    size = options.image_size
-    return Simulation(
-        PAPER_CAMERA if size is None else PAPER_CAMERA.scaled(size),
+    return open_interactive(
+        options.source,
         board,
+        size=options.image_size,
         seed=options.seed,
-        fps=_HEADLESS_FPS if options.headless else _LIVE_FPS,
-        realtime=not options.headless,
+        headless=options.headless,
         autopilot=options.autopilot,
-        speed=options.speed * (_HEADLESS_HASTE if options.headless else 1.0),
-        # A hand brings the board into sight by itself; a person needs something to take hold of.
-        start=None if options.autopilot else _IN_SIGHT,
+        speed=options.speed,
     )
 
 

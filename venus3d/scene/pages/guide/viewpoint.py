@@ -10,15 +10,8 @@ import numpy as np
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.scene.render.shapes import LineShape, Shape
 from venus3d.scene.render.strip import STRIP_CENTRE, bounds_of
-from venus3d.scene.render.viewpoints import FOV_RAD, view_kept_wide
+from venus3d.scene.render.viewpoints import FOV_RAD, guiding_view, steps_back, view_kept_wide
 from venus3d.scene.web.camera_rig import View
-
-# Where the person looks from: behind, above and to the side of the camera.
-_LOOK_FROM, _LOOK_AT = (-0.60, -0.42, -0.33), (0.015, 0.04, 0.235)
-_NEAR_TARGET = 0.45
-"""Up to this distance of the target, metres, the scene is seen from `_LOOK_FROM`."""
-_ROOMY_ASPECT = 0.9
-"""Width over height of a scene in which everything fits from there."""
 
 
 def guide_view(shapes: tuple[Shape, ...], target: int) -> tuple[object, View]:
@@ -33,8 +26,7 @@ def guide_view(shapes: tuple[Shape, ...], target: int) -> tuple[object, View]:
         # Another pose of the same number is another strip.
         return (target, goals[0].vector().tobytes()), _strip_view(bounds_of(strip))
     back = steps_back(goals[0].distance_to(Pose.identity()) if goals else 0.0)
-    eye, at = back * np.array(_LOOK_FROM), back * np.array(_LOOK_AT)
-    return back, partial(view_kept_wide, eye, at, _ROOMY_ASPECT)
+    return back, guiding_view(back)
 
 
 def _strip_view(bounds: Array) -> View:
@@ -46,9 +38,3 @@ def _strip_view(bounds: Array) -> View:
     distance = 0.5 * width / np.tan(FOV_RAD / 2) + max(0.0, z - float(bounds[0, 2]))
     eye = np.array([x, y - 0.25 * distance, z - distance])
     return partial(view_kept_wide, eye, np.array([x, y, z]), 1.0)
-
-
-def steps_back(distance: float) -> float:
-    """How much farther away to look from, 1 ... 2.5, so that a target `distance` metres away from
-    the camera is seen; in halves, so that the view a person has turned to is mostly kept."""
-    return float(min(2.5, max(1.0, np.ceil(2 * distance / _NEAR_TARGET) / 2)))

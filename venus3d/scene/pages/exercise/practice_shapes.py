@@ -1,4 +1,4 @@
-"""What is seen of a practice moment, in space and in the camera's picture, under each help.
+"""What is seen of a practice, in space and in the camera's picture, under each help.
 
 The board is one shape in both; the help is shapes in space, and lines in the picture, the axes and
 the outline as a trial draws them. Names are those of `describe`; the axes are /axes/board/x ... and
@@ -15,9 +15,9 @@ import numpy as np
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import AXES, Pose
+from venus3d.scene.pages.exercise.practice_texts import TARGET_LABEL
 from venus3d.scene.pages.exercise.step_overlay import draw_step
-from venus3d.scene.pages.exercise.texts import TARGET_LABEL
-from venus3d.scene.pages.exercise.view_model import PracticeMoment
+from venus3d.scene.pages.exercise.view_model import PracticeView
 from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_shape
 from venus3d.scene.render.frustum import camera_shapes
 from venus3d.scene.render.overlay import AXIS_COLOURS, draw_axes, draw_outline
@@ -31,24 +31,24 @@ _AXIS_LENGTH = 0.6  # of the board's shorter side
 _DASHES = 7
 
 
-def scene_shapes(moment: PracticeMoment) -> tuple[Shape, ...]:
+def scene_shapes(view: PracticeView) -> tuple[Shape, ...]:
     """Everything in the trainee's 3D scene."""
-    camera = camera_shapes(moment.camera, dark=moment.dark)
-    if moment.look == "through":
+    camera = camera_shapes(view.camera, dark=view.dark)
+    if view.side == "through":
         # Whoever looks out of the camera sees nothing of it but where its picture ends.
         camera = tuple(shape for shape in camera if shape.name == "/camera/border")
-    board = board_shape(moment.board, moment.pose)
-    return (*camera, board, *_help_shapes(moment, for_camera=moment.look == "through"))
+    board = board_shape(view.board, view.pose)
+    return (*camera, board, *_help_shapes(view, for_camera=view.side == "through"))
 
 
-def picture_shapes(moment: PracticeMoment) -> tuple[Shape, ...]:
+def picture_shapes(view: PracticeView) -> tuple[Shape, ...]:
     """What the camera's picture shows; `picture_finish` draws the help into it."""
-    return (board_shape(moment.board, moment.pose),)
+    return (board_shape(view.board, view.pose),)
 
 
-def target_picture_shapes(moment: PracticeMoment) -> tuple[Shape, ...]:
+def target_picture_shapes(view: PracticeView) -> tuple[Shape, ...]:
     """The board at the target: what the camera should see."""
-    return (board_shape(moment.board, moment.target),)
+    return (board_shape(view.board, view.target),)
 
 
 def picture_background(dark: bool) -> Colour:
@@ -57,32 +57,32 @@ def picture_background(dark: bool) -> Colour:
     return mixed(colours.background, colours.text, 0.1)
 
 
-def picture_finish(moment: PracticeMoment) -> Callable[[Any], Any] | None:
+def picture_finish(view: PracticeView) -> Callable[[Any], Any] | None:
     """Draws this help into the picture (H, W, 3) RGB, if it is one that is drawn."""
-    if moment.help == "none":
+    if view.help == "none":
         return None
-    camera, board, target, match = moment.camera, moment.board, moment.target, moment.match
+    camera, board, target, match = view.camera, view.board, view.target, view.match
     step = None if all(match.within) else match.steps[match.active_step - 1]
 
     def finish(picture: Any) -> Any:
         own = np.ascontiguousarray(picture)
-        if moment.help == "steps":
+        if view.help == "steps":
             return draw_step(own, camera, board, target, step)
-        draw = draw_axes if moment.help == "axes" else draw_outline
-        draw(own, camera, board, moment.pose, target)
+        draw = draw_axes if view.help == "axes" else draw_outline
+        draw(own, camera, board, view.pose, target)
         return own
 
     return finish
 
 
-def _help_shapes(moment: PracticeMoment, *, for_camera: bool) -> list[Shape]:
-    board, pose, target = moment.board, moment.pose, moment.target
-    if moment.help == "steps":
-        return _step_shapes(moment, for_camera)
-    if moment.help == "axes":
-        return [*_frame(board, pose, "board", moment), *_frame(board, target, "target", moment)]
-    if moment.help == "outline":
-        colour = ORANGE[moment.dark]
+def _help_shapes(view: PracticeView, *, for_camera: bool) -> list[Shape]:
+    board, pose, target = view.board, view.pose, view.target
+    if view.help == "steps":
+        return _step_shapes(view, for_camera)
+    if view.help == "axes":
+        return [*_frame(board, pose, "board", view), *_frame(board, target, "target", view)]
+    if view.help == "outline":
+        colour = ORANGE[view.dark]
         h = board.height
         spike = np.array([[-0.08 * h, -0.5 * h, 0], [0, -0.66 * h, 0], [0.08 * h, -0.5 * h, 0]])
         return [
@@ -93,14 +93,14 @@ def _help_shapes(moment: PracticeMoment, *, for_camera: bool) -> list[Shape]:
     return []
 
 
-def _step_shapes(moment: PracticeMoment, for_camera: bool) -> list[Shape]:
-    board, dark, number = moment.board, moment.dark, moment.match.active_step
-    step = moment.match.steps[number - 1]
+def _step_shapes(view: PracticeView, for_camera: bool) -> list[Shape]:
+    board, dark, number = view.board, view.dark, view.match.active_step
+    step = view.match.steps[number - 1]
     colour, name = step_colour(number, dark), f"/steps/{number}"
-    shapes = list(_goal_shapes(board, moment.target, dark))
-    if all(moment.match.within):
+    shapes = list(_goal_shapes(board, view.target, dark))
+    if all(view.match.within):
         return shapes
-    arrow = instruction_shapes(board, moment.camera, step, dark=dark, for_camera=for_camera)
+    arrow = instruction_shapes(board, view.camera, step, dark=dark, for_camera=for_camera)
     return [
         *shapes,
         board_outline(board, step.after, f"{name}/outline", colour, 4.0),
@@ -121,14 +121,14 @@ def _goal_shapes(board: Board, target: Pose, dark: bool) -> tuple[Shape, ...]:
     )
 
 
-def _frame(board: Board, pose: Pose, whose: str, moment: PracticeMoment) -> list[Shape]:
+def _frame(board: Board, pose: Pose, whose: str, view: PracticeView) -> list[Shape]:
     """Three axes with letters: solid for the board, dashed for the target."""
     length = _AXIS_LENGTH * min(board.width, board.height)
     solid = whose == "board"
     ends = np.linspace(0, length, 2 if solid else 2 * _DASHES)
     shapes: list[Shape] = []
     for axis, direction, bright in zip(AXES, np.eye(3), AXIS_COLOURS, strict=True):
-        colour = bright if moment.dark else mixed(bright, (0, 0, 0), 0.35)
+        colour = bright if view.dark else mixed(bright, (0, 0, 0), 0.35)
         segments = (ends[:, None] * direction).reshape(-1, 2, 3)
         width = 6.0 if solid else 4.0
         name = f"/axes/{whose}/{axis}"

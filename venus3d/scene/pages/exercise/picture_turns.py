@@ -1,7 +1,7 @@
-"""Whose picture is drawn next: what each trainee's camera sees, in turns.
+"""Whose picture is drawn next, where many tabs want theirs and the time does not do for all.
 
-Whoever asks again before it was their turn replaces their own wish: the newest wins. The next one
-is whoever had no picture for longest, so that a class shares evenly what can be drawn.
+Who asks again before it was their turn replaces their own request: the newest wins. The next one
+is who had no picture for longest, so that a class shares evenly what can be drawn.
 """
 
 from __future__ import annotations
@@ -9,17 +9,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from itertools import count
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-Picture = NDArray[np.uint8]
 Job = Callable[[], None]
 """Draws one picture and hands it over."""
 
 
-class PictureQueue:
+class PictureTurns:
     """The pictures that are still to be drawn. May be used from any thread."""
 
     def __init__(self) -> None:
@@ -29,16 +24,16 @@ class PictureQueue:
         self._count = count(1)
         self._lock = threading.Lock()
 
-    def ask(self, who: int, what: str, job: Job) -> None:
-        """Do this when it is their turn."""
+    def ask(self, tab: int, what: str, job: Job) -> None:
+        """Do this when it is that tab's turn."""
         with self._lock:
-            self._wanted[who, what] = job
+            self._wanted[tab, what] = job
 
-    def forget(self, who: int) -> None:
-        """They look at no picture any more."""
+    def forget(self, tab: int) -> None:
+        """That tab looks at no picture any more."""
         with self._lock:
             for of_all in (self._wanted, self._drawn):
-                for key in [key for key in of_all if key[0] == who]:
+                for key in [key for key in of_all if key[0] == tab]:
                     del of_all[key]
 
     def take(self) -> tuple[int, Job] | None:
@@ -53,5 +48,5 @@ class PictureQueue:
 
 def fitting(size: tuple[int, int], room: tuple[int, int]) -> tuple[int, int]:
     """The largest (width, height) of this shape within `room`; at least one pixel a side."""
-    scale: Any = min(room[0] / size[0], room[1] / size[1])
+    scale = min(room[0] / size[0], room[1] / size[1])
     return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))

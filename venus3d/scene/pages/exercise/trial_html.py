@@ -12,48 +12,50 @@ import numpy as np
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN
 from venus3d.scene.pages.exercise import trial_texts as say
-from venus3d.scene.pages.exercise.trial_view_model import HELPS, Help, HelpTimes, TrialMoment
+from venus3d.scene.pages.exercise.trial_plan import HelpTimes, times_of
+from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, TrialView
 from venus3d.scene.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
 from venus3d.scene.render.palette import hex_of
+from venus3d.scene.web.step_card import guide_card, hold_card, step_card, step_chips
 from venus3d.scene.web.theme import Theme
 
-_HELP_COLOURS: dict[Help, int] = {"steps": 3, "axes": 2, "outline": 4}
+_HELP_COLOURS: dict[str, int] = {"steps": 3, "axes": 2, "outline": 4}
 """Each help's colour in the plot, by the step that has it elsewhere."""
 
 
-def side_html(moment: TrialMoment | None, note: str = "") -> str:
+def side_html(view: TrialView) -> str:
     """The left column: participant, help, pose, time; and a remark."""
-    if moment is None:
+    if view.snapshot.number == 0:
         return f"<div class='v-progress'>{say.WAITING}</div>"
-    place, helps = moment.place, len(moment.order)
-    what = say.HELP_OF.format(place=place, helps=helps, name=say.HELP_NAMES[moment.help])
-    if moment.stage == "over":
+    place, helps = view.place, len(view.order)
+    what = say.HELP_OF.format(place=place, helps=helps, name=say.HELP_NAMES[view.help])
+    if view.stage == "over":
         what = say.ALL_DONE
-    rows = "".join(_order_row(moment, number) for number in range(1, helps + 1))
+    rows = "".join(_order_row(view, number) for number in range(1, helps + 1))
     return (
-        f"<div class='v-progress'><div class='v-participant'>{escape(moment.participant)}</div>"
-        f"<div class='v-what'>{escape(what)}</div>{_counters(moment)}"
+        f"<div class='v-progress'><div class='v-participant'>{escape(view.participant)}</div>"
+        f"<div class='v-what'>{escape(what)}</div>{_counters(view)}"
         f"<h3>{say.ORDER_TITLE}</h3><div class='v-order'>{rows}</div>"
-        f"<div class='v-remark'>{escape(note)}</div></div>"
+        f"<div class='v-remark'>{escape(view.note)}</div></div>"
     )
 
 
-def _counters(moment: TrialMoment) -> str:
-    if moment.stage != "running":
+def _counters(view: TrialView) -> str:
+    if not view.is_running:
         return ""
-    since = say.SINCE_START if moment.pose == 1 else say.SINCE_FIRST
-    poses = say.OF_POSES.format(poses=moment.poses)
+    since = say.SINCE_START if view.number == 1 else say.SINCE_FIRST
+    poses = say.OF_POSES.format(poses=view.poses)
     return (
-        f"<div class='v-count'><div><b>{moment.pose} <small>{poses}</small></b>"
+        f"<div class='v-count'><div><b>{view.number} <small>{poses}</small></b>"
         f"<span>{say.POSE}</span></div>"
-        f"<div><b>{clock(moment.elapsed_s)}</b><span>{since}</span></div></div>"
+        f"<div><b>{clock(view.seconds)}</b><span>{since}</span></div></div>"
     )
 
 
-def _order_row(moment: TrialMoment, number: int) -> str:
-    help_ = moment.order[number - 1]
-    now = moment.stage != "over" and number == moment.place
-    done = moment.stage == "over" or number < moment.place
+def _order_row(view: TrialView, number: int) -> str:
+    help_ = view.order[number - 1]
+    now = view.stage != "over" and number == view.place
+    done = view.stage == "over" or number < view.place
     mark = "✓ " if done else f"{number} "
     return f"<div class='{'v-current' if now else ''}'>{mark}{say.HELP_NAMES[help_]}</div>"
 
@@ -63,22 +65,22 @@ def clock(seconds: float) -> str:
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
 
 
-def card_html(moment: TrialMoment | None, theme: Theme, *, seen: bool) -> str:
+def card_html(view: TrialView, theme: Theme) -> str:
     """The large text above the picture: what comes, what to do; the same for each help."""
-    if moment is None:
+    if view.snapshot.number == 0:
         return _card(theme.info, "…", say.STARTING, say.WAITING)
-    how = say.HOW[moment.help]
-    if moment.stage == "over":
+    how = say.HOW[view.help]
+    if view.stage == "over":
         return _card(theme.reached, "✓", say.DONE, say.DONE_SENTENCE)
-    if moment.stage == "ready":
-        name = say.HELP_NAMES[moment.help]
+    if view.stage == "ready":
+        name = say.HELP_NAMES[view.help]
         return _card(theme.info, "▶", say.NEXT.format(name=name), how)
-    if not seen:
+    if view.pose is None:
         return _card(theme.info, "?", say.NOT_SEEN, NOT_SEEN.holder)
-    if moment.there:
+    if view.stage == "hold":
         return _card(theme.reached, "✓", say.HOLD_STILL, HOLD_STILL.holder)
-    headline = say.POSE_OF.format(pose=moment.pose, poses=moment.poses)
-    return _card(theme.info, str(moment.pose), headline, how)
+    headline = say.POSE_OF.format(pose=view.number, poses=view.poses)
+    return _card(theme.info, str(view.number), headline, how)
 
 
 def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
@@ -89,11 +91,25 @@ def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
     )
 
 
-def legend_html(moment: TrialMoment | None) -> str:
+def steps_html(view: TrialView, theme: Theme) -> str:
+    """The large text of the steps, as a guided calibration has it."""
+    match, snapshot, target = view.match, view.snapshot, view.snapshot.target
+    chips = step_chips(match, None if target is None else target.steps, view.step, theme)
+    if match is None:
+        sentence = snapshot.instruction.holder
+        text = guide_card(theme.info, "?", snapshot.headline, sentence, below=chips, note=view.note)
+    elif match.reached or all(match.within):
+        text = hold_card(theme, chips, view.note)
+    else:
+        text = step_card(match, view.step, theme, view.note)
+    return f"<div class='v-wide'>{text}</div>"
+
+
+def legend_html(view: TrialView) -> str:
     """Under the picture: what is drawn in it."""
-    if moment is None or moment.stage != "running":
+    if not view.is_running:
         return ""
-    if moment.help == "axes":
+    if view.help == "axes":
         keys = (f"<b>{escape(name)}</b>: {meaning}" for name, meaning in say.AXES_LEGEND)
         text = " &nbsp; ".join((*keys, say.AXES_MEANING))
     else:
@@ -106,11 +122,11 @@ def _swatch(colour: Any) -> str:
     return f"<span class='v-swatch' style='background:{hex_of(colour)}'></span>"
 
 
-def result_html(moment: TrialMoment, theme: Theme) -> str:
+def result_html(view: TrialView, theme: Theme) -> str:
     """At the end: the times of each help, and where they are written."""
     head = f"<tr>{''.join(f'<th>{title}</th>' for title in say.RESULT_HEAD)}</tr>"
-    rows = "".join(_time_row(times, theme) for times in moment.times)
-    written = escape(say.WRITTEN.format(path=moment.written))
+    rows = "".join(_time_row(times, theme) for times in times_of(view.rows))
+    written = escape(say.WRITTEN.format(path=view.written))
     return (
         f"<div class='v-wide'><div class='v-progress'><table class='v-times'>{head}{rows}"
         f"</table><div class='v-path'>{written}</div></div></div>"
@@ -124,25 +140,25 @@ def _time_row(times: HelpTimes, theme: Theme) -> str:
     return f"<tr><td>{name}</td><td>{middle}</td><td>{whole}</td><td>{times.given_up}</td></tr>"
 
 
-def _colour(help_: Help, theme: Theme) -> tuple[int, int, int]:
+def _colour(help_: str, theme: Theme) -> tuple[int, int, int]:
     return theme.step_colours[_HELP_COLOURS[help_] - 1]
 
 
 def progress_lines(times: Sequence[HelpTimes]) -> tuple[Array, ...] | None:
-    """For a plot: numbers of the poses, then for each of `HELPS` the seconds since the first pose
-    when each was done with. None if no help was finished; one that was not done has zeros."""
+    """For a plot: numbers of the poses, then for each of `TRIAL_HELPS` the seconds since the first
+    pose when each was done with. None if no help was finished; one that was not done has zeros."""
     ends = {entry.help: entry.ends_s for entry in times}
     count = max((len(e) for e in ends.values()), default=0)
     if count < 2 or any(len(e) != count for e in ends.values()):
         return None
     x = np.arange(1, count + 1, dtype=np.float64)
-    return (x, *(np.array(ends.get(help_, (0.0,) * count)) for help_ in HELPS))
+    return (x, *(np.array(ends.get(help_, (0.0,) * count)) for help_ in TRIAL_HELPS))
 
 
-def progress_series(theme: Theme, shown: Sequence[Help] = HELPS) -> tuple[Any, ...]:
+def progress_series(theme: Theme, shown: Sequence[str] = TRIAL_HELPS) -> tuple[Any, ...]:
     """Looks of those lines; a help that was not done is hidden."""
     series: list[dict[str, Any]] = [{"label": say.POSE}]
-    for help_ in HELPS:
+    for help_ in TRIAL_HELPS:
         series.append(
             {
                 "label": say.HELP_NAMES[help_],

@@ -1,4 +1,4 @@
-"""All that the practice page says."""
+"""What the page of practice says."""
 
 TITLE = "Practice"
 
@@ -45,8 +45,8 @@ REACHED_HEADLINE = "Reached in {seconds:.1f} s"
 REACHED_SENTENCE = "Press the space bar for the next pose."
 DETOUR_SENTENCE = "Your way was {detour:.1f} times the shortest one."
 STRAIGHT_SENTENCE = "You took the shortest way."
-CLIMBED = "From now on level {level}: {name}."
-GIVEN_UP = "That one is given up; here is another."
+LEVEL_UP = "From now on level {level}: {name}."
+GIVEN_UP_NOTE = "That one is given up; here is another."
 STAYS = "That is right already on this level, and stays as it is."
 TO_GO = "to go"
 
@@ -82,16 +82,19 @@ LEVEL, HELP, NAME = "Level", "Help", "Your name"
 LEVEL_HINT = "How many of the six numbers of the pose have to change. Keys 1 to 6."
 HELP_HINT = "What is shown to you of the target. M takes the next kind."
 NAME_HINT = "Not needed. With a name you can go on after a reload, and find yourself in the file."
-CLIMB = "Next level by itself"
-CLIMB_HINT = "After two poses in a row that you reached, the next level begins."
+AUTO_LEVEL = "Next level by itself"
+AUTO_LEVEL_HINT = "After two poses in a row that you reached, the next level begins."
 NEXT, NEXT_HINT = "Next pose (space bar)", "Go on to the next target once this one is reached."
-POSE, AGAIN, GIVE_UP = "This pose", "Start over R", "Give up G"
+POSE = "This pose"
+POSE_ACTIONS = {"start_over": "Start over R", "give_up": "Give up G"}
 POSE_HINT = (
     "Put the board back to the start, while the clock runs on; or leave this target for another "
     "one, which is written down."
 )
-LOOK, LOOKS = "View (V)", ("From outside", "Through camera")
-LOOK_HINT = (
+VIEW = "View (V)"
+VIEW_SIDES = {"outside": "From outside", "through": "Through camera"}
+SHOWN_SIDE = "✓ {side}"
+VIEW_HINT = (
     "From outside you see camera and board in space. Through the camera you see its picture, and "
     "drag the board in it."
 )
@@ -125,10 +128,10 @@ OTHER_KEYS = (
 COMMANDS = {
     "next": ("Next pose", "Go on once this one is reached"),
     "give_up": ("Give up this pose", "Take another target"),
-    "again": ("Start over", "Put the board back to the start"),
-    "look": ("Other view", "From outside, or through the camera"),
+    "start_over": ("Start over", "Put the board back to the start"),
+    "view": ("Other view", "From outside, or through the camera"),
     "help": ("Other help", "Steps, axes, outline, none"),
-    "light": ("Light or dark", "Change the brightness of the page"),
+    "theme": ("Light or dark", "Change the brightness of the page"),
     "level": ("Level {level}", "{name}"),
     "nudge": ("Move the board: {what}", "A little; hold the key for more"),
 }

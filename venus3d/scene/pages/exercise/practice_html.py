@@ -1,4 +1,4 @@
-"""The practice page's texts as HTML: what to do, how far it is, how it went, the keys."""
+"""The texts of the practice page as HTML: what to do, how far it is, how it went, the keys."""
 
 from __future__ import annotations
 
@@ -10,27 +10,28 @@ from typing import Any
 import numpy as np
 
 from venus3d.engine.geometry.pose import Array
-from venus3d.engine.guidance.exercise import Score
+from venus3d.engine.guidance.exercise import detour
 from venus3d.engine.guidance.prompts import step_prompt
-from venus3d.scene.pages.exercise import texts as say
-from venus3d.scene.pages.exercise.view_model import PracticeMoment
+from venus3d.scene.pages.exercise import practice_texts as say
+from venus3d.scene.pages.exercise.view_model import PracticeView
 from venus3d.scene.render.amounts import degrees
 from venus3d.scene.render.palette import STEP_STYLES
 from venus3d.scene.web.theme import Theme
+from venus3d.storage.exercise import REACHED, ExerciseRow
 
 _FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
 
 
-def card_html(moment: PracticeMoment, theme: Theme) -> str:
+def card_html(view: PracticeView, theme: Theme) -> str:
     """What to do now, in large letters; below it which numbers change."""
-    colour, badge, headline, sentence, amount = _card_of(moment, theme)
+    colour, badge, headline, sentence, amount = _card_of(view, theme)
     free = say.ALL_FREE
-    if moment.level < 6:
-        names = [name for name, on in zip(say.FREE_NAMES, moment.free, strict=True) if on]
+    if view.level < 6:
+        names = [name for name, on in zip(say.FREE_NAMES, view.free, strict=True) if on]
         free = say.ONLY_FREE.format(names=", ".join(names))
     left = f"<em>{escape(amount)}</em>" if amount else ""
-    small = " ".join([moment.note, "" if moment.stage == "reached" else free]).strip()
-    first = "" if moment.scores or moment.stage == "hold" else f"<small>{say.HOW_TO}</small>"
+    small = " ".join([view.note, "" if view.stage == "reached" else free]).strip()
+    first = "" if view.rows or view.stage == "hold" else f"<small>{say.HOW_TO}</small>"
     return (
         f"<div class='v-progress' style='--step:{colour}'><div class='v-do' "
         f"role='status'><header><span class='v-badge'>{badge}</span><b>{escape(headline)}</b>{left}"
@@ -38,44 +39,43 @@ def card_html(moment: PracticeMoment, theme: Theme) -> str:
     )
 
 
-def _card_of(moment: PracticeMoment, theme: Theme) -> tuple[str, str, str, str, str]:
+def _card_of(view: PracticeView, theme: Theme) -> tuple[str, str, str, str, str]:
     good = theme.reached
-    if moment.stage == "reached":
-        score = moment.scores[-1]
-        headline = say.REACHED_HEADLINE.format(seconds=score.seconds)
-        straight = not score.detour >= 1.05
-        way = say.STRAIGHT_SENTENCE if straight else say.DETOUR_SENTENCE
-        sentence = f"{way.format(detour=score.detour)} {say.REACHED_SENTENCE}"
+    if view.stage == "reached":
+        row = view.rows[-1]
+        headline, ratio = say.REACHED_HEADLINE.format(seconds=row.seconds), detour_of(row)
+        way = say.DETOUR_SENTENCE if ratio >= 1.05 else say.STRAIGHT_SENTENCE
+        sentence = f"{way.format(detour=ratio)} {say.REACHED_SENTENCE}"
         return good, "✓", headline, sentence, ""
-    if moment.stage == "hold":
+    if view.stage == "hold":
         return good, "✓", say.HOLD_HEADLINE, say.HOLD_SENTENCE, ""
-    if moment.help != "steps":
-        return theme.info, "◎", say.HEADLINES[moment.help], say.SENTENCES[moment.help], ""
-    step = moment.match.steps[moment.match.active_step - 1]
+    if view.help != "steps":
+        return theme.info, "◎", say.HEADLINES[view.help], say.SENTENCES[view.help], ""
+    step = view.match.steps[view.match.active_step - 1]
     style = STEP_STYLES[step.number - 1]
-    amount = _amounts(moment)[step.number - 1]
+    amount = _amounts(view)[step.number - 1]
     colour = theme.steps[step.number - 1]
     return colour, str(step.number), style.title, step_prompt(step).camera, amount
 
 
-def _amounts(moment: PracticeMoment) -> tuple[str, ...]:
-    mm = float(np.linalg.norm(moment.match.remaining_mm))
-    return (f"{mm:.0f} mm", *(degrees(deg) for deg in moment.match.remaining_deg))
+def _amounts(view: PracticeView) -> tuple[str, ...]:
+    mm = float(np.linalg.norm(view.match.remaining_mm))
+    return (f"{mm:.0f} mm", *(degrees(deg) for deg in view.match.remaining_deg))
 
 
-def bars_html(moment: PracticeMoment, theme: Theme) -> str:
+def bars_html(view: PracticeView, theme: Theme) -> str:
     """How far it is to the target. With the steps a bar for each; else one for the place and one
     for the largest turn, since a help must not say more than it is."""
-    match = moment.match
+    match = view.match
     mm, turns = float(np.linalg.norm(match.remaining_mm)), np.abs(match.remaining_deg)
     place = _share(mm, _FAR_MM), _share(match.limit_mm, _FAR_MM)
     zone = _share(match.limit_deg, _FAR_DEG)
-    if moment.help == "steps":
+    if view.help == "steps":
         shares = (place, *((_share(float(turn), _FAR_DEG), zone) for turn in turns))
         rows = zip(
             ("1", "2", "3", "4"),
             say.STEP_BARS,
-            _amounts(moment),
+            _amounts(view),
             shares,
             match.within,
             theme.steps,
@@ -93,8 +93,8 @@ def bars_html(moment: PracticeMoment, theme: Theme) -> str:
             strict=True,
         )
     # What this level leaves alone is right from the start and only distracts.
-    free = moment.free
-    asked = (any(free[3:]), *free[:3]) if moment.help == "steps" else (any(free[3:]), any(free[:3]))
+    free = view.free
+    asked = (any(free[3:]), *free[:3]) if view.help == "steps" else (any(free[3:]), any(free[:3]))
     bars = "".join(_bar(*row) for row, on in zip(rows, asked, strict=True) if on)
     legend = f"<div class='v-legend'>{say.BARS_LEGEND}</div>"
     return f"<div class='v-progress'><h3>{say.BARS_TITLE}</h3>{bars}{legend}</div>"
@@ -117,59 +117,66 @@ def _bar(
     )
 
 
-def clock_html(moment: PracticeMoment) -> str:
+def clock_html(view: PracticeView) -> str:
     """Time and way of this pose."""
-    boxes = [(f"{moment.seconds:.0f} {say.TIME_UNIT}", say.TIME)]
-    if any(moment.free[3:]):
-        shortest = f"{moment.shortest_mm:.0f} mm"
-        boxes.append((f"{moment.path_mm:.0f} mm", say.MOVED.format(shortest=shortest)))
-    if any(moment.free[:3]):
-        shortest = f"{moment.shortest_deg:.0f}°"
-        boxes.append((f"{moment.path_deg:.0f}°", say.TURNED.format(shortest=shortest)))
+    boxes = [(f"{view.seconds:.0f} {say.TIME_UNIT}", say.TIME)]
+    if any(view.free[3:]):
+        shortest = f"{view.shortest_mm:.0f} mm"
+        boxes.append((f"{view.path_mm:.0f} mm", say.MOVED.format(shortest=shortest)))
+    if any(view.free[:3]):
+        shortest = f"{view.shortest_deg:.0f}°"
+        boxes.append((f"{view.path_deg:.0f}°", say.TURNED.format(shortest=shortest)))
     inside = "".join(f"<div><b>{value}</b><span>{name}</span></div>" for value, name in boxes)
     return f"<div class='v-progress'><div class='v-big v-clock'>{inside}</div></div>"
 
 
-def results_html(moment: PracticeMoment) -> str:
+def results_html(view: PracticeView) -> str:
     """The last poses, newest first, and where all of them are written."""
-    scores = moment.scores
-    if not scores:
+    rows = view.rows
+    if not rows:
         return (
             f"<div class='v-progress'><h3>{say.RESULTS_TITLE}</h3>"
             f"<div class='v-legend'>{say.NO_RESULTS}</div></div>"
         )
     head = "".join(f"<th>{name}</th>" for name in say.RESULTS_HEAD)
-    rows = "".join(_row(score) for score in scores[:-6:-1])
-    times = [score.seconds for score in scores if score.reached]
+    cells = "".join(_cells(row) for row in rows[:-6:-1])
+    times = [row.seconds for row in rows if row.outcome == REACHED]
     total = ""
     if times:
-        total = say.RESULTS_SUM.format(reached=len(times), all=len(scores), median=median(times))
-    written = say.WRITTEN.format(path=moment.written) if moment.written else ""
+        total = say.RESULTS_SUM.format(reached=len(times), all=len(rows), median=median(times))
+    written = say.WRITTEN.format(path=view.written) if view.written else ""
     return (
         f"<div class='v-progress'><h3>{say.RESULTS_TITLE}</h3><table class='v-list'>"
-        f"<tr>{head}</tr>{rows}</table><div class='v-line'>{total}</div>"
+        f"<tr>{head}</tr>{cells}</table><div class='v-line'>{total}</div>"
         f"<div class='v-file'>{escape(written)}</div></div>"
     )
 
 
-def _row(score: Score) -> str:
-    time = f"{score.seconds:.1f} s" if score.reached else say.GAVE_UP
-    way = f"{score.detour:.1f} ×" if score.reached and np.isfinite(score.detour) else "–"
-    cells = (f"{score.level}", say.SHORT_HELP_NAMES[score.help], time, way)
+def detour_of(row: ExerciseRow) -> float:
+    """How many times the shortest way was taken; NaN where there is none."""
+    return detour(row.path_mm, row.shortest_mm, row.path_deg, row.shortest_deg)
+
+
+def _cells(row: ExerciseRow) -> str:
+    reached, ratio = row.outcome == REACHED, detour_of(row)
+    time = f"{row.seconds:.1f} s" if reached else say.GAVE_UP
+    way = f"{ratio:.1f} ×" if reached and np.isfinite(ratio) else "–"
+    cells = (f"{row.level}", say.SHORT_HELP_NAMES[row.help], time, way)
     return f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
 
 
-def plot_lines(scores: Sequence[Score]) -> tuple[Array, Array, Array] | None:
+def plot_lines(rows: Sequence[ExerciseRow]) -> tuple[Array, Array, Array] | None:
     """For two plots: pose numbers, seconds, ways in times the shortest; None before two poses.
 
     Given up or without a way: not a number, a gap in the line.
     """
-    if sum(score.reached for score in scores) < 2:
+    reached = [row.outcome == REACHED for row in rows]
+    if sum(reached) < 2:
         return None
-    seconds = [score.seconds if score.reached else np.nan for score in scores]
-    ways = [score.detour if score.reached else np.nan for score in scores]
-    numbers = [float(number) for number in range(1, len(scores) + 1)]
-    return np.array(numbers), np.array(seconds), np.array(ways)
+    numbers = np.arange(1, len(rows) + 1, dtype=np.float64)
+    lines = [[row.seconds for row in rows], [detour_of(row) for row in rows]]
+    seconds, ways = (np.where(reached, line, np.nan) for line in lines)
+    return numbers, seconds, ways
 
 
 def series_of(label: str, theme: Theme) -> tuple[Any, ...]:

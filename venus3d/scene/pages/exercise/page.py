@@ -1,0 +1,146 @@
+"""What the pages of both exercises have in common: one tab's panels and scene, and their upkeep.
+
+One thread calls `show` and `advance`; the pictures may come on another one.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, Generic
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from venus3d.engine.geometry.pose import Pose
+from venus3d.scene.pages.exercise.exercise import View
+from venus3d.scene.pages.exercise.view_model import MoveBoard, Request
+from venus3d.scene.web.camera_rig import CameraRig
+from venus3d.scene.web.dressing import Dressing
+from venus3d.scene.web.gizmo import BoardGizmo
+from venus3d.scene.web.help import Command, HelpOverlay, add_commands
+from venus3d.scene.web.scene_view import SceneView
+from venus3d.scene.web.theme import Theme
+
+Picture = NDArray[np.uint8]
+
+
+class ExercisePage(ABC, Generic[View]):
+    """One tab. A subclass lays out its panels and puts a view on them."""
+
+    def __init__(
+        self, client: viser.ClientHandle, ask: Callable[[Request], None], view: View
+    ) -> None:
+        """Lay everything out and show this view.
+
+        Args:
+            client: the tab.
+            ask: called on viser's threads with what a person asks for; must not block.
+        """
+        self._client, self._gui, self._ask = client, client.gui, ask
+        self._dressing = Dressing(client.gui)
+        self._shown: View | None = None
+        self._fitted: object = None
+        self._scene = SceneView(client)
+        self._rig = CameraRig(client)
+        with client.atomic():
+            self._make_right(view)
+            self._make_left(view)
+            commands = self._commands()
+            add_commands(client, commands)
+            self._help = HelpOverlay(client, commands, dark=view.dark)
+            self._make_scene(view)
+        self.show(view)
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether `advance` has something to do."""
+        return self._rig.is_due or self._fitted != self._form
+
+    def advance(self) -> None:
+        """Move on what moves by itself: the view, and the widths after the window's change."""
+        self._rig.advance()
+        if self._fitted != self._form:
+            self._fitted = self._form
+            self._fit()
+
+    def show(self, view: View) -> None:
+        """Put one view on the page."""
+        before, self._shown = self._shown, view
+        theme = Theme(view.dark)
+        with self._client.atomic():
+            if self._dressing.show(theme):
+                self._help.show(theme)
+            self._put(view, before, theme)
+        self._client.flush()
+        self._look(view, before)
+
+    def warn(self, text: str) -> None:
+        """Say that something went wrong, in a note that stays."""
+        self._client.add_notification(self._title, text, color="red")
+
+    _title: str
+    """Of the page's notes."""
+
+    @property
+    @abstractmethod
+    def _form(self) -> object:
+        """What the panels' widths depend on."""
+
+    @abstractmethod
+    def _fit(self) -> None:
+        """Give the panels their widths."""
+
+    @abstractmethod
+    def _make_left(self, view: View) -> None:
+        """Lay out the panels on the left."""
+
+    @abstractmethod
+    def _make_right(self, view: View) -> None:
+        """Lay out viser's main panel."""
+
+    @abstractmethod
+    def _make_scene(self, view: View) -> None:
+        """Put into the scene what is moved in it."""
+
+    @abstractmethod
+    def _commands(self) -> tuple[Command, ...]:
+        """The page's commands."""
+
+    @abstractmethod
+    def _put(self, view: View, before: View | None, theme: Theme) -> None:
+        """Put one view on panels and scene, after `before`."""
+
+    @abstractmethod
+    def _look(self, view: View, before: View | None) -> None:
+        """Turn the tab's camera where it is needed."""
+
+    def _make_gizmo(self) -> BoardGizmo:
+        return BoardGizmo(self._client, lambda pose: self._ask_to_move(pose, "gizmo"))
+
+    def _ask_to_move(self, pose: Pose, by: Any) -> None:
+        self._ask(MoveBoard(pose, by))
+
+    def _make_picture(self, width: int, quality: int) -> Any:
+        blank = np.full((width * 9 // 16, width, 3), 96, np.uint8)
+        return self._gui.add_image(blank, format="jpeg", jpeg_quality=quality)
+
+
+def add_plot(gui: viser.GuiApi, series: Sequence[Any], labels: tuple[str, str], height: int) -> Any:
+    """A plot over the numbers of the poses in the current panel, hidden until there are lines."""
+    start = np.array([0.0, 1.0])
+    across, up = labels
+    return gui.add_uplot(
+        tuple(start for _ in series),
+        tuple(series),
+        scales={"x": {"time": False}},
+        axes=(
+            {"label": across, "labelSize": 18, "size": 30, "incrs": (1.0, 2.0, 5.0)},
+            {"label": up, "labelSize": 18, "size": 48},
+        ),
+        legend={"show": False},
+        height=height,
+        padding=(12, 16, 0, 0),
+        visible=False,
+    )

@@ -1,0 +1,296 @@
+"""One trainee's practice: levels, a board that is moved on the page, the way it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.exercise import (
+    HOLD_S,
+    LEVELS,
+    NAMES,
+    Attempt,
+    Reach,
+    practice_target,
+    reach_of,
+    start_pose,
+    within_reach,
+)
+from venus3d.engine.guidance.matching import Match, match
+from venus3d.engine.planning.limits import Limits
+from venus3d.scene.pages.exercise.exercise import Exercise
+from venus3d.scene.pages.exercise.practice_texts import (
+    GIVEN_UP_NOTE,
+    GUEST,
+    LEVEL_NAMES,
+    LEVEL_UP,
+    STAYS,
+)
+from venus3d.scene.pages.exercise.view_model import (
+    PRACTICE_HELPS,
+    ChooseHelp,
+    ChooseLevel,
+    Help,
+    MoveBoard,
+    Mover,
+    Nudge,
+    PracticeView,
+    Press,
+    Rename,
+    Request,
+    SetAutoLevel,
+    Stage,
+)
+from venus3d.storage.exercise import REACHED, ExerciseRow, Outcome, target_columns
+
+REACHED_FOR_NEXT_LEVEL = 2
+"""So many poses reached in a row lead to the next level."""
+_NUDGE_DEG, _NUDGE_M = 1.0, 0.002
+_REPEAT_S = 0.25  # a key that comes again so soon is held down
+_FASTEST = 5.0
+_LONGEST_NAME = 40
+
+
+@dataclass(frozen=True, eq=False)
+class PracticeSettings:
+    """What all trainees of a server have in common."""
+
+    camera: Camera
+    board: Board
+    limits: Limits
+    start: Pose
+    reach: Reach
+    seed: int
+    written: str
+    """The file with the times."""
+
+    @staticmethod
+    def of(camera: Camera, board: Board, seed: int, written: str) -> PracticeSettings:
+        """Raises `VenusError` if this camera cannot read this board."""
+        limits = Limits.for_board(board, camera)
+        start = start_pose(camera, board, limits)
+        reach = reach_of(camera, limits)
+        return PracticeSettings(camera, board, limits, start, reach, seed, written)
+
+
+class Practice(Exercise[PracticeView]):
+    """Whoever sits before one tab."""
+
+    def __init__(
+        self,
+        settings: PracticeSettings,
+        number: int,
+        record: Callable[[ExerciseRow], None] = lambda _: None,
+        known: Sequence[ExerciseRow] = (),
+    ) -> None:
+        """A guest on the first level, helped by the steps; the board at the start.
+
+        Args:
+            number: of the guest.
+            record: is given each pose as soon as it is done with.
+            known: the rows of the file; who was here before goes on where they left off.
+        """
+        super().__init__(settings.camera, settings.board, settings.written, record)
+        self._settings, self._known = settings, known
+        self.name = self._guest = GUEST.format(number=number)
+        self._level, self._help = 1, PRACTICE_HELPS[0]
+        self._auto_level, self._through = True, False
+        self._in_a_row = 0
+        self._numbers: dict[int, int] = dict.fromkeys(LEVELS, 0)
+        self._note = ""
+        self._nudged: tuple[Nudge, float, int] | None = None
+        self.begin()
+
+    # -- what is asked of it ---------------------------------------------------------------------
+
+    def handle(self, request: Request) -> None:
+        """Do what the trainee asked for."""
+        match request:
+            case MoveBoard(pose, by):
+                self._move(pose, by)
+            case Nudge():
+                self._nudge(request)
+            case ChooseLevel(level):
+                self._go_to(level)
+            case ChooseHelp(chosen):
+                after = PRACTICE_HELPS[(PRACTICE_HELPS.index(self._help) + 1) % len(PRACTICE_HELPS)]
+                self._help: Help = chosen or after
+            case SetAutoLevel(on):
+                self._auto_level = on
+            case Rename(name):
+                self._rename(name)
+            case Press("view"):
+                self._through = not self._through
+            case Press("start_over"):
+                self._move(self._attempt.start, "keys")
+            case _:
+                super().handle(request)
+
+    def tick(self, now_s: float) -> bool:
+        """Let time pass; whether the view has changed by itself."""
+        self._now_s = now_s
+        self._compare()
+        if self.stage == "hold" and self._attempt.still_s(now_s) >= HOLD_S:
+            self._judge(there=True, held=True)
+            return True
+        seconds = int(self._attempt.taken_s(now_s))
+        changed = self.stage != "reached" and seconds != self._seconds_shown
+        self._seconds_shown = seconds
+        return changed
+
+    def view(self) -> PracticeView:
+        """What there is to be seen now."""
+        attempt, match = self._attempt, self._compare()
+        taken = self._taken_s if self.stage == "reached" else attempt.taken_s(self._now_s)
+        return PracticeView(
+            camera=self.camera,
+            board=self.board,
+            pose=attempt.pose,
+            target=attempt.target,
+            free=attempt.free,
+            match=match,
+            stage=self.stage,
+            level=self._level,
+            help=self._help,
+            auto_level=self._auto_level,
+            side="through" if self._through else "outside",
+            dark=self._dark,
+            seconds=taken,
+            path_mm=attempt.path_mm,
+            shortest_mm=attempt.shortest_mm,
+            path_deg=attempt.path_deg,
+            shortest_deg=attempt.shortest_deg,
+            rows=tuple(self.rows),
+            note=self._note,
+            written=self._written,
+            last_mover=self._movers[-1] if self._movers else None,
+        )
+
+    # -- targets -----------------------------------------------------------------------------------
+
+    def begin(self) -> bool:
+        """Show the next target; the same one for everybody who gets so far on this level."""
+        if not super().begin():
+            return False
+        self._note = ""
+        return True
+
+    def _aim(self) -> None:
+        settings, level = self._settings, self._level
+        self._numbers[level] += 1
+        generator = np.random.default_rng([settings.seed, level, self._numbers[level]])
+        target, free = practice_target(
+            settings.camera, settings.board, settings.limits, settings.start, level, generator
+        )
+        self._attempt = Attempt.at(settings.start, target, free)
+        self._movers: list[Mover] = []
+        self._seconds_shown, self._taken_s = 0, 0.0
+        self._match: Match | None = None
+        self._compare()
+
+    def _go_to(self, level: int) -> None:
+        if level == self._level and self.stage != "reached":
+            return
+        self._level, self._in_a_row, self._note = level, 0, ""
+        self.stage = "aim"
+        self._aim()
+
+    def _rename(self, name: str) -> None:
+        # A spreadsheet would take a name that begins so for a formula.
+        name = " ".join(name.split())[:_LONGEST_NAME].lstrip("=+-@ ")
+        self.name = name or self._guest
+        mine = [row for row in self._known if row.participant == name]
+        if not name or not mine:
+            return
+        for row in mine:
+            if row.level in self._numbers:
+                self._numbers[row.level] = max(self._numbers[row.level], row.pose)
+        if self._attempt.began_s is None:  # nothing is lost: go on where this name left off
+            self._level = min(max(mine[-1].level, LEVELS[0]), LEVELS[-1])
+            self._aim()
+
+    # -- the board ---------------------------------------------------------------------------------
+
+    def _compare(self) -> Match:
+        """How the board stands to the target. Once for all that was moved since the last time:
+        nobody saw what was in between."""
+        settings, attempt = self._settings, self._attempt
+        if self._match is None or self._compared is not attempt.pose:
+            self._compared = attempt.pose
+            self._match = match(
+                settings.camera,
+                settings.board,
+                attempt.pose,
+                attempt.target,
+                previous=self._match,
+            )
+            self._judge(there=all(self._match.within), held=False)
+        return self._match
+
+    def _move(self, pose: Pose, by: Mover) -> None:
+        if self.stage == "reached":
+            return
+        before = self._attempt
+        # Half of a number that is being typed is a pose as well, but not one on the way.
+        within = within_reach(pose, self._settings.reach)
+        self._attempt = before.moved(within, self._now_s, jump=by == "sliders")
+        if by not in self._movers[-1:]:
+            # The one that moved last stands last, each once.
+            self._movers = [*(mover for mover in self._movers if mover != by), by]
+        if self._attempt is not before:
+            self._note = ""
+        elif before.pose.distance_to(within) > 1e-4 or before.pose.angle_to_deg(within) > 0.1:
+            self._note = STAYS
+
+    def _nudge(self, nudge: Nudge) -> None:
+        run = 0
+        if self._nudged is not None and self._nudged[0] == nudge:
+            run = self._nudged[2] + 1 if self._now_s - self._nudged[1] < _REPEAT_S else 0
+        self._nudged = (nudge, self._now_s, run)
+        faster = min(_FASTEST, 1 + run / 5)
+        vector = self._attempt.pose.vector()
+        size = _NUDGE_DEG if nudge.number < 3 else _NUDGE_M
+        vector[nudge.number] += nudge.sign * faster * size
+        self._move(Pose.from_vector(vector), "keys")
+
+    # -- a pose that is done with ------------------------------------------------------------------
+
+    def _row_of(self, outcome: Outcome) -> ExerciseRow:
+        attempt, now_s, match = self._attempt, self._now_s, self._compare()
+        # The second of holding still is not the trainee's time.
+        held_s = attempt.still_s(now_s) if outcome == REACHED else 0.0
+        self._taken_s = max(0.0, attempt.taken_s(now_s) - held_s)
+        return ExerciseRow(
+            participant=self.name,
+            level=self._level,
+            free=" ".join(name for name, on in zip(NAMES, attempt.free, strict=True) if on),
+            pose=self._numbers[self._level],
+            help=self._help,
+            outcome=outcome,
+            seconds=self._taken_s,
+            moved_by=" ".join(self._movers),
+            path_mm=attempt.path_mm,
+            shortest_mm=attempt.shortest_mm,
+            path_deg=attempt.path_deg,
+            shortest_deg=attempt.shortest_deg,
+            overlap=match.overlap,
+            off_mm=1000 * attempt.pose.distance_to(attempt.target),
+            off_deg=attempt.pose.angle_to_deg(attempt.target),
+            seed=self._settings.seed,
+            **target_columns(attempt.target),
+        )
+
+    def _stage_after(self, outcome: Outcome) -> Stage:
+        reached = outcome == REACHED
+        self._note = "" if reached else GIVEN_UP_NOTE
+        self._in_a_row = self._in_a_row + 1 if reached else 0
+        enough = self._in_a_row >= REACHED_FOR_NEXT_LEVEL
+        if self._auto_level and enough and self._level < LEVELS[-1]:
+            self._level, self._in_a_row = self._level + 1, 0
+            self._note = LEVEL_UP.format(level=self._level, name=LEVEL_NAMES[self._level][4:])
+        return "reached" if reached else "aim"

@@ -1,0 +1,200 @@
+"""One trainee's page.
+
+left    what to do, how far it is, time and way; level and help; the poses so far
+middle  the scene, from outside or through the camera; the board is dragged in it
+right   what the camera sees, what it should see (help: none), sliders, keys
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+
+from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.exercise import Reach
+from venus3d.scene.pages.exercise import practice_texts as say
+from venus3d.scene.pages.exercise.board_drag import BoardDrag
+from venus3d.scene.pages.exercise.commands import practice_commands
+from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
+from venus3d.scene.pages.exercise.practice_choices import PracticeChoices
+from venus3d.scene.pages.exercise.practice_html import (
+    bars_html,
+    card_html,
+    clock_html,
+    keys_html,
+    legend_html,
+    plot_lines,
+    results_html,
+    series_of,
+    title_html,
+)
+from venus3d.scene.pages.exercise.practice_shapes import scene_shapes
+from venus3d.scene.pages.exercise.view_model import PracticeView, Request
+from venus3d.scene.render.frustum import AXIS_LENGTH
+from venus3d.scene.render.viewpoints import view_from
+from venus3d.scene.web.help import Command
+from venus3d.scene.web.pose_panel import PosePanel
+from venus3d.scene.web.theme import Theme
+
+_LEFT_WIDTH, _RIGHT_WIDTH = 380, 560
+_SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
+_PHONE = 0.62
+"""Width over height of the scene below which all panels are one sheet, the right one first."""
+_PLOT_HEIGHT = 150
+_JPEG_QUALITY = 80
+_UNITS = np.array([1.0, 1.0, 1.0, 1000.0, 1000.0, 1000.0])  # metres to the sliders' millimetres
+_SLIDER_STEPS = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
+_CAMERA_SHOWN = 1.3 * AXIS_LENGTH * np.eye(4, 3)  # the tips of its axes, and the lens
+
+
+class PracticePage(ExercisePage[PracticeView]):
+    """All panels and the scene of one trainee's tab."""
+
+    _title = say.TITLE
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        ask: Callable[[Request], None],
+        view: PracticeView,
+        reach: Reach,
+    ) -> None:
+        """`reach`: how far the sliders go."""
+        self._reach = reach
+        super().__init__(client, ask, view)
+
+    def show_picture(self, rgb: Picture) -> None:
+        """What the camera sees, (H, W, 3) RGB."""
+        self._picture.image = rgb
+        self._client.flush()
+
+    def show_target_picture(self, rgb: Picture) -> None:
+        """What the camera should see, (H, W, 3) RGB."""
+        self._target_picture.image = rgb
+        self._client.flush()
+
+    def _put(self, view: PracticeView, before: PracticeView | None, theme: Theme) -> None:
+        self._scene.draw(scene_shapes(view), dark=view.dark)
+        self._gizmo.follow(view.pose, shown=view.side == "outside")
+        self._drag.follow(view.pose)
+        self._card.content = self._first_card.content = card_html(view, theme)
+        self._bars.content = bars_html(view, theme)
+        self._clock.content = clock_html(view)
+        if before is None or _chosen(before) != _chosen(view):
+            self._choices.show(view)
+            self._put_results(view, before, theme)
+            self._legend.content = legend_html(say.PICTURE_LEGENDS[view.help])
+            alone = view.help == "none"
+            self._target_title.visible = self._target_picture.visible = alone
+        moved = before is None or before.pose is not view.pose
+        if moved and view.last_mover != "sliders":
+            # Whoever drags a slider is ahead of what comes back.
+            self._sliders.show(_vector_of(view.pose))
+        if before is None or before.free != view.free:
+            self._sliders.enable(view.free)
+            self._gizmo.offer(view.free)
+
+    def _put_results(self, view: PracticeView, before: PracticeView | None, theme: Theme) -> None:
+        self._results.content = results_html(view)
+        labels = (say.TIME_PLOT, say.WAY_PLOT)
+        if before is not None and before.dark != view.dark:
+            for plot, label in zip(self._plots, labels, strict=True):
+                plot.series = series_of(label, theme)
+        lines = plot_lines(view.rows)
+        if lines is None or (before is not None and len(before.rows) == len(view.rows)):
+            return
+        for plot, line in zip(self._plots, lines[1:], strict=True):
+            plot.data = (lines[0], line)
+            plot.visible = True
+
+    def _look(self, view: PracticeView, before: PracticeView | None) -> None:
+        if before is not None and (before.side, before.target) == (view.side, view.target):
+            return
+        boards = [pose.apply(view.board.outline) for pose in (view.pose, view.target)]
+        points = np.concatenate([_CAMERA_SHOWN, *boards])
+        viewpoint = "camera" if view.side == "through" else "outside"
+        self._rig.go(
+            lambda aspect: view_from(viewpoint, view.camera, points, aspect),
+            at_once=before is None,
+        )
+
+    @property
+    def _form(self) -> tuple[bool, bool]:
+        """Whether the window is low, and whether it is a phone's."""
+        camera = self._client.camera
+        return camera.image_height < _SMALL_SCREEN_HEIGHT, camera.aspect < _PHONE
+
+    def _fit(self) -> None:
+        low, phone = self._form
+        self._first_card.visible = phone
+        self._left.set_width(_SMALL_LEFT_WIDTH if low else _LEFT_WIDTH)
+        self._gui.main_panel.set_width(_SMALL_RIGHT_WIDTH if low else _RIGHT_WIDTH)
+
+    def _commands(self) -> tuple[Command, ...]:
+        return practice_commands(self._ask)
+
+    def _make_scene(self, view: PracticeView) -> None:
+        self._scene.draw(scene_shapes(view), dark=view.dark)
+        self._gizmo = self._make_gizmo()
+        self._drag = BoardDrag(
+            self._scene.node("/board/live"),
+            lambda pose: self._ask_to_move(pose, "picture"),
+            view.pose,
+        )
+
+    def _make_left(self, view: PracticeView) -> None:
+        gui, theme = self._gui, Theme(view.dark)
+        self._left = gui.add_panel()
+        with self._left.add_tab(say.TITLE, viser.Icon.TARGET_ARROW):
+            self._dressing.add()
+            self._card, self._bars, self._clock = (gui.add_html("") for _ in range(3))
+            self._choices = PracticeChoices(gui, self._ask, view)
+            self._results = gui.add_html("")
+            self._plots: list[Any] = [
+                add_plot(gui, series_of(label, theme), (say.POSE_AXIS, label), _PLOT_HEIGHT)
+                for label in (say.TIME_PLOT, say.WAY_PLOT)
+            ]
+        self._left.dock_left()
+        self._left.expand()  # on a phone panels are folded at first
+
+    def _make_right(self, view: PracticeView) -> None:
+        gui = self._gui
+        gui.main_panel.dock_right()
+        gui.set_panel_label(say.PICTURE_TITLE)
+        self._dressing.add()
+        self._first_card = gui.add_html("", visible=False)
+        self._picture = self._make_picture(480, _JPEG_QUALITY)
+        self._legend = gui.add_html("")
+        self._target_title = gui.add_html(title_html(say.TARGET_PICTURE_TITLE))
+        self._target_picture = self._make_picture(480, _JPEG_QUALITY)
+        with gui.add_folder(say.SLIDERS):
+            self._sliders = PosePanel(
+                gui,
+                lambda vector: self._ask_to_move(_pose_of(vector), "sliders"),
+                _vector_of(view.pose),
+                ranges=[
+                    (low * unit, high * unit, step)
+                    for (low, high), unit, step in zip(
+                        self._reach, _UNITS.tolist(), _SLIDER_STEPS, strict=True
+                    )
+                ],
+            )
+        gui.add_html(keys_html())
+
+
+def _chosen(view: PracticeView) -> tuple[object, ...]:
+    """What changes with a choice or a pose that is done with, and not with every move."""
+    choices = (view.level, view.help, view.auto_level, view.side, view.dark)
+    return (*choices, view.stage, len(view.rows))
+
+
+def _vector_of(pose: Pose) -> list[float]:
+    """Degrees and millimetres."""
+    return (pose.vector() * _UNITS).tolist()
+
+
+def _pose_of(vector: Array) -> Pose:
+    return Pose.from_vector(vector / _UNITS)

@@ -1,0 +1,209 @@
+"""The server of an exercise: every tab has a page of its own.
+
+    viser's pool  pages are laid out for new tabs; what people ask for is queued
+    the caller's  `step`, again and again: requests and the clock -> each exercise -> its page;
+    thread        then, in turns, the pictures
+
+Scenes and pictures have one thread on purpose: two would take Python's lock from each other at each
+call of OpenGL, of which a picture needs hundreds, and both would be slower.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Generic
+
+import numpy as np
+import viser
+
+from venus3d.scene.pages.exercise.exercise import Exercise, View
+from venus3d.scene.pages.exercise.page import ExercisePage
+from venus3d.scene.pages.exercise.picture_turns import PictureTurns
+from venus3d.scene.pages.exercise.practice_texts import BROKEN, STANDS_STILL, TITLE
+from venus3d.scene.pages.exercise.view_model import Request
+from venus3d.scene.web.drawing import Failures, tell_tab
+from venus3d.scene.web.server import LocalServer
+from venus3d.scene.web.texts import DRAWING_FAILED
+
+_FORGIVEN_S = 60.0
+"""So long after a page was drawn anew, the next failure counts as the first."""
+_ROUND_S = 0.12
+"""So long after the last look at what people did, pictures wait for the next round."""
+
+
+@dataclass(eq=False)
+class Tab(Generic[View]):
+    """One tab and the exercise that it shows."""
+
+    client: viser.ClientHandle
+    exercise: Exercise[View]
+    page: ExercisePage[View]
+    requests: queue.SimpleQueue[Request]
+    shown: View | None = field(default=None)
+    """None: it is to be drawn."""
+    failed_at: float = -np.inf
+    """When its page was drawn anew, seconds of the clock."""
+
+    def drain(self) -> list[Request]:
+        """What was asked for since the last call, in order."""
+        drained: list[Request] = []
+        while not self.requests.empty():  # one reader, so a thing seen is still there
+            drained.append(self.requests.get())
+        return drained
+
+
+class ExerciseServer(ABC, Generic[View]):
+    """All tabs of one server. A tab that goes takes its page along."""
+
+    def __init__(self, server: LocalServer) -> None:
+        """Nobody is let in before `_open`; the server is closed by the caller, after this."""
+        self.server = server
+        self._tabs: dict[int, Tab[View]] = {}
+        self._lock = threading.Lock()
+        self._wake = threading.Event()
+        self._stop = threading.Event()
+        self._turns = PictureTurns()
+        self._failures = Failures()
+
+    @property
+    def tabs(self) -> tuple[Tab[View], ...]:
+        """Who is here."""
+        with self._lock:
+            return tuple(self._tabs.values())
+
+    def step(self) -> bool:
+        """Serve everybody once; whether there is more to do at once."""
+        started = time.monotonic()
+        moving = [self._serve(tab) for tab in self.tabs]
+        return self._draw_until(started + _ROUND_S) or any(moving)
+
+    def close(self) -> None:
+        """Let nobody ask for anything any more. May be called twice."""
+        self._stop.set()
+        self._wake.set()
+        with self._lock:
+            self._tabs.clear()
+
+    # -- a subclass's own --------------------------------------------------------------------------
+
+    @abstractmethod
+    def _exercise_of(self, number: int) -> Exercise[View]:
+        """The exercise of the tab of this number; on viser's threads."""
+
+    @abstractmethod
+    def _make_page(
+        self,
+        client: viser.ClientHandle,
+        exercise: Exercise[View],
+        ask: Callable[[Request], None],
+    ) -> ExercisePage[View]:
+        """Lay a page out; on viser's threads, or anew after a failure."""
+
+    @abstractmethod
+    def _next_view(self, tab: Tab[View]) -> View | None:
+        """What this tab is to show now; None if that is what it shows already."""
+
+    @abstractmethod
+    def _order_pictures(self, tab: Tab[View], view: View, before: View | None) -> None:
+        """Have the pictures drawn that have changed since `before`, in turns."""
+
+    # -- on viser's threads ------------------------------------------------------------------------
+
+    def _open(self) -> None:
+        camera = self.server.initial_camera
+        camera.near, camera.far = 0.01, 50.0
+        self.server.on_client_connect(self._enter)
+        self.server.on_client_disconnect(self._leave)
+
+    def _enter(self, client: viser.ClientHandle) -> None:
+        number = client.client_id
+        if number not in self.server.get_clients():  # gone already
+            return
+        requests: queue.SimpleQueue[Request] = queue.SimpleQueue()
+        try:
+            exercise = self._exercise_of(number)
+            page = self._make_page(client, exercise, self._asking(requests))
+        except Exception as error:
+            self._failures.tell(error, STANDS_STILL)
+            client.add_notification(TITLE, BROKEN, color="red")
+            return
+        with self._lock:
+            self._tabs[number] = Tab(client, exercise, page, requests)
+        # It may have gone while its page was laid out; then nobody else would clear it away.
+        if number not in self.server.get_clients():
+            self._leave(client)
+        self._wake.set()
+
+    def _asking(self, requests: queue.SimpleQueue[Request]) -> Callable[[Request], None]:
+        def ask(request: Request) -> None:
+            requests.put(request)
+            self._wake.set()
+
+        return ask
+
+    def _leave(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            self._tabs.pop(client.client_id, None)
+        self._turns.forget(client.client_id)
+
+    # -- on the caller's thread --------------------------------------------------------------------
+
+    def _serve(self, tab: Tab[View]) -> bool:
+        """Show one tab what is new; whether something on its page still moves.
+
+        A mistake of ours here is theirs alone.
+        """
+        try:
+            view = self._next_view(tab)
+            if view is not None:
+                before, tab.shown = tab.shown, view
+                tab.page.show(view)
+                self._order_pictures(tab, view, before)
+            if tab.page.is_moving:
+                tab.page.advance()
+            return tab.page.is_moving
+        except Exception as error:
+            self._failed(tab, error)
+            return False
+
+    def _draw_until(self, end_s: float) -> bool:
+        """Draw pictures, at least one, until this time; whether others still wait for theirs."""
+        while (turn := self._turns.take()) is not None:
+            number, draw = turn
+            try:
+                draw()
+            except Exception as error:
+                with self._lock:
+                    tab = self._tabs.get(number)
+                if tab is not None:
+                    self._failed(tab, error)
+            if time.monotonic() >= end_s:
+                return True
+        return False
+
+    def _failed(self, tab: Tab[View], error: Exception) -> None:
+        """Draw one tab's page anew; one that breaks again at once stands still until reloaded."""
+        client, now = tab.client, time.monotonic()
+        if client.client_id not in self.server.get_clients():
+            self._leave(client)  # what is drawn for a tab that was just closed may fail in any way
+            return
+        self._failures.tell(error, DRAWING_FAILED)
+        self._turns.forget(client.client_id)
+        again, tab.failed_at = now - tab.failed_at < _FORGIVEN_S, now
+        try:
+            if again:
+                raise error
+            client.gui.reset()
+            client.scene.reset()
+            tab.page = self._make_page(client, tab.exercise, self._asking(tab.requests))
+            tab.shown = None
+            tell_tab(client, error)
+        except Exception as worse:
+            self._failures.tell(worse, STANDS_STILL)
+            self._leave(client)
+            tab.page.warn(BROKEN)

@@ -1,0 +1,246 @@
+"""The page of a trial: the same volunteer, the same poses, one help at a time and nothing else.
+
+left    participant, help, pose, time; Start and Give up
+right   for the axes and the outline: the live picture, large, with the help drawn into it
+        for the steps: live picture and the four steps, with scene and text in the middle, just as
+        in a calibration: what is timed is the real page
+        at the end: the times
+
+The scene stays visible beside the large picture only where the simulated board is dragged in it;
+it shows the board there, and no target.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Literal
+
+import numpy as np
+import viser
+
+from venus3d.scene.pages.exercise import trial_texts as say
+from venus3d.scene.pages.exercise.commands import trial_commands
+from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
+from venus3d.scene.pages.exercise.trial_html import (
+    card_html,
+    legend_html,
+    progress_lines,
+    progress_series,
+    result_html,
+    side_html,
+    steps_html,
+)
+from venus3d.scene.pages.exercise.trial_plan import times_of
+from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press, Request, TrialView
+from venus3d.scene.render.annotated_picture import (
+    PICTURE_WIDTH,
+    LivePicture,
+    annotate,
+    small_picture,
+)
+from venus3d.scene.render.describe import SceneOptions, describe
+from venus3d.scene.render.overlay import draw_axes, draw_outline
+from venus3d.scene.render.shapes import Shape
+from venus3d.scene.render.viewpoints import guiding_view, steps_back, view_kept_wide
+from venus3d.scene.web.help import Command
+from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
+from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
+from venus3d.scene.web.theme import Theme
+
+Layout = Literal["steps", "picture", "result"]
+_LARGE_PICTURE_WIDTH = 1280
+_JPEG_QUALITY = 75
+_SIDE_WIDTH, _LEFT_WIDTH, _RIGHT_WIDTH = 340, 480, 510
+_SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
+# What a card, a legend and the frame around them take of the window's height, pixels.
+_AROUND_THE_PICTURE = 230
+_SHARE_BESIDE_THE_SCENE = 0.68
+_PLOT_HEIGHT = 330
+# The scene beside the picture is narrow: seen from behind the camera, left and right are as in it.
+_NARROW = 0.45  # width over height
+_BEHIND, _BEHIND_AT = np.array([0.0, -1.1, -1.1]), np.array([0.0, 0.08, 0.55])
+
+
+class TrialPage(ExercisePage[TrialView]):
+    """All panels of a trial in one tab."""
+
+    _title = say.TAB
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        ask: Callable[[Request], None],
+        view: TrialView,
+        *,
+        simulated: bool,
+        shown_steps: Callable[[], ShownSteps | None],
+        drawn_by: Callable[[], str],
+    ) -> None:
+        """
+        Args:
+            simulated: the board can be dragged in the scene.
+            shown_steps: the pictures of the target's four steps, as far as they are drawn.
+            drawn_by: what draws them, if it matters.
+        """
+        self._simulated, self._shown_steps, self._drawn_by = simulated, shown_steps, drawn_by
+        self._layout: Layout = layout_of(view)
+        super().__init__(client, ask, view)
+
+    def show_picture(self, rgb: Picture, drawn: Picture) -> None:
+        """The live picture (H, W, 3) RGB: as it came, and with the help drawn into it."""
+        self._scene.set_picture(rgb)
+        self._picture.image = drawn
+        self._client.flush()
+
+    def _put(self, view: TrialView, before: TrialView | None, theme: Theme) -> None:
+        self._lay_out(layout_of(view), before is None)
+        steps, result = self._layout == "steps", self._layout == "result"
+        self._scene.draw(_shapes(view, self._layout), dark=view.dark)
+        if self._gizmo is not None:
+            self._gizmo.follow(view.pose, shown=not view.autopilot)
+        self._side.content = side_html(view)
+        self._start.visible = view.stage == "ready" and view.snapshot.number > 0
+        self._give_up.visible = view.is_running
+        self._card.content = card_html(view, theme)
+        self._legend.content = legend_html(view)
+        self._card.visible = self._legend.visible = not steps
+        self._picture.visible = not result
+        self._steps_legend.visible = self._projections.visible = steps
+        if steps:
+            self._guidance.content = steps_html(view, theme)
+            self._projections.show(self._shown_steps(), view.step, theme, self._drawn_by())
+        if result:
+            self._put_result(view, theme)
+        if before is None or before.dark != view.dark:
+            self._recolour(view, theme)
+
+    def _put_result(self, view: TrialView, theme: Theme) -> None:
+        self._result.content = result_html(view, theme)
+        lines = progress_lines(times_of(view.rows))
+        if lines is not None and not self._plot.visible:
+            self._recolour(view, theme)
+            self._plot.data = lines
+            self._plot.visible = True
+
+    def _recolour(self, view: TrialView, theme: Theme) -> None:
+        done = [row.help for row in view.rows] or TRIAL_HELPS
+        self._plot.series = progress_series(theme, done)
+        across, up = self._plot.axes or ({}, {})
+        self._plot.axes = ({**across, "stroke": theme.quiet}, {**up, "stroke": theme.quiet})
+
+    def _lay_out(self, layout: Layout, first: bool) -> None:
+        if layout == self._layout and not first:
+            return
+        self._layout = layout
+        # The scene is of no use where neither steps are shown nor a simulated board is dragged.
+        dragged = self._simulated and layout == "picture"
+        self._client.scene.set_global_visibility(layout == "steps" or dragged)
+        self._guidance_panel.visible = layout == "steps"
+        if layout == "steps":  # a hidden panel has no place, so it is given one each time
+            self._guidance_panel.dock_above(self._left)
+
+    def _look(self, view: TrialView, before: TrialView | None) -> None:
+        if before is not None and _looked_at(before) == _looked_at(view):
+            return
+        if self._layout == "steps":
+            self._rig.go(guiding_view(_looked_at(view)), at_once=True)
+        else:
+            self._rig.go(partial(view_kept_wide, _BEHIND, _BEHIND_AT, _NARROW), at_once=True)
+
+    @property
+    def _form(self) -> tuple[Layout, int]:
+        return self._layout, self._client.camera.image_height
+
+    def _fit(self) -> None:
+        layout, height = self._form
+        self._left.set_width(_LEFT_WIDTH if layout == "steps" else _SIDE_WIDTH)
+        if layout == "steps":
+            width = _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
+        else:
+            # As wide as a picture of 16:9 that fits the window's height.
+            whole = max(480.0, (height - _AROUND_THE_PICTURE) * 16 / 9)
+            beside = self._simulated and layout == "picture"
+            width = round(whole * (_SHARE_BESIDE_THE_SCENE if beside else 1.0))
+        self._gui.main_panel.set_width(width)
+
+    def _commands(self) -> tuple[Command, ...]:
+        return trial_commands(self._ask, simulated=self._simulated)
+
+    def _make_scene(self, view: TrialView) -> None:
+        self._gizmo = self._make_gizmo() if self._simulated else None
+
+    def _make_left(self, view: TrialView) -> None:
+        gui = self._gui
+        self._guidance_panel = gui.add_panel()
+        with self._guidance_panel.add_tab(say.GUIDANCE_TAB, viser.Icon.HAND_MOVE):
+            self._dressing.add()
+            self._guidance = gui.add_html("")
+        self._guidance_panel.dock_left()
+        self._guidance_panel.expand()  # on a phone panels are folded at first
+        self._left = gui.add_panel()
+        with self._left.add_tab(say.TAB, viser.Icon.CLOCK):
+            self._dressing.add()
+            self._side = gui.add_html("")
+            self._start = gui.add_button(
+                say.START, icon=viser.Icon.PLAYER_PLAY, visible=False, hint=say.START_HINT
+            )
+            self._start.on_click(lambda _: self._ask(Press("next")))
+            self._give_up = gui.add_button(
+                say.GIVE_UP,
+                icon=viser.Icon.PLAYER_SKIP_FORWARD,
+                visible=False,
+                hint=say.GIVE_UP_HINT,
+            )
+            self._give_up.on_click(lambda _: self._ask(Press("give_up")))
+        self._left.dock_left()
+
+    def _make_right(self, view: TrialView) -> None:
+        gui = self._gui
+        gui.main_panel.dock_right()
+        self._dressing.add()
+        self._card = gui.add_html("")
+        self._picture = self._make_picture(_LARGE_PICTURE_WIDTH, _JPEG_QUALITY)
+        self._legend = gui.add_html("")
+        self._steps_legend = gui.add_html(PICTURE_LEGEND_HTML, visible=False)
+        self._projections = ProjectionsPanel(gui)
+        self._projections.visible = False
+        self._result = gui.add_html("")
+        labels = (say.POSE, say.SECONDS_SINCE)
+        self._plot = add_plot(gui, progress_series(Theme(view.dark)), labels, _PLOT_HEIGHT)
+
+
+def layout_of(view: TrialView) -> Layout:
+    """How the page is laid out for this view."""
+    if view.stage == "over":
+        return "result"
+    return "steps" if view.is_running and view.help == "steps" else "picture"
+
+
+def live_picture(image: LivePicture, view: TrialView) -> tuple[Picture, Picture]:
+    """A frame (BGR or grey) as it is shown, RGB: as it came, and with the help drawn into it."""
+    steps = layout_of(view) == "steps"
+    rgb = small_picture(image, PICTURE_WIDTH if steps else _LARGE_PICTURE_WIDTH)
+    drawn = rgb.copy()
+    if steps:
+        step = view.step
+        annotate(drawn, view.snapshot, None, step, Theme(True).step_colours[step - 1])
+    elif view.is_running and view.target is not None:
+        draw = draw_axes if view.help == "axes" else draw_outline
+        draw(drawn, view.camera, view.board, view.pose, view.target)
+    return rgb, drawn
+
+
+def _shapes(view: TrialView, layout: Layout) -> tuple[Shape, ...]:
+    if layout == "steps":
+        return describe(view.snapshot, SceneOptions(step=view.step, dark=view.dark))
+    bare = replace(view.snapshot, target=None, match=None)
+    return describe(bare, SceneOptions(dark=view.dark))
+
+
+def _looked_at(view: TrialView) -> float:
+    """How far away the scene of the steps is looked at from; 0 for the other layouts."""
+    if layout_of(view) != "steps" or view.target is None:
+        return 0.0
+    return steps_back(float(np.linalg.norm(view.target.t)))
