@@ -148,7 +148,7 @@ SHOTS: tuple[Shot, ...] = (
         (*_TEACH, "why-tilted-boards"),
         lambda page: press(page, "k", "k"),
     ),
-    Shot("practice", "Practice: a board of one's own", ("practice", "--port", _PORT)),
+    Shot("practice", "Practice: your own board", ("practice", "--port", _PORT)),
     Shot(
         "practice-outline",
         "Practice with six degrees of freedom and an outline",
@@ -158,7 +158,7 @@ SHOTS: tuple[Shot, ...] = (
     Shot("audience", "The second monitor", _AUDIENCE, later, ready="to go", address=_SECOND),
     Shot(
         "audience-light",
-        "The second monitor by day",
+        "The second monitor in a bright room",
         (*_AUDIENCE, "--audience-light"),
         later,
         ready="to go",
@@ -166,7 +166,7 @@ SHOTS: tuple[Shot, ...] = (
     ),
     Shot(
         "audience-mirrored",
-        "The second monitor as a mirror",
+        "The second monitor, mirrored",
         (*_AUDIENCE, "--audience-mirror"),
         later,
         ready="to go",

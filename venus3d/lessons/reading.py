@@ -44,7 +44,7 @@ def read_lesson(path: str | Path) -> Lesson:
 
 
 def shipped_lessons() -> tuple[Lesson, ...]:
-    """The lessons that come with the program, in the order of their file names."""
+    """The lessons that come with the program, in the order of their files' numbers."""
     return _read_folder(_shipped_folder())
 
 
@@ -67,7 +67,8 @@ def lesson_of(choice: str) -> Lesson:
 
 @lru_cache(maxsize=1)
 def _read_folder(folder: Path) -> tuple[Lesson, ...]:
-    return tuple(read_lesson(path) for path in sorted(folder.glob("*.toml")))
+    files = sorted(folder.glob("*.toml"), key=lambda path: int(path.name.partition("-")[0]))
+    return tuple(read_lesson(path) for path in files)
 
 
 def _shipped_folder() -> Path:
