@@ -86,7 +86,7 @@ def test_decompose_a_pose() -> None:
 @pytest.mark.slow
 def test_show_your_calibration() -> None:
     """No browser need be open."""
-    assert "http://" in ran("feed_the_viewer.py", "3")
+    assert "http://" in ran("04_show_your_calibration.py", "3")
 
 
 @pytest.mark.slow

@@ -16,11 +16,10 @@ from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import STARTUP_REASON
 from venus3d.engine.planning.method import Cost, Method
-from venus3d.engine.planning.target import Target
+from venus3d.engine.planning.target import Target, unpredicted_target
 
 TILT_DEG = 45.0
 """Turn of the first target about the camera's X axis (3.1)."""
@@ -84,21 +83,18 @@ class Startup:
         """The start-up pose as target `number`; `old`, while the estimate has hardly moved it."""
         if self.distance is None:
             return old
-        pose, nothing = self.target, float("nan")
+        pose = self.target
         if old is not None and old.pose.distance_to(pose) < _DRIFT * pose.t[2]:
             return old
-        return Target(
-            number=number,
-            pose=pose,
-            steps=decompose(pose, self._camera, self._board),
+        return unpredicted_target(
+            number,
+            pose,
+            self._camera,
+            self._board,
+            reason=STARTUP_REASON,
             method=method,
             cost=cost or "projection-variance",
             serves=("fx", "fy"),
-            reason=STARTUP_REASON,
-            predicted_sigma=np.full(9, nothing),
-            predicted_uncertainty_px=nothing,
-            evaluated=0,
-            search_s=0.0,
         )
 
     def observe(self, observation: Observation) -> bool:

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from venus3d.engine.geometry.decomposition import Steps
+import numpy as np
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.decomposition import Steps, decompose
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.method import Cost, Method
 
@@ -43,3 +47,30 @@ class Target:
     def gain_px(self) -> float:
         """By how much this view is expected to lower the mean projection error; NaN if unknown."""
         return self.uncertainty_px - self.predicted_uncertainty_px
+
+
+def unpredicted_target(
+    number: int,
+    pose: Pose,
+    camera: Camera,
+    board: Board,
+    *,
+    reason: str,
+    method: Method = "global",
+    cost: Cost = "projection-variance",
+    serves: tuple[str, ...] = (),
+) -> Target:
+    """A target that no search has found: what it would give is not known."""
+    return Target(
+        number=number,
+        pose=pose,
+        steps=decompose(pose, camera, board),
+        method=method,
+        cost=cost,
+        serves=serves,
+        reason=reason,
+        predicted_sigma=np.full(len(PARAMETERS), np.nan),
+        predicted_uncertainty_px=float("nan"),
+        evaluated=0,
+        search_s=0.0,
+    )

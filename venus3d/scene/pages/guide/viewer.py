@@ -2,7 +2,8 @@
 
 Any thread may call it. Two small threads draw: one the scene and the panels, one the live picture,
 which so never waits for the rest. Callbacks only queue intents or change the view's options; what
-an intent means is the guidance loop's. Another program can feed it: `Viewer().show(snapshot)`.
+an intent means is the guidance loop's. Another program can feed it, with poses
+(`show_pose`) or with the snapshots of a session (`show`).
 """
 
 from __future__ import annotations
@@ -12,8 +13,12 @@ import time
 from collections.abc import Callable, Sequence
 
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.pose_snapshot import pose_snapshot
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.planning.target import Target
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
@@ -95,6 +100,22 @@ class Viewer(Page[ViewState]):
         self.wake()
         if self._state.paused:
             self._pictures.again()  # no frame comes that would bring the new outline
+
+    def show_pose(
+        self,
+        board: Board,
+        camera: Camera,
+        pose: Pose | None,
+        target: Pose | Target | None = None,
+    ) -> None:
+        """Show a board's pose that another program has found; the newest wins.
+
+        Args:
+            board, camera: what is looked at, and by which camera.
+            pose: `T_camera_board`; None while the board is not seen.
+            target: where the board is to be brought; the steps that are left are shown.
+        """
+        self.show(pose_snapshot(board, camera, pose, target, self._snapshot))
 
     def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
         """Show this live picture (BGR or grey), with the corners of `observation`, or by default
