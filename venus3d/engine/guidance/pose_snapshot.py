@@ -10,7 +10,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import corners_outside
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.matching import match
-from venus3d.engine.guidance.prompts import GIVEN_REASON, ONLY_SHOWN, said
+from venus3d.engine.guidance.prompts import GIVEN_REASON, ONLY_SHOWN, headline_and_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target, unpredicted_target
 
@@ -48,7 +48,7 @@ def pose_snapshot(
             before=None if before is None else before.observation,
             previous=before.match if before is not None and same else None,
         )
-    headline, instruction = said("guiding", compared, pose is not None)
+    headline, instruction = headline_and_prompt("guiding", compared, pose is not None)
     if pose is not None and aim is None:
         headline, instruction = ONLY_SHOWN
     return Snapshot(

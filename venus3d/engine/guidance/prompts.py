@@ -111,7 +111,7 @@ STARTUP_REASON = (
     "A board tilted by 45° shows the focal length in a single picture: its far edge looks shorter."
 )
 GIVEN_REASON = "This pose was asked for."
-ONLY_SHOWN = ("No target", Words("The board as it is held now.", "The board as it is held now."))
+ONLY_SHOWN = ("No target", _both("The board as it is held now."))
 
 _AFTER_CAPTURE: dict[Phase, tuple[str, Prompt]] = {
     "captured": ("Captured", _both("Got it. Working out the camera and the next pose.")),
