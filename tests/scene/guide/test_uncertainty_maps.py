@@ -21,13 +21,13 @@ from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html, sp
 from venus3d.scene.pages.guide.uncertainty.view_card import verdict, view_html
 from venus3d.scene.render.colour_scale import (
     colour_of,
+    colour_table,
     colours_of,
-    magnified,
+    magnification,
     round_down,
     round_up,
-    table,
 )
-from venus3d.scene.render.maps import (
+from venus3d.scene.render.map_pictures import (
     coverage,
     coverage_picture,
     distortion,
@@ -50,7 +50,7 @@ def lightness(rgb: np.ndarray) -> np.ndarray:
 
 def test_scale_grows_evenly_in_lightness_for_everybody() -> None:
     """Normal sight, and red- and green-blind people (Viénot, Brettel and Mollon 1999)."""
-    light = linear(table())
+    light = linear(colour_table())
     blind = {
         "none": np.eye(3),
         "protan": np.array([[0.11238, 0.88762, 0], [0.11238, 0.88762, 0], [0.00401, -0.00401, 1]]),
@@ -61,7 +61,7 @@ def test_scale_grows_evenly_in_lightness_for_everybody() -> None:
         steps = np.diff(116 * np.cbrt(y[::16]) - 16)
         assert (steps > 0).all(), kind
         assert steps.max() < 3 * steps.min(), kind
-    assert np.ptp(lightness(table())) > 60
+    assert np.ptp(lightness(colour_table())) > 60
 
 
 def test_colours_keep_the_order_of_numbers_and_end_at_the_ends() -> None:
@@ -77,8 +77,8 @@ def test_ends_of_scales_are_round_and_hold_the_value(value: float) -> None:
 
 
 def test_magnified_arrows_fit_their_room() -> None:
-    assert magnified(0.3, 60) == 200 and magnified(0.31, 60) == 100
-    assert magnified(100, 60) == 1 == magnified(0.0, 60)
+    assert magnification(0.3, 60) == 200 and magnification(0.31, 60) == 100
+    assert magnification(100, 60) == 1 == magnification(0.0, 60)
 
 
 @pytest.mark.parametrize(

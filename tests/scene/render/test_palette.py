@@ -12,7 +12,7 @@ from venus3d.scene.render.palette import (
     contrast,
     ground,
     linear,
-    mixed,
+    picture_background,
     step_colour,
     text_on,
 )
@@ -59,7 +59,7 @@ def test_everything_written_reads_on_its_ground(dark: bool) -> None:
     for n in (1, 2, 3, 4):
         assert contrast(step_colour(n, dark), colours.background) >= 4.5
         assert contrast(text_on(step_colour(n, dark)), step_colour(n, dark)) >= 4.5
-        picture_ground = mixed(colours.background, colours.text, 0.06)
+        picture_ground = picture_background(dark)
         assert contrast(step_colour(n, dark), picture_ground) >= 3
     for text in (colours.text, colours.quiet_text, colours.warning, colours.target):
         assert contrast(text, colours.background) >= 4.5

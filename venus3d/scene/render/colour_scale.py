@@ -1,7 +1,7 @@
 """Colours for numbers: one even scale for all maps, and the figures beside its legend.
 
 Cividis (Nuñez, Anderton and Renslow 2018) grows evenly in lightness, and looks nearly the same to
-people with and without red-green blindness. The pictures themselves are drawn in `fields`.
+people with and without red-green blindness. The pictures are drawn in `map_pictures`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ STOPS = 9
 
 
 @lru_cache(maxsize=1)
-def table() -> NDArray[np.uint8]:
+def colour_table() -> NDArray[np.uint8]:
     """(256, 3) RGB, from the smallest number (dark blue) to the largest (yellow)."""
     ramp = np.arange(256, dtype=np.uint8)[:, None]
     bgr = np.asarray(cv2.applyColorMap(ramp, cv2.COLORMAP_CIVIDIS), dtype=np.uint8)
@@ -33,7 +33,7 @@ def colours_of(values: ArrayLike, low: float, high: float) -> NDArray[np.uint8]:
     does NaN the lower end's."""
     share = (np.asarray(values, dtype=np.float64) - low) / max(high - low, 1e-12)
     steps = np.clip(np.nan_to_num(share, nan=0.0), 0.0, 1.0) * 255
-    return table()[np.rint(steps).astype(np.intp)]
+    return colour_table()[np.rint(steps).astype(np.intp)]
 
 
 def colour_of(value: float, low: float, high: float) -> Colour:
@@ -63,16 +63,12 @@ def round_down(value: float) -> float:
     if not (np.isfinite(value) and value > 0):
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
-    return float(
-        power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9))
-    )
+    return float(power * max(s for s in (1.0, 2.0, 5.0) if s * power <= value * (1 + 1e-9)))
 
 
-def magnified(largest_px: float, room_px: float) -> float:
+def magnification(largest_px: float, room_px: float) -> float:
     """1, 2 or 5 times a power of ten: so many times longer an arrow of `largest_px` fills
     `room_px` at most. At least 1: no arrow is shortened."""
     if not (np.isfinite(largest_px) and largest_px > 0):
         return 1.0
-    wanted = room_px / largest_px
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(max(1.0, power * max(s for s in (1.0, 2.0, 5.0) if s * power <= wanted)))
+    return max(1.0, round_down(room_px / largest_px))

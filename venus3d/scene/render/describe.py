@@ -32,7 +32,7 @@ from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_sh
 from venus3d.scene.render.frustum import camera_shapes
 from venus3d.scene.render.palette import ground, mixed, step_colour
 from venus3d.scene.render.shapes import LabelShape, Shape
-from venus3d.scene.render.step_shapes import instruction_shapes, swept
+from venus3d.scene.render.step_shapes import instruction_shapes, pose_during
 from venus3d.scene.render.strip import strip_shapes
 from venus3d.scene.render.texts import IN_ALL, TARGET_LABEL
 
@@ -59,14 +59,14 @@ def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
     tell by identity what it need not draw again.
     """
     steps = None if snapshot.target is None else snapshot.target.steps
-    still = still_shapes(snapshot.camera, snapshot.board, steps, options)
+    still = static_shapes(snapshot.camera, snapshot.board, steps, options)
     if snapshot.pose is None or not options.show_live:
         return still
     return (*still, board_shape(snapshot.board, snapshot.pose))
 
 
 @lru_cache(maxsize=16)
-def still_shapes(
+def static_shapes(
     camera: Camera, board: Board, steps: Steps | None, options: SceneOptions
 ) -> tuple[Shape, ...]:
     """All but the board as it is now: it changes with the target, not with every frame."""
@@ -117,7 +117,9 @@ def active_shapes(board: Board, camera: Camera, step: Step, options: SceneOption
     if step.is_idle:
         return [*shapes, board_ghost(board, step.after, f"{name}/after", colour)]
     shapes.append(board_outline(board, step.before, f"{name}/before", colours.ghost, 2.0))
-    shapes.append(board_ghost(board, swept(step, options.sweep), f"{name}/after", colour, 0.45))
+    shapes.append(
+        board_ghost(board, pose_during(step, options.sweep), f"{name}/after", colour, 0.45)
+    )
     # The text beside the scene says what is left of the step now; this is the whole of it.
     return [
         *shapes,

@@ -27,7 +27,7 @@ from pyrender.platforms.egl import EGLPlatform, get_device_by_index
 from pyrender.renderer import Renderer
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.scene.render.line_mesh import ribbon
+from venus3d.scene.render.line_mesh import line_mesh
 from venus3d.scene.render.shading import shaded_colours
 from venus3d.scene.render.shapes import Colour, LineShape, MeshShape
 
@@ -270,7 +270,7 @@ def _is_closed(mesh: trimesh.Trimesh) -> bool:
 
 
 def _line_mesh(shape: LineShape, camera: Camera) -> Any:
-    vertices, faces = ribbon(shape, camera)
+    vertices, faces = line_mesh(shape, camera)
     primitive = pyrender.Primitive(
         positions=vertices.astype(np.float32),
         indices=faces.astype(np.uint32),

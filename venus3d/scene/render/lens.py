@@ -52,7 +52,7 @@ class Lens:
 
 
 @lru_cache(maxsize=16)
-def lens_of(camera: Camera) -> Lens:
+def lens_for(camera: Camera) -> Lens:
     """The lens of a camera; kept, since a camera draws many pictures."""
     if not camera.distortion.any():
         return Lens(camera, camera, None)

@@ -12,7 +12,7 @@ from venus3d.scene.render.shapes import LineShape
 _NEAR = 0.01
 
 
-def ribbon(shape: LineShape, camera: Camera) -> tuple[Array, NDArray[np.intp]]:
+def line_mesh(shape: LineShape, camera: Camera) -> tuple[Array, NDArray[np.intp]]:
     """Vertices (4 N, 3) in the camera's frame, metres, and faces (2 N, 3) of a line's segments.
 
     Segments that come within a centimetre of the lens' plane are left out.

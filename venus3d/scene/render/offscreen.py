@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.scene.render.lens import lens_of
+from venus3d.scene.render.lens import lens_for
 from venus3d.scene.render.painter import Painter
 from venus3d.scene.render.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
-from venus3d.scene.render.text import paint_labels
+from venus3d.scene.render.text_drawing import paint_labels
 from venus3d.scene.render.texts import NO_OPENGL, OPENGL_FAILED
 
 Image = NDArray[np.uint8]
@@ -162,7 +162,7 @@ def _picture(
     seen = [s for s in shapes if s.in_projection]
     solids = [s for s in seen if isinstance(s, MeshShape | LineShape)]
     labels = [s for s in seen if isinstance(s, LabelShape)]
-    lens = lens_of(camera.scaled((size[0] * supersample, size[1] * supersample)))
+    lens = lens_for(camera.scaled((size[0] * supersample, size[1] * supersample)))
 
     def draw(ground: Colour) -> Image:
         picture = renderer.render(lens.ideal, _widened(solids, supersample), ground)

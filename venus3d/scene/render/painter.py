@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.render.line_mesh import ribbon
+from venus3d.scene.render.line_mesh import line_mesh
 from venus3d.scene.render.shading import shaded_colours
 from venus3d.scene.render.shapes import Colour, LineShape, MeshShape
 
@@ -37,7 +37,7 @@ class Painter:
         # Solid things first, then translucent ones in the order of the list.
         for shape in sorted(shapes, key=lambda s: isinstance(s, MeshShape) and s.opacity < 1):
             if isinstance(shape, LineShape):
-                vertices, faces = ribbon(shape, camera)
+                vertices, faces = line_mesh(shape, camera)
                 colours = np.tile(np.array(shape.colour, dtype=np.float64), (len(faces), 1))
                 canvas.fill(vertices[faces], colours, on_top=shape.on_top)
             elif shape.textured:
@@ -108,11 +108,8 @@ class _Canvas:
         mask = np.zeros((high[1] - low[1], high[0] - low[0]), dtype=np.uint8)
         fixed = np.round((pixels - low) * (1 << _SUBPIXEL_BITS)).astype(np.int32)
         cv2.fillConvexPoly(mask, fixed, 1, shift=_SUBPIXEL_BITS)
-        # On the plane n·p = d the ray (x, y, 1) has 1/z = n·(x, y, 1) / d.
-        x = (np.arange(low[0], high[0]) - camera.cx) / camera.fx
-        y = (np.arange(low[1], high[1]) - camera.cy) / camera.fy
-        across = (normal[0] * x + normal[2]) / offset + lift
-        nearness = (across + (normal[1] / offset * y)[:, None]).astype(np.float32)
+        inverse_depth = _inverse_depth(camera, normal / offset, low, high)
+        nearness = (inverse_depth + lift).astype(np.float32)
         won = (mask > 0) & (nearness > self.nearness[box]) & ~self.touched[box]
         picture = self.picture[box]
         if layer is None:
@@ -125,6 +122,16 @@ class _Canvas:
             self.nearness[box][won] = nearness[won]
         else:
             self.touched[box] |= won
+
+
+def _inverse_depth(
+    camera: Camera, plane: Array, low: NDArray[np.int_], high: NDArray[np.int_]
+) -> Array:
+    """(H, W) 1 / z of the plane {p: plane·p = 1} in the pixels from `low` to `high` (x, y): the ray
+    (x, y, 1) meets it at 1 / z = plane·(x, y, 1)."""
+    x = (np.arange(low[0], high[0]) - camera.cx) / camera.fx
+    y = (np.arange(low[1], high[1]) - camera.cy) / camera.fy
+    return plane[0] * x + plane[2] + (plane[1] * y)[:, None]
 
 
 def _paint_textured(canvas: _Canvas, shape: MeshShape) -> None:

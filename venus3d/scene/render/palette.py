@@ -88,6 +88,12 @@ def ground(dark: bool) -> Ground:
     return DARK if dark else LIGHT
 
 
+def picture_background(dark: bool) -> Colour:
+    """What stands behind the shapes in offscreen pictures: a tone off the page's background."""
+    colours = ground(dark)
+    return mixed(colours.background, colours.text, 0.06)
+
+
 def step_style(number: int) -> StepStyle:
     """Style of step 1 ... 4."""
     return STEP_STYLES[number - 1]

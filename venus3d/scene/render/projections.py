@@ -22,9 +22,9 @@ from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.planning.target import Target
 from venus3d.scene.render.describe import describe_step
 from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, mixed, step_style, text_on
+from venus3d.scene.render.palette import ground, picture_background, step_style, text_on
 from venus3d.scene.render.shapes import Colour
-from venus3d.scene.render.text import fitting_font, font, wrapped
+from venus3d.scene.render.text_drawing import fitting_font, font, wrapped_lines
 from venus3d.scene.render.texts import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
 
 Picture = NDArray[np.uint8]
@@ -87,26 +87,29 @@ class Projections:
         header: bool = True,
     ) -> Future[Picture]:
         """The picture of one step; not kept. Drawn `supersample` times as large and shrunk."""
-        colours = ground(dark)
         return self._offscreen.submit(
             camera,
             lambda: describe_step(board, camera, step, dark=dark),
-            background=mixed(colours.background, colours.text, 0.06),
+            background=picture_background(dark),
             size=size,
             supersample=supersample,
-            finish=lambda picture: (framed if header else told)(picture, step, dark),
+            finish=lambda picture: (with_step_header if header else with_corner_banner)(
+                picture, step, dark
+            ),
         )
 
 
-def framed(picture: Picture, step: Step, dark: bool) -> Picture:
+def with_step_header(picture: Picture, step: Step, dark: bool) -> Picture:
     """The picture under a header with the step's number, title and words."""
     style = step_style(step.number)
     colour = style.colour(dark)
-    picture = headed(picture, str(step.number), colour, style.title, step_prompt(step).camera, dark)
-    return told(picture, step, dark)
+    picture = with_header(
+        picture, str(step.number), colour, style.title, step_prompt(step).camera, dark
+    )
+    return with_corner_banner(picture, step, dark)
 
 
-def headed(
+def with_header(
     picture: Picture, badge: str, colour: Colour, title: str, sentence: str, dark: bool
 ) -> Picture:
     """The picture in a frame of this colour, under a header with a badge and words."""
@@ -140,13 +143,13 @@ def _header(
     face = fitting_font(title, round(header * 0.31), room, bold=True)
     draw.text((left, header * 0.01), title, fill=colour, font=face)
     words = font(round(header * 0.225))
-    for i, line in enumerate(wrapped(sentence, words, room)[:2]):
+    for i, line in enumerate(wrapped_lines(sentence, words, room)[:2]):
         draw.text((left, header * (0.41 + 0.27 * i)), line, fill=colours.text, font=words)
     return np.asarray(image)
 
 
-def told(picture: Picture, step: Step, dark: bool) -> Picture:
-    """The picture as it is, or with a banner that says how many corners leave it."""
+def with_corner_banner(picture: Picture, step: Step, dark: bool) -> Picture:
+    """The picture as it is, or with a banner that says how many corners lie outside it."""
     if step.is_visible:
         return picture
     image = Image.fromarray(picture)

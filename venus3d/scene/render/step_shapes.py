@@ -113,7 +113,7 @@ def _enlarged(step: Step) -> float:
     return float(np.clip(step.after.t[2] / 0.5, 1.0, 2.0))
 
 
-def swept(step: Step, fraction: float) -> Pose:
+def pose_during(step: Step, fraction: float) -> Pose:
     """Where the board is a `fraction` (0 ... 1) of the way through a step."""
     if step.axis is None:
         return interpolate(step.before, step.after, fraction)

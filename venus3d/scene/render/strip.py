@@ -21,7 +21,7 @@ from venus3d.scene.render.shapes import (
     PointShape,
     Shape,
 )
-from venus3d.scene.render.step_shapes import instruction_shapes, swept
+from venus3d.scene.render.step_shapes import instruction_shapes, pose_during
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres: above everything that is drawn in place."""
@@ -44,7 +44,7 @@ def strip_shapes(
     for step, cell, box in zip(steps, cells, boxes, strict=True):
         width = box[1, 0] - box[0, 0]
         offset = np.array([left - box[0, 0], *(np.array(STRIP_CENTRE) - step.after.t)[1:]])
-        shapes += [moved(shape, Pose(np.eye(3), offset)) for shape in cell]
+        shapes += [moved_shape(shape, Pose(np.eye(3), offset)) for shape in cell]
         at = np.array([left + width / 2, caption_y, STRIP_CENTRE[2]])
         colour = step_colour(step.number, dark)
         shapes.append(LabelShape(f"/strip/{step.number}/caption", caption(step), at, colour))
@@ -64,7 +64,7 @@ def _cell(board: Board, step: Step, dark: bool, sweep: float) -> list[Shape]:
     name = f"/strip/{step.number}"
     colour = step_colour(step.number, dark)
     return [
-        board_shape(board, swept(step, sweep), f"{name}/board"),
+        board_shape(board, pose_during(step, sweep), f"{name}/board"),
         board_outline(board, step.after, f"{name}/outline", colour, 3.0),
         board_outline(board, step.before, f"{name}/before", ground(dark).ghost, 2.0),
         *instruction_shapes(
@@ -87,7 +87,7 @@ def bounds_of(shapes: Sequence[Shape]) -> Array:
     return np.stack([everything.min(axis=0), everything.max(axis=0)])
 
 
-def moved(shape: Shape, by: Pose) -> Shape:
+def moved_shape(shape: Shape, by: Pose) -> Shape:
     """The shape elsewhere; a frustum and points stay."""
     if isinstance(shape, LabelShape):
         return replace(shape, position=by.apply(shape.position))

@@ -1,4 +1,4 @@
-"""Where the scene is looked at from, and the flight from one such view to another.
+"""Views of the scene that hold what must be seen, and what lies between two of them.
 
     outside   behind, above and beside the camera: camera and board together
     camera    where the camera stands, with its own field of view
@@ -14,14 +14,10 @@ to others, and so is an overlay that must match the camera's picture to the pixe
 
 from __future__ import annotations
 
-import threading
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-import viser
 from numpy.typing import ArrayLike
 
 from venus3d.engine.geometry.camera import Camera
@@ -32,9 +28,9 @@ FOV_RAD = float(np.radians(42.0))
 """Vertical field of view of all views but the camera's own and those of things side by side."""
 _LONG_LENS_RAD = float(np.radians(9.0))
 FLIGHT_SECONDS = 0.6
+"""How long a camera flies from one view to another."""
 _FILLED = 0.88  # of the window's half width or height: the rest is air
 _BESIDE_THE_PICTURE = 1.06
-_USUAL_ASPECT = 1.0
 # On a phone the panels are a sheet over the lower part of a narrow window.
 _PHONE, _COVERED_ON_A_PHONE = 0.62, 0.62
 # What is looked at stands so high above the middle there, in halves of the height.
@@ -166,89 +162,6 @@ def between(start: SceneCamera, end: SceneCamera, fraction: float) -> SceneCamer
     length = lengths[0] ** (1 - share) * lengths[1] ** share
     fov = start.fov_rad + share * (end.fov_rad - start.fov_rad)
     return SceneCamera(look_at + length * direction, look_at, fov)
-
-
-class Flight:
-    """Brings the cameras of all tabs to a view, each by its own window's shape.
-
-    One thread calls `go` and `advance`; a tab that comes later, or whose window changes its shape,
-    is brought there at once.
-    """
-
-    def __init__(self, server: viser.ViserServer) -> None:
-        """Nothing moves until `go`."""
-        self._server = server
-        self._view: Callable[[float], SceneCamera] | None = None
-        self._begun = -FLIGHT_SECONDS
-        self._starts: dict[int, SceneCamera] = {}
-        self._aspects: dict[int, float] = {}
-        self._late: set[int] = set()
-        self._lock = threading.Lock()
-        server.initial_camera.near, server.initial_camera.far = 0.01, 50.0
-        server.on_client_connect(self._arrived)
-        server.on_client_disconnect(self._left)
-
-    def go(self, view: Callable[[float], SceneCamera], *, at_once: bool = False) -> None:
-        """Fly to `view(aspect)`."""
-        self._view = view
-        first, usual = self._server.initial_camera, view(_USUAL_ASPECT)
-        first.position, first.look_at, first.fov = usual.position, usual.look_at, usual.fov_rad
-        clients = self._server.get_clients()
-        self._starts = {number: _view_of(client) for number, client in clients.items()}
-        self._begun = time.monotonic() - (FLIGHT_SECONDS if at_once else 0.0)
-        with self._lock:
-            self._late = set(clients) if at_once else set()
-
-    def advance(self) -> bool:
-        """Move the cameras on; whether one still flies."""
-        view = self._view
-        if view is None:
-            return False
-        with self._lock:
-            late, self._late = self._late, set()
-        done = (time.monotonic() - self._begun) / FLIGHT_SECONDS
-        clients = self._server.get_clients()
-        for number, client in clients.items():
-            start = self._starts.get(number)
-            if number in late or (start is not None and done >= 1):
-                _set(client, view(client.camera.aspect))
-            elif start is not None:
-                _set(client, between(start, view(client.camera.aspect), max(0.0, done)))
-        if done >= 1:
-            self._starts = {}
-        return bool(self._starts)
-
-    @property
-    def is_due(self) -> bool:
-        """Whether `advance` has something to do."""
-        return bool(self._starts or self._late)
-
-    def _arrived(self, client: viser.ClientHandle) -> None:
-        def look(_: object) -> None:
-            aspect = client.camera.aspect
-            with self._lock:
-                if abs(aspect / self._aspects.get(client.client_id, 1e-9) - 1) > 0.01:
-                    self._aspects[client.client_id] = aspect
-                    self._late.add(client.client_id)
-
-        look(None)
-        client.camera.on_update(look)  # also told when the window changes its size
-
-    def _left(self, client: viser.ClientHandle) -> None:
-        with self._lock:
-            self._aspects.pop(client.client_id, None)
-            self._late.discard(client.client_id)
-
-
-def _view_of(client: viser.ClientHandle) -> SceneCamera:
-    camera = client.camera
-    return SceneCamera(camera.position.copy(), camera.look_at.copy(), camera.fov)
-
-
-def _set(client: viser.ClientHandle, view: SceneCamera) -> None:
-    with client.atomic():
-        client.camera.position, client.camera.look_at = view.position, view.look_at
-        client.camera.fov = view.fov_rad
 
 
 def _axes(forward: Array) -> Array:

@@ -20,7 +20,7 @@ from venus3d.scene.render.board_mesh import outline_segments
 from venus3d.scene.render.palette import ground, step_colour
 from venus3d.scene.render.shapes import Colour, LabelShape, LineShape
 from venus3d.scene.render.step_shapes import arc_ends, instruction_shapes, protractor
-from venus3d.scene.render.text import paint_labels
+from venus3d.scene.render.text_drawing import paint_labels
 
 Picture = NDArray[np.uint8]
 _POINTS = 25  # along an arrow: an arc, and behind a lens a curve anyway

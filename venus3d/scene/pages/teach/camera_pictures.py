@@ -18,10 +18,10 @@ from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.annotated_picture import draw_line
 from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, mixed, step_colour, text_on
+from venus3d.scene.render.palette import ground, picture_background, step_colour, text_on
 from venus3d.scene.render.projections import Picture, Projections
 from venus3d.scene.render.shapes import Colour
-from venus3d.scene.render.text import font, wrapped
+from venus3d.scene.render.text_drawing import font, wrapped_lines
 
 _QUICK, _FINE = (400, 1), (640, 2)  # width of the camera picture, supersampling
 _QUICK_TILE, _FINE_TILE = (240, 1), (480, 2)
@@ -46,7 +46,7 @@ class TeachPictures:
         return self._offscreen.submit(
             camera,
             camera_shapes_at(taught, state),
-            background=_paper(state.dark),
+            background=picture_background(state.dark),
             size=size,
             supersample=supersample,
             finish=lambda picture: with_refusal(picture, taught, state.dark),
@@ -88,11 +88,6 @@ class TeachPictures:
 
 def _places(step: Step) -> tuple[bytes, bytes, float]:
     return step.before.matrix.tobytes(), step.after.matrix.tobytes(), step.angle_deg
-
-
-def _paper(dark: bool) -> Colour:
-    colours = ground(dark)
-    return mixed(colours.background, colours.text, 0.06)
 
 
 def _two_by_two(tiles: list[Picture], step: int, dark: bool) -> Picture:
@@ -151,7 +146,7 @@ def _banner(picture: Picture, text: str, colour: Colour) -> Picture:
     draw = ImageDraw.Draw(image)
     size = round(image.width * 0.031)
     face = font(size, bold=True)
-    lines = wrapped(text, face, image.width - 2 * size)
+    lines = wrapped_lines(text, face, image.width - 2 * size)
     tall = round((len(lines) + 0.6) * 1.25 * size)
     draw.rectangle((0, image.height - tall, image.width, image.height), fill=colour)
     for i, line in enumerate(lines):

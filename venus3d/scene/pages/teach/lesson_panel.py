@@ -25,7 +25,11 @@ from venus3d.scene.pages.teach.lesson_html import (
 )
 from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState, Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.maps import distortion_magnification, distortion_picture, largest_shift_px
+from venus3d.scene.render.map_pictures import (
+    distortion_magnification,
+    distortion_picture,
+    largest_shift_px,
+)
 from venus3d.scene.render.projections import Picture
 from venus3d.scene.web.buttons import ChoiceList
 from venus3d.scene.web.pose_panel import PosePanel

@@ -25,11 +25,11 @@ from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.amounts import degrees
 from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_shape
-from venus3d.scene.render.describe import SceneOptions, still_shapes
+from venus3d.scene.render.describe import SceneOptions, static_shapes
 from venus3d.scene.render.frustum import AXIS_LENGTH, border_segments
 from venus3d.scene.render.palette import ground
 from venus3d.scene.render.shapes import LabelShape, LineShape, Shape
-from venus3d.scene.render.step_shapes import instruction_shapes, swept
+from venus3d.scene.render.step_shapes import instruction_shapes, pose_during
 from venus3d.scene.render.strip import bounds_of, strip_shapes
 from venus3d.scene.render.viewpoints import SceneCamera, view_abreast, view_from
 
@@ -39,7 +39,7 @@ def board_pose_at(taught: TaughtPose, state: TeachState) -> Pose:
     step, sweep = state.place
     if step == 4 and sweep == 1.0:
         return taught.pose
-    return swept(taught.steps[step - 1], sweep)
+    return pose_during(taught.steps[step - 1], sweep)
 
 
 def shown_step(taught: TaughtPose, state: TeachState) -> int:
@@ -69,7 +69,7 @@ def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
     grown = _grown_sector(taught, state)
     shapes = [
         grown if grown and shape.name == grown.name else _adapted(shape, taught, state)
-        for shape in still_shapes(camera, board, taught.steps, options)
+        for shape in static_shapes(camera, board, taught.steps, options)
         if not shape.name.startswith(hidden)
     ]
     shapes.append(board_shape(board, board_pose_at(taught, state)))

@@ -1,6 +1,6 @@
 """The maps of the camera's uncertainty, one at a time: title, picture, figures on it, legend.
 
-The pictures are drawn by `scene.render.maps`; which one is shown is the panel's.
+The pictures are drawn by `scene.render.map_pictures`; which one is shown is the panel's.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from venus3d.engine.planning.uncertainty import ProjectionUncertainty
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.texts import MapKind
 from venus3d.scene.render.colour_scale import gradient_css, round_down, round_up
-from venus3d.scene.render.maps import (
+from venus3d.scene.render.map_pictures import (
     Picture,
     coverage,
     coverage_picture,
     distortion_magnification,
     distortion_picture,
-    error_picture,
     largest_shift_px,
     residual_magnification,
     residual_picture,
+    uncertainty_picture,
 )
 from venus3d.scene.web.projections_panel import encoded
 
@@ -67,7 +67,7 @@ def map_of(snapshot: Snapshot, kind: MapKind, *, dark: bool, chosen: int | None 
     return ShownMap(
         texts.ERROR_TITLE,
         texts.ERROR_TEXT.format(error=figure(known.uncertainty_px)),
-        error_picture(known.uncertainty_map, (ticks[0], ticks[-1]), size, dark=dark),
+        uncertainty_picture(known.uncertainty_map, (ticks[0], ticks[-1]), size, dark=dark),
         ticks,
         figures=known.uncertainty_map,
     )
@@ -144,7 +144,7 @@ def _after(
         after=figure(target.predicted_uncertainty_px),
     )
     ticks = error_ticks(snapshot)
-    picture = error_picture(errors, (ticks[0], ticks[-1]), size, dark=dark)
+    picture = uncertainty_picture(errors, (ticks[0], ticks[-1]), size, dark=dark)
     return ShownMap(title, sentence, picture, ticks, figures=errors)
 
 

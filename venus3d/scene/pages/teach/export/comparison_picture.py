@@ -23,11 +23,11 @@ from venus3d.scene.pages.teach.scene_shapes import scene_shapes
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, mixed, step_colour
-from venus3d.scene.render.projections import Picture, headed
+from venus3d.scene.render.palette import ground, picture_background, step_colour
+from venus3d.scene.render.projections import Picture, with_header
 from venus3d.scene.render.shapes import Colour, LabelShape, Shape
-from venus3d.scene.render.strip import moved
-from venus3d.scene.render.text import font
+from venus3d.scene.render.strip import moved_shape
+from venus3d.scene.render.text_drawing import font
 from venus3d.scene.render.viewpoints import FOV_RAD, SceneCamera
 
 _DIRECTION = (0.3, 0.42, 1.0)
@@ -51,7 +51,7 @@ def comparison_picture(
     def finished() -> Picture:
         picture = np.hstack([future.result() for future in futures])
         picture[:, half[0] - 1 : half[0] + 1] = ground(state.dark).quiet_text
-        return headed(picture, *_words(taught, state), state.dark)
+        return with_header(picture, *_words(taught, state), state.dark)
 
     return finished
 
@@ -80,13 +80,12 @@ def _half(
 ) -> Future[Picture]:
     eye, place = _eye(board, side, size)
     name = f"/compare/{side}"
-    mine = [moved(shape, place) for shape in shapes if shape.name.startswith(f"{name}/")]
+    mine = [moved_shape(shape, place) for shape in shapes if shape.name.startswith(f"{name}/")]
     title = next(s for s in mine if isinstance(s, LabelShape) and s.name == f"{name}/label")
-    colours = ground(dark)
     return offscreen.submit(
         eye,
         [shape for shape in mine if shape is not title],
-        background=mixed(colours.background, colours.text, 0.06),
+        background=picture_background(dark),
         size=size,
         supersample=1 if size[0] > _LARGE else 2,
         finish=lambda picture: _titled(picture, title),

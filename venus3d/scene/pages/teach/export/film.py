@@ -24,9 +24,9 @@ from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at, shown_step
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, mixed
-from venus3d.scene.render.projections import Picture, framed, headed
-from venus3d.scene.render.text import font, wrapped
+from venus3d.scene.render.palette import ground, picture_background
+from venus3d.scene.render.projections import Picture, with_header, with_step_header
+from venus3d.scene.render.text_drawing import font, wrapped_lines
 
 MP4_FPS, GIF_FPS = 25, 10
 MP4_WIDTH, GIF_WIDTH = 1280, 640
@@ -60,11 +60,10 @@ def _picture(
 ) -> Callable[[], Picture]:
     if state.compares:
         return comparison_picture(taught, state, offscreen, size)
-    colours = ground(state.dark)
     return offscreen.submit(
         taught.camera,
         camera_shapes_at(taught, state),
-        background=mixed(colours.background, colours.text, 0.06),
+        background=picture_background(state.dark),
         size=size,
         supersample=1,
         finish=lambda picture: _with_header(picture, taught, state),
@@ -76,13 +75,13 @@ def _with_header(picture: Picture, taught: TaughtPose, state: TeachState) -> Pic
     busy = [step for step in taught.steps if not step.is_idle]
     if not busy:
         text = ground(state.dark).text
-        return headed(picture, "0", text, texts.UPRIGHT, texts.UPRIGHT_WHERE, state.dark)
+        return with_header(picture, "0", text, texts.UPRIGHT, texts.UPRIGHT_WHERE, state.dark)
     if state.way >= 4:
         # Why a pose is refused is said where the board has come to it.
         picture = with_refusal(picture, taught, state.dark)
     now = shown_step(taught, state)
     step = next((step for step in busy if step.number >= now), busy[-1])
-    return framed(picture, step, state.dark)
+    return with_step_header(picture, step, state.dark)
 
 
 def _even(picture: Picture) -> Picture:
@@ -96,7 +95,7 @@ def _title_card(lesson: str, page: str, shape: tuple[int, ...], dark: bool) -> P
     image = Image.new("RGB", (shape[1], shape[0]), colours.background)
     draw = ImageDraw.Draw(image)
     large, small = font(shape[1] // 18, bold=True), font(shape[1] // 36)
-    lines = wrapped(page, large, 0.86 * shape[1])
+    lines = wrapped_lines(page, large, 0.86 * shape[1])
     middle, line = shape[0] / 2, shape[1] / 15
     draw.text(
         (shape[1] / 2, middle - (len(lines) / 2 + 0.8) * line),

@@ -30,7 +30,11 @@ from venus3d.scene.pages.teach.lesson_html import (
     focal_uncertainty_html,
     lens_legend_html,
 )
-from venus3d.scene.render.maps import distortion_magnification, distortion_picture, largest_shift_px
+from venus3d.scene.render.map_pictures import (
+    distortion_magnification,
+    distortion_picture,
+    largest_shift_px,
+)
 from venus3d.scene.render.palette import hex_of, step_style, text_on
 from venus3d.scene.render.projections import Picture
 from venus3d.scene.web.lesson_text import lesson_text_html

@@ -16,7 +16,7 @@ from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.palette import ground, step_style, text_on
 from venus3d.scene.render.projections import Picture, Projections
-from venus3d.scene.render.text import fitting_font, font, wrapped
+from venus3d.scene.render.text_drawing import fitting_font, font, wrapped_lines
 
 DPI = 300
 SIZE_PX = (3508, 2480)
@@ -69,7 +69,7 @@ def sheet(
 def _lines(step: Step, width: int) -> tuple[str, ...]:
     """What to do in this step, for the picture and for the hands, in lines of a cell."""
     words = (step_prompt(step).camera, holder_sentence(step_prompt(step)))
-    return tuple(line for text in words for line in wrapped(text, font(_WORDS), width - 60))
+    return tuple(line for text in words for line in wrapped_lines(text, font(_WORDS), width - 60))
 
 
 def _heading(draw: Any, taught: TaughtPose, vector: Vector, title: str) -> None:

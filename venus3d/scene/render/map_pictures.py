@@ -1,4 +1,4 @@
-"""Pictures of what is known over the camera's image: errors, corners, the lens, the misfit.
+"""Maps over the camera's image as pictures: uncertainty, coverage, distortion, residuals.
 
 Each is RGB, as wide and high as asked for, and holds no text: figures and legends stand beside it.
 What the numbers are is the engine's business; here they become colours and arrows.
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.render.colour_scale import colours_of, magnified, round_up
+from venus3d.scene.render.colour_scale import colours_of, magnification, round_up
 from venus3d.scene.render.palette import ground, mixed
 from venus3d.scene.render.shapes import Colour
 
@@ -31,17 +31,17 @@ _FIELD = (64, 36)
 _REACH = 1.5
 
 
-def error_picture(
-    errors: Array, ends_px: tuple[float, float], size: tuple[int, int], *, dark: bool
+def uncertainty_picture(
+    uncertainty_px: Array, ends_px: tuple[float, float], size: tuple[int, int], *, dark: bool
 ) -> Picture:
-    """Expected errors (rows, columns) over the image on a picture of `size` (width, height).
+    """Projection uncertainty (rows, columns), pixels, over the image: `size` (width, height).
 
-    The scale of colours runs between the two ends in equal ratios: errors at the border are often
-    a hundred times those in the middle, and both are to be told apart. Where the errors are NaN
-    (no ray reaches that pixel) the picture is hatched.
+    The scale of colours runs between the two ends in equal ratios: at the border it is often a
+    hundred times that in the middle, and both are to be told apart. Where it is NaN (no ray
+    reaches that pixel) the picture is hatched.
     """
     low, high = np.log(ends_px)
-    return _heat(np.log(np.maximum(errors, 1e-12)), low, high, size, dark)
+    return _heat(np.log(np.maximum(uncertainty_px, 1e-12)), low, high, size, dark)
 
 
 def coverage(views: Sequence[View], image_size: tuple[int, int]) -> NDArray[np.intp]:
@@ -72,7 +72,7 @@ def coverage_picture(
     return picture
 
 
-def distortion(camera: Camera, grid: tuple[int, int] = _ARROWS) -> tuple[Array, Array]:
+def distorted_grid(camera: Camera, grid: tuple[int, int] = _ARROWS) -> tuple[Array, Array]:
     """Pixels (N, 2) of a perfect lens over the image, and where this lens puts them (N, 2).
 
     NaN where the lens model ends.
@@ -87,17 +87,17 @@ def distortion(camera: Camera, grid: tuple[int, int] = _ARROWS) -> tuple[Array, 
 
 def largest_shift_px(camera: Camera) -> float:
     """How far the lens moves a pixel at most, as shown by `distortion_picture`; 0 for none."""
-    ideal, seen = distortion(camera, _FIELD)
-    shifts = np.linalg.norm(seen - ideal, axis=1)
-    return float(np.nanmax(shifts)) if np.isfinite(shifts).any() else 0.0
+    return _longest(*distorted_grid(camera, _FIELD))
 
 
 def distortion_magnification(camera: Camera) -> float:
     """So many times longer than they are `distortion_picture` draws the shifts."""
-    ideal, seen = distortion(camera)
+    return magnification(_longest(*distorted_grid(camera)), _REACH * camera.width / _ARROWS[0])
+
+
+def _longest(ideal: Array, seen: Array) -> float:
     shifts = np.linalg.norm(seen - ideal, axis=1)
-    longest = float(np.nanmax(shifts)) if np.isfinite(shifts).any() else 0.0
-    return magnified(longest, _REACH * camera.width / _ARROWS[0])
+    return float(np.nanmax(shifts)) if np.isfinite(shifts).any() else 0.0
 
 
 def distortion_picture(camera: Camera, size: tuple[int, int], dark: bool) -> Picture:
@@ -107,20 +107,20 @@ def distortion_picture(camera: Camera, size: tuple[int, int], dark: bool) -> Pic
     `distortion_magnification` times as long; the ground's colour is the distance, from 0 to
     `round_up(largest_shift_px(camera))` pixels. Hatched where the lens model ends.
     """
-    ideal, seen = distortion(camera, _FIELD)
+    ideal, seen = distorted_grid(camera, _FIELD)
     shifts = np.linalg.norm(seen - ideal, axis=1).reshape(_FIELD[::-1])
     picture = _heat(shifts, 0.0, round_up(largest_shift_px(camera)), size, dark)
-    start, end = distortion(camera)
+    start, end = distorted_grid(camera)
     end = start + (end - start) * distortion_magnification(camera)
     _arrows(picture, start, end, camera.image_size)
     return picture
 
 
 def residual_magnification(views: Sequence[View], image_size: tuple[int, int]) -> float:
-    """So many times longer than they are `residual_picture` draws the misfits: all but the largest
+    """So many times longer than they are `residual_picture` draws the residuals: all but the largest
     two in a hundred are then shorter than a twentieth of the image's width."""
     lengths = np.concatenate([np.linalg.norm(view.errors, axis=1) for view in views])
-    return magnified(float(np.percentile(lengths, 98)), image_size[0] / 20)
+    return magnification(float(np.percentile(lengths, 98)), image_size[0] / 20)
 
 
 def residual_picture(

@@ -36,7 +36,7 @@ def fitting_font(text: str, size_px: int, width_px: float, bold: bool = False) -
 
 
 @lru_cache(maxsize=256)
-def wrapped(text: str, face: Any, width_px: float) -> tuple[str, ...]:
+def wrapped_lines(text: str, face: Any, width_px: float) -> tuple[str, ...]:
     """The words of `text` in as few lines of this width as they need.
 
     Measuring takes as long as a small picture's meshes; the same words come again and again.
