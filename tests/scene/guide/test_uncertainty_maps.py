@@ -30,7 +30,7 @@ from venus3d.scene.render.colour_scale import (
 from venus3d.scene.render.map_pictures import (
     coverage,
     coverage_picture,
-    distortion,
+    distorted_grid,
     distortion_magnification,
     distortion_picture,
     largest_shift_px,
@@ -90,7 +90,7 @@ def test_figures_have_the_digits_that_they_are_worth(value: float, text: str) ->
 
 
 def test_distortion_is_what_opencv_projects(paper_camera: Camera) -> None:
-    ideal, seen = distortion(paper_camera)
+    ideal, seen = distorted_grid(paper_camera)
     rays = np.c_[cv2.undistortPoints(ideal, paper_camera.K, np.zeros(5))[:, 0], np.ones(len(ideal))]
     zero = np.zeros(3)
     expected = cv2.projectPoints(rays, zero, zero, paper_camera.K, paper_camera.distortion)[0]

@@ -117,8 +117,8 @@ def distortion_picture(camera: Camera, size: tuple[int, int], dark: bool) -> Pic
 
 
 def residual_magnification(views: Sequence[View], image_size: tuple[int, int]) -> float:
-    """So many times longer than they are `residual_picture` draws the residuals: all but the largest
-    two in a hundred are then shorter than a twentieth of the image's width."""
+    """So many times longer than they are `residual_picture` draws the residuals: all but the
+    largest two in a hundred are then shorter than a twentieth of the image's width."""
     lengths = np.concatenate([np.linalg.norm(view.errors, axis=1) for view in views])
     return magnification(float(np.percentile(lengths, 98)), image_size[0] / 20)
 
