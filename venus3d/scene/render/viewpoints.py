@@ -14,6 +14,7 @@ to others, and so is an overlay that must match the camera's picture to the pixe
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
