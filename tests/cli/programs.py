@@ -19,7 +19,7 @@ from typing import Any
 from tests.waiting import wait_until
 from venus3d.storage.camera_yaml import read_camera_yaml
 
-PATIENCE_S = 120
+PATIENCE_S = 300
 
 
 def wait_until_there(path: Path) -> None:
