@@ -15,7 +15,7 @@ from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.scene.pages.guide import intents
-from venus3d.scene.pages.guide.texts import COST_WORDS, METHOD_WORDS, PARAMETERS_TAB
+from venus3d.scene.pages.guide.texts import METHOD_WORDS, PARAMETERS_TAB
 from venus3d.scene.pages.guide.viewer import Viewer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -229,22 +229,20 @@ def test_the_method_is_chosen_from_a_list_that_tells_the_truth(
 
     wait_until(lambda: has(1), "the method")
     assert asked == [intents.ChangeMethod("venus")]
-    viewer.show(replace(guiding, method="venus", cost="sum-iod"))
-    cost = page.get_by_role("combobox", name="Makes small")
 
-    def shows(words: str) -> Callable[[], bool]:
-        def shown() -> bool:
-            viewer.show(replace(guiding, method="venus", cost="sum-iod"))
-            return bool(cost.input_value() == words)
+    def shows(words: str, shown: Snapshot) -> Callable[[], bool]:
+        def came() -> bool:
+            viewer.show(shown)
+            return bool(method.input_value() == words)
 
-        return shown
+        return came
 
-    wait_until(shows(COST_WORDS["sum-iod"]), "the method's own cost")
-    assert method.input_value() == METHOD_WORDS["venus"]
-    pick(cost, COST_WORDS["max-ere"])
-    wait_until(lambda: has(2), "the cost")
-    assert asked[1] == intents.ChangeMethod("venus", "max-ere")
-    wait_until(shows(COST_WORDS["sum-iod"]), "a cost that was not taken goes back")
+    venus = replace(guiding, method="venus", cost="sum-iod")
+    wait_until(shows(METHOD_WORDS["venus"], venus), "the method that was taken")
+    pick(method, METHOD_WORDS["global"])
+    wait_until(lambda: has(2), "the other method")
+    assert asked[1] == intents.ChangeMethod("global")
+    wait_until(shows(METHOD_WORDS["venus"], venus), "a method that was not taken goes back")
     assert not has(3), "what the page puts back is nobody's wish"
 
 

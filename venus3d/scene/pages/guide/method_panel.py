@@ -1,77 +1,84 @@
-"""How the next pose is found: two lists to choose from, and the same in the command palette.
+"""How the next pose is found: our method or the paper's, in a list and in the command palette.
 
-They show what the session does, not what was clicked: a choice that is refused goes back by itself.
+Other methods and costs are for research and chosen on the command line; one that was chosen there
+stands in the list as well. The list shows what the session does, not what was clicked: a choice
+that is refused goes back by itself.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from time import monotonic
+from typing import NamedTuple
 
 import viser
 
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.planning.method import COSTS, METHODS, Cost, Method
+from venus3d.engine.planning.method import DEFAULT_COST, Cost, Method
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import ChangeMethod, Intent
 from venus3d.scene.web.buttons import ChoiceList
 from venus3d.scene.web.help import Command
 
+
+class _Entry(NamedTuple):
+    method: Method
+    cost: Cost
+
+    @property
+    def label(self) -> str:
+        words = say.METHOD_WORDS[self.method]
+        if self.cost == DEFAULT_COST[self.method]:
+            return words
+        return say.METHOD_WITH_COST.format(method=words, cost=say.COST_WORDS[self.cost])
+
+
+OFFERED: tuple[Method, ...] = ("global", "venus")
+_OFFERED = tuple(_Entry(method, DEFAULT_COST[method]) for method in OFFERED)
 # A choice is on its way to the session and back for so long; until then it is not put back.
 _ON_ITS_WAY_S = 1.0
 
 
 class MethodPanel:
-    """The two lists of one server. `ask` is called on viser's threads."""
+    """The list of one server. `ask` is called on viser's threads."""
 
     def __init__(self, gui: viser.GuiApi, ask: Callable[[Intent], None]) -> None:
-        """Make the lists in the current panel, folded away."""
+        """Make the list in the current panel, folded away."""
         self._ask = ask
-        self._shown: tuple[Method, Cost] | None = None
+        self._shown = _OFFERED[0]
         self._picked: float | None = None
         with gui.add_folder(say.METHOD_FOLDER, expand_by_default=False):
-            self._method = ChoiceList(
-                gui, say.METHOD, say.METHOD_WORDS, lambda _: self._pick(None), hint=say.METHOD_HINT
-            )
-            self._cost = ChoiceList(gui, say.COST, say.COST_WORDS, self._pick, hint=say.COST_HINT)
+            labels = {entry: entry.label for entry in _OFFERED}
+            self._list = ChoiceList(gui, say.METHOD, labels, self._pick, hint=say.METHOD_HINT)
 
     @property
     def commands(self) -> tuple[Command, ...]:
         """The same choices, by their names."""
-        methods = (
-            self._command(say.METHOD_COMMAND.format(words=say.METHOD_WORDS[method]), method, None)
-            for method in METHODS
+        return tuple(
+            Command(
+                say.METHOD_COMMAND.format(words=entry.label),
+                None,
+                say.METHOD_FOLDER,
+                lambda entry=entry: self._pick(entry),
+            )
+            for entry in _OFFERED
         )
-        costs = (
-            self._command(say.COST_COMMAND.format(words=say.COST_WORDS[cost]), None, cost)
-            for cost in COSTS
-        )
-        return (*methods, *costs)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Let the lists say how the session finds its poses.
+        """Let the list say how the session finds its poses.
 
         Only when that has changed, or a while after somebody picked: what was picked this moment is
         in the list before `_pick` hears of it, and must not be put back meanwhile.
         """
-        now = monotonic()
-        found: tuple[Method, Cost] = (snapshot.method, snapshot.cost)
+        now, found = monotonic(), _Entry(snapshot.method, snapshot.cost)
         is_due = self._picked is not None and now - self._picked >= _ON_ITS_WAY_S
         if found == self._shown and not is_due:
             return
         self._shown, self._picked = found, None
-        self._method.show(say.METHOD_WORDS, snapshot.method, again=True)
-        self._cost.show(say.COST_WORDS, snapshot.cost, again=True)
+        entries = _OFFERED if found in _OFFERED else (*_OFFERED, found)
+        self._list.show({entry: entry.label for entry in entries}, found, again=True)
 
-    def _pick(self, cost: Cost | None) -> None:
+    def _pick(self, entry: _Entry) -> None:
         self._picked = monotonic()
-        self._ask(ChangeMethod(self._chosen_method(), cost))
-
-    def _command(self, label: str, method: Method | None, cost: Cost | None) -> Command:
-        def ask() -> None:
-            self._ask(ChangeMethod(method or self._chosen_method(), cost))
-
-        return Command(label, None, say.METHOD_FOLDER, ask)
-
-    def _chosen_method(self) -> Method:
-        return self._method.chosen or METHODS[0]
+        own = entry.cost == DEFAULT_COST[entry.method]
+        self._ask(ChangeMethod(entry.method, None if own else entry.cost))

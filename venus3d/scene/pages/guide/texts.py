@@ -106,7 +106,8 @@ NOT_SAVED_LOG = "venus3d: a result could not be saved"
 # -- how the next pose is found --------------------------------------------------------------------
 
 METHOD_FOLDER = "How the next pose is found"
-METHOD, COST = "Method", "Makes small"
+METHOD = "Method"
+METHOD_WITH_COST = "{method}; makes small: {cost}"
 METHOD_WORDS: dict[Method, str] = {
     "global": "Best of all poses (global)",
     "venus": "The paper's (venus)",
@@ -124,13 +125,9 @@ COST_WORDS: dict[Cost, str] = {
 }
 METHOD_HINT = (
     "global looks at thousands of poses and needs the fewest views. venus starts at the paper's "
-    "rule and walks a little. pose-selection follows a fixed rule. random is for comparison."
+    "rule and walks a little. The command line knows more (--method, --cost)."
 )
-COST_HINT = (
-    "What the search makes small. The error over the picture is what matters when the camera is "
-    "used; the others are for comparison. random and pose-selection do not search."
-)
-METHOD_COMMAND, COST_COMMAND = "Method: {words}", "Make small: {words}"
+METHOD_COMMAND = "Method: {words}"
 
 # -- progress --------------------------------------------------------------------------------------
 
