@@ -30,8 +30,9 @@ from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.web.incoming import is_heard, widget_of
+from venus3d.scene.web.incoming import is_heard
 from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.viser_private import widget_of
 from venus3d.storage.exercise import ExerciseFile
 
 

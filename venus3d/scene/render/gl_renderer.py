@@ -43,6 +43,21 @@ FormatHandler(
 )
 
 KEPT_MESHES = 64
+PRIVATE: dict[type[Any], tuple[str, ...]] = {
+    EGLPlatform: ("_egl_context", "_egl_display"),
+    Renderer: (
+        "_configure_forward_pass_viewport",
+        "_forward_pass",
+        "_sorted_mesh_nodes",
+        "_bind_and_draw_primitive",
+        "_read_main_framebuffer",
+        "_main_fb",
+        "_main_fb_ms",
+    ),
+}
+"""What is private in pyrender and used or overridden below. Contexts are closed one by one; only a
+part of the picture is drawn and read; meshes are drawn in the order of the list; what is
+translucent hides nothing; and the picture is read without the depth."""
 _FLAGS = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN | pyrender.RenderFlags.RGBA
 _OPENGL_FROM_OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])
 _NEAR, _FAR = 0.01, 20.0

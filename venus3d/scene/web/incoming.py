@@ -15,8 +15,7 @@ import msgspec
 import numpy as np
 import viser
 
-# What a browser sends; viser has no public name for it.
-from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
+from venus3d.scene.web.viser_private import messages
 
 Find = Callable[[str], Any]
 _FARTHEST = 1e5
@@ -29,11 +28,6 @@ _SHORTEST = 1e-6
 def is_point_of_view(raw: bytes) -> bool:
     """Whether a browser says where it looks from, and nothing else."""
     return _kind_of(raw) is messages.ViewerCameraMessage and is_heard(raw, lambda _: None)
-
-
-def widget_of(gui: viser.GuiApi, uuid: str) -> Any:
-    """The widget of a server or a tab that viser knows by this name; None if it has none."""
-    return vars(gui)["_gui_input_handle_from_uuid"].get(uuid)
 
 
 def is_heard(raw: bytes, find: Find) -> bool:

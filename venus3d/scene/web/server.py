@@ -23,8 +23,16 @@ from websockets.http11 import Request, Response
 
 from venus3d.engine.errors import VenusError
 from venus3d.scene.web.handshake import RefusedError, check
-from venus3d.scene.web.incoming import is_heard, is_point_of_view, widget_of
+from venus3d.scene.web.incoming import is_heard, is_point_of_view
 from venus3d.scene.web.texts import PORT_TAKEN
+from venus3d.scene.web.viser_private import (
+    allow_late_message,
+    connection_of,
+    loop_of,
+    missing,
+    sockets_of,
+    widget_of,
+)
 
 _PORTS_TRIED = 100
 _EVERYWHERE = ("0.0.0.0", "::", "")
@@ -59,16 +67,17 @@ class LocalServer(viser.ViserServer):
         self._serves = False
         with _serve_as(lambda *given, **more: self._serve(host, *given, **more)):
             super().__init__(host, port, **options)
-        # Looked up here: should viser change one, no page is served rather than an open one.
-        if not self._serves:
+        absent = missing(self)
+        if absent or not self._serves:
             super().stop()
-            raise RuntimeError("viser opens its websocket in another way; install viser 1.1")
-        widget_of(self.gui, "")
-        self._sockets: Any = vars(self)["_websock_server"]
-        self._sockets_thread = int(self._sockets._server_thread.ident)
+            raise RuntimeError(
+                f"viser has changed ({', '.join(absent) or 'its websocket'}); install viser 1.1"
+            )
+        self._sockets = sockets_of(self)
+        loop, self._sockets_thread = loop_of(self._sockets)
         self._make_safe(self._sockets.get_message_buffer())
         self._sockets.on_client_connect(self._welcome)
-        self._sockets._background_event_loop.call_soon_threadsafe(self._complete.set)
+        loop.call_soon_threadsafe(self._complete.set)
 
     @property
     def url(self) -> str:
@@ -97,7 +106,7 @@ class LocalServer(viser.ViserServer):
 
     def _welcome(self, client: Any) -> None:
         self._make_safe(client.get_message_buffer())
-        self._sockets._live_connections[client.client_id].client_id = client.client_id
+        connection_of(self._sockets, client.client_id).client_id = client.client_id
 
     def _make_safe(self, buffer: Any) -> None:
         """Let any thread push messages: viser's event may be set in its own thread only, and is
@@ -105,7 +114,7 @@ class LocalServer(viser.ViserServer):
         assert isinstance(buffer.message_event, asyncio.Event)
         buffer.message_event = _LoopEvent(self._sockets_thread)
         # Whoever draws for a tab that has just gone made no mistake; viser would warn of it.
-        buffer._sanctioned_dead_writes += 1
+        allow_late_message(buffer)
 
     def _serve(self, host: str, handler: Any, *address: Any, **options: Any) -> Any:
         self._serves = True
@@ -143,7 +152,7 @@ class ReadOnlyServer(LocalServer):
 
     def _welcome(self, client: Any) -> None:
         super()._welcome(client)
-        line = self._sockets._live_connections[client.client_id].transport
+        line = connection_of(self._sockets, client.client_id).transport
         line.get_extra_info("socket").setsockopt(
             socket.SOL_SOCKET, socket.SO_SNDBUF, _ON_ITS_WAY_BYTES
         )

@@ -8,6 +8,7 @@ from typing import Any
 import viser
 
 from venus3d.scene.web.scene_view import Host
+from venus3d.scene.web.viser_private import panel_in
 
 
 def on_window(host: Host, act: Callable[[viser.ClientHandle], None]) -> None:
@@ -36,11 +37,3 @@ def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
             (panel if client is host else panel_in(client, panel)).set_width(wanted)
 
     on_window(host, fit)
-
-
-def panel_in(client: viser.ClientHandle, panel: Any) -> Any:
-    """A server's panel as one tab sees it alone."""
-    # viser tells one tab alone of its main panel only; the handle takes any panel's name.
-    handle: Any = client.gui.main_panel
-    handle._placement_uuid = panel._placement_uuid
-    return handle

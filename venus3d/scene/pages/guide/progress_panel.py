@@ -98,7 +98,7 @@ def _promise(snapshot: Snapshot) -> str:
 
 def _reason(snapshot: Snapshot) -> str:
     target = snapshot.target
-    if target is None:
+    if target is None or not target.reason:
         return ""
     looked = say.LOOKED_AT.format(count=target.evaluated) if target.evaluated > 1 else ""
     serves = ", ".join(target.serves[:3])
