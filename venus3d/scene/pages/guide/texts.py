@@ -90,8 +90,6 @@ OTHER_COMMAND_HINT = "Ask for another pose that is nearly as good as the target"
 # -- what a run says -------------------------------------------------------------------------------
 
 VIEWER_TITLE = "Viewer"
-SHOWN_POSE = "The board as it is"
-SHOWN_POSE_SENTENCE = "There is no target; the scene shows the camera and the board."
 DRAG_HINT = "Drag the board by its handles in the scene, or press O for the autopilot."
 ENDED = "This calibration has ended; no more views are taken."
 NOTHING_TO_CAPTURE = "Nothing to capture: no board is seen, or this view is taken."
