@@ -54,16 +54,16 @@ def test_a_pose_is_reached_after_being_held_and_two_lead_to_the_next_level(
     reach(trainee, 14.0)
     assert view_of(trainee, 16).level == 2
     ask(trainee, Press("next"), 17.0)
-    assert sum(view_of(trainee, 17).free) == 2 and view_of(trainee, 17).seconds == 0
+    assert sum(view_of(trainee, 17).attempt.free) == 2 and view_of(trainee, 17).seconds == 0
 
 
 def test_whoever_moves_what_a_level_leaves_alone_is_told_why_nothing_happens(
     settings: PracticeSettings,
 ) -> None:
     trainee = Practice(settings, 1)
-    free = view_of(trainee, 0).free
+    free = view_of(trainee, 0).attempt.free
     ask(trainee, Nudge(free.index(False), 1), 1.0)
-    assert view_of(trainee, 1).note and view_of(trainee, 1).path_mm == 0
+    assert view_of(trainee, 1).note and view_of(trainee, 1).attempt.path_mm == 0
     ask(trainee, Nudge(free.index(True), 1), 2.0)
     assert not view_of(trainee, 2).note
 
@@ -74,7 +74,7 @@ def test_digits_of_a_typed_number_are_not_walked(settings: PracticeSettings) -> 
     start = view_of(trainee, 0).pose
     for now, mm in ((1.0, 4.0), (1.1, 45.0), (1.2, 4.0), (1.3, 40.0)):
         ask(trainee, MoveBoard(start.moved([mm / 1000, 0, 0]), "sliders"), now)
-    assert view_of(trainee, 1.3).path_mm == pytest.approx(40)
+    assert view_of(trainee, 1.3).attempt.path_mm == pytest.approx(40)
 
 
 def test_trainees_share_targets_and_nothing_else(settings: PracticeSettings) -> None:

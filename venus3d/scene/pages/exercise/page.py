@@ -41,29 +41,23 @@ class ExercisePage(ABC, Generic[View]):
         self._client, self._gui, self._ask = client, client.gui, ask
         self._dressing = Dressing(client.gui)
         self._shown: View | None = None
-        self._fitted: object = None
         self._scene = SceneView(client)
         self._rig = CameraRig(client)
         with client.atomic():
-            self._make_right(view)
-            self._make_left(view)
+            self._lay_out(view)
             commands = self._commands()
             add_commands(client, commands)
             self._help = HelpOverlay(client, commands, dark=view.dark)
-            self._make_scene(view)
         self.show(view)
 
     @property
     def is_moving(self) -> bool:
         """Whether `advance` has something to do."""
-        return self._rig.is_due or self._fitted != self._form
+        return self._rig.is_due
 
     def advance(self) -> None:
-        """Move on what moves by itself: the view, and the widths after the window's change."""
+        """Move on what moves by itself: where the tab looks from."""
         self._rig.advance()
-        if self._fitted != self._form:
-            self._fitted = self._form
-            self._fit()
 
     def show(self, view: View) -> None:
         """Put one view on the page."""
@@ -83,26 +77,9 @@ class ExercisePage(ABC, Generic[View]):
     _title: str
     """Of the page's notes."""
 
-    @property
     @abstractmethod
-    def _form(self) -> object:
-        """What the panels' widths depend on."""
-
-    @abstractmethod
-    def _fit(self) -> None:
-        """Give the panels their widths."""
-
-    @abstractmethod
-    def _make_left(self, view: View) -> None:
-        """Lay out the panels on the left."""
-
-    @abstractmethod
-    def _make_right(self, view: View) -> None:
-        """Lay out viser's main panel."""
-
-    @abstractmethod
-    def _make_scene(self, view: View) -> None:
-        """Put into the scene what is moved in it."""
+    def _lay_out(self, view: View) -> None:
+        """Lay out the panels, and put into the scene what is moved in it."""
 
     @abstractmethod
     def _commands(self) -> tuple[Command, ...]:

@@ -27,7 +27,7 @@ def card_html(view: PracticeView, theme: Theme) -> str:
     colour, badge, headline, sentence, amount = _card_of(view, theme)
     free = say.ALL_FREE
     if view.level < 6:
-        names = [name for name, on in zip(say.FREE_NAMES, view.free, strict=True) if on]
+        names = [name for name, on in zip(say.FREE_NAMES, view.attempt.free, strict=True) if on]
         free = say.ONLY_FREE.format(names=", ".join(names))
     left = f"<em>{escape(amount)}</em>" if amount else ""
     small = " ".join([view.note, "" if view.stage == "reached" else free]).strip()
@@ -93,7 +93,7 @@ def bars_html(view: PracticeView, theme: Theme) -> str:
             strict=True,
         )
     # What this level leaves alone is right from the start and only distracts.
-    free = view.free
+    free = view.attempt.free
     asked = (any(free[3:]), *free[:3]) if view.help == "steps" else (any(free[3:]), any(free[:3]))
     bars = "".join(_bar(*row) for row, on in zip(rows, asked, strict=True) if on)
     legend = f"<div class='v-legend'>{say.BARS_LEGEND}</div>"
@@ -120,12 +120,12 @@ def _bar(
 def clock_html(view: PracticeView) -> str:
     """Time and way of this pose."""
     boxes = [(f"{view.seconds:.0f} {say.TIME_UNIT}", say.TIME)]
-    if any(view.free[3:]):
-        shortest = f"{view.shortest_mm:.0f} mm"
-        boxes.append((f"{view.path_mm:.0f} mm", say.MOVED.format(shortest=shortest)))
-    if any(view.free[:3]):
-        shortest = f"{view.shortest_deg:.0f}°"
-        boxes.append((f"{view.path_deg:.0f}°", say.TURNED.format(shortest=shortest)))
+    if any(view.attempt.free[3:]):
+        shortest = f"{view.attempt.shortest_mm:.0f} mm"
+        boxes.append((f"{view.attempt.path_mm:.0f} mm", say.MOVED.format(shortest=shortest)))
+    if any(view.attempt.free[:3]):
+        shortest = f"{view.attempt.shortest_deg:.0f}°"
+        boxes.append((f"{view.attempt.path_deg:.0f}°", say.TURNED.format(shortest=shortest)))
     inside = "".join(f"<div><b>{value}</b><span>{name}</span></div>" for value, name in boxes)
     return f"<div class='v-progress'><div class='v-big v-clock'>{inside}</div></div>"
 

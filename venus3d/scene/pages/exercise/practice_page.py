@@ -15,22 +15,12 @@ import viser
 
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.exercise import Reach
+from venus3d.scene.pages.exercise import practice_html as html
 from venus3d.scene.pages.exercise import practice_texts as say
 from venus3d.scene.pages.exercise.board_drag import BoardDrag
 from venus3d.scene.pages.exercise.commands import practice_commands
 from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
 from venus3d.scene.pages.exercise.practice_choices import PracticeChoices
-from venus3d.scene.pages.exercise.practice_html import (
-    bars_html,
-    card_html,
-    clock_html,
-    keys_html,
-    legend_html,
-    plot_lines,
-    results_html,
-    series_of,
-    title_html,
-)
 from venus3d.scene.pages.exercise.practice_shapes import scene_shapes
 from venus3d.scene.pages.exercise.view_model import PracticeView, Request
 from venus3d.scene.render.frustum import AXIS_LENGTH
@@ -38,6 +28,7 @@ from venus3d.scene.render.viewpoints import view_from
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.pose_panel import PosePanel
 from venus3d.scene.web.theme import Theme
+from venus3d.scene.web.windows import on_window
 
 _LEFT_WIDTH, _RIGHT_WIDTH = 380, 560
 _SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
@@ -64,6 +55,7 @@ class PracticePage(ExercisePage[PracticeView]):
     ) -> None:
         """`reach`: how far the sliders go."""
         self._reach = reach
+        self._fitted: tuple[bool, bool] | None = None
         super().__init__(client, ask, view)
 
     def show_picture(self, rgb: Picture) -> None:
@@ -80,30 +72,30 @@ class PracticePage(ExercisePage[PracticeView]):
         self._scene.draw(scene_shapes(view), dark=view.dark)
         self._gizmo.follow(view.pose, shown=view.side == "outside")
         self._drag.follow(view.pose)
-        self._card.content = self._first_card.content = card_html(view, theme)
-        self._bars.content = bars_html(view, theme)
-        self._clock.content = clock_html(view)
+        self._card.content = self._first_card.content = html.card_html(view, theme)
+        self._bars.content = html.bars_html(view, theme)
+        self._clock.content = html.clock_html(view)
         if before is None or _chosen(before) != _chosen(view):
             self._choices.show(view)
             self._put_results(view, before, theme)
-            self._legend.content = legend_html(say.PICTURE_LEGENDS[view.help])
+            self._legend.content = html.legend_html(say.PICTURE_LEGENDS[view.help])
             alone = view.help == "none"
             self._target_title.visible = self._target_picture.visible = alone
         moved = before is None or before.pose is not view.pose
         if moved and view.last_mover != "sliders":
             # Whoever drags a slider is ahead of what comes back.
             self._sliders.show(_vector_of(view.pose))
-        if before is None or before.free != view.free:
-            self._sliders.enable(view.free)
-            self._gizmo.offer(view.free)
+        if before is None or before.attempt.free != view.attempt.free:
+            self._sliders.enable(view.attempt.free)
+            self._gizmo.offer(view.attempt.free)
 
     def _put_results(self, view: PracticeView, before: PracticeView | None, theme: Theme) -> None:
-        self._results.content = results_html(view)
+        self._results.content = html.results_html(view)
         labels = (say.TIME_PLOT, say.WAY_PLOT)
         if before is not None and before.dark != view.dark:
             for plot, label in zip(self._plots, labels, strict=True):
-                plot.series = series_of(label, theme)
-        lines = plot_lines(view.rows)
+                plot.series = html.series_of(label, theme)
+        lines = html.plot_lines(view.rows)
         if lines is None or (before is not None and len(before.rows) == len(view.rows)):
             return
         for plot, line in zip(self._plots, lines[1:], strict=True):
@@ -121,22 +113,12 @@ class PracticePage(ExercisePage[PracticeView]):
             at_once=before is None,
         )
 
-    @property
-    def _form(self) -> tuple[bool, bool]:
-        """Whether the window is low, and whether it is a phone's."""
-        camera = self._client.camera
-        return camera.image_height < _SMALL_SCREEN_HEIGHT, camera.aspect < _PHONE
-
-    def _fit(self) -> None:
-        low, phone = self._form
-        self._first_card.visible = phone
-        self._left.set_width(_SMALL_LEFT_WIDTH if low else _LEFT_WIDTH)
-        self._gui.main_panel.set_width(_SMALL_RIGHT_WIDTH if low else _RIGHT_WIDTH)
-
     def _commands(self) -> tuple[Command, ...]:
         return practice_commands(self._ask)
 
-    def _make_scene(self, view: PracticeView) -> None:
+    def _lay_out(self, view: PracticeView) -> None:
+        self._make_right(view)
+        self._make_left(view)
         self._scene.draw(scene_shapes(view), dark=view.dark)
         self._gizmo = self._make_gizmo()
         self._drag = BoardDrag(
@@ -144,6 +126,17 @@ class PracticePage(ExercisePage[PracticeView]):
             lambda pose: self._ask_to_move(pose, "picture"),
             view.pose,
         )
+        on_window(self._client, self._fit)
+
+    def _fit(self, client: viser.ClientHandle) -> None:
+        """Give the panels the widths that suit the window."""
+        camera = client.camera
+        form = camera.image_height < _SMALL_SCREEN_HEIGHT, camera.aspect < _PHONE
+        if form != self._fitted:
+            self._fitted = low, phone = form
+            self._first_card.visible = phone
+            self._left.set_width(_SMALL_LEFT_WIDTH if low else _LEFT_WIDTH)
+            self._gui.main_panel.set_width(_SMALL_RIGHT_WIDTH if low else _RIGHT_WIDTH)
 
     def _make_left(self, view: PracticeView) -> None:
         gui, theme = self._gui, Theme(view.dark)
@@ -154,7 +147,7 @@ class PracticePage(ExercisePage[PracticeView]):
             self._choices = PracticeChoices(gui, self._ask, view)
             self._results = gui.add_html("")
             self._plots: list[Any] = [
-                add_plot(gui, series_of(label, theme), (say.POSE_AXIS, label), _PLOT_HEIGHT)
+                add_plot(gui, html.series_of(label, theme), (say.POSE_AXIS, label), _PLOT_HEIGHT)
                 for label in (say.TIME_PLOT, say.WAY_PLOT)
             ]
         self._left.dock_left()
@@ -168,7 +161,7 @@ class PracticePage(ExercisePage[PracticeView]):
         self._first_card = gui.add_html("", visible=False)
         self._picture = self._make_picture(480, _JPEG_QUALITY)
         self._legend = gui.add_html("")
-        self._target_title = gui.add_html(title_html(say.TARGET_PICTURE_TITLE))
+        self._target_title = gui.add_html(html.title_html(say.TARGET_PICTURE_TITLE))
         self._target_picture = self._make_picture(480, _JPEG_QUALITY)
         with gui.add_folder(say.SLIDERS):
             self._sliders = PosePanel(
@@ -182,7 +175,7 @@ class PracticePage(ExercisePage[PracticeView]):
                     )
                 ],
             )
-        gui.add_html(keys_html())
+        gui.add_html(html.keys_html())
 
 
 def _chosen(view: PracticeView) -> tuple[object, ...]:

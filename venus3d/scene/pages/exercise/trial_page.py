@@ -20,18 +20,10 @@ from typing import Literal
 import numpy as np
 import viser
 
+from venus3d.scene.pages.exercise import trial_html as html
 from venus3d.scene.pages.exercise import trial_texts as say
 from venus3d.scene.pages.exercise.commands import trial_commands
 from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
-from venus3d.scene.pages.exercise.trial_html import (
-    card_html,
-    legend_html,
-    progress_lines,
-    progress_series,
-    result_html,
-    side_html,
-    steps_html,
-)
 from venus3d.scene.pages.exercise.trial_plan import times_of
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press, Request, TrialView
 from venus3d.scene.render.annotated_picture import (
@@ -48,6 +40,7 @@ from venus3d.scene.web.help import Command
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
+from venus3d.scene.web.windows import fit_width
 
 Layout = Literal["steps", "picture", "result"]
 _LARGE_PICTURE_WIDTH = 1280
@@ -66,6 +59,7 @@ _BEHIND, _BEHIND_AT = np.array([0.0, -1.1, -1.1]), np.array([0.0, 0.08, 0.55])
 class TrialPage(ExercisePage[TrialView]):
     """All panels of a trial in one tab."""
 
+    _layout: Layout
     _title = say.TAB
 
     def __init__(
@@ -85,7 +79,6 @@ class TrialPage(ExercisePage[TrialView]):
             drawn_by: what draws them, if it matters.
         """
         self._simulated, self._shown_steps, self._drawn_by = simulated, shown_steps, drawn_by
-        self._layout: Layout = layout_of(view)
         super().__init__(client, ask, view)
 
     def show_picture(self, rgb: Picture, drawn: Picture) -> None:
@@ -95,21 +88,22 @@ class TrialPage(ExercisePage[TrialView]):
         self._client.flush()
 
     def _put(self, view: TrialView, before: TrialView | None, theme: Theme) -> None:
-        self._lay_out(layout_of(view), before is None)
+        if layout_of(view) != self._layout:
+            self._arrange(layout_of(view))
         steps, result = self._layout == "steps", self._layout == "result"
         self._scene.draw(_shapes(view, self._layout), dark=view.dark)
         if self._gizmo is not None:
             self._gizmo.follow(view.pose, shown=not view.autopilot)
-        self._side.content = side_html(view)
+        self._side.content = html.side_html(view)
         self._start.visible = view.stage == "ready" and view.snapshot.number > 0
         self._give_up.visible = view.is_running
-        self._card.content = card_html(view, theme)
-        self._legend.content = legend_html(view)
+        self._card.content = html.card_html(view, theme)
+        self._legend.content = html.legend_html(view)
         self._card.visible = self._legend.visible = not steps
         self._picture.visible = not result
         self._steps_legend.visible = self._projections.visible = steps
         if steps:
-            self._guidance.content = steps_html(view, theme)
+            self._guidance.content = html.steps_html(view, theme)
             self._projections.show(self._shown_steps(), view.step, theme, self._drawn_by())
         if result:
             self._put_result(view, theme)
@@ -117,8 +111,8 @@ class TrialPage(ExercisePage[TrialView]):
             self._recolour(view, theme)
 
     def _put_result(self, view: TrialView, theme: Theme) -> None:
-        self._result.content = result_html(view, theme)
-        lines = progress_lines(times_of(view.rows))
+        self._result.content = html.result_html(view, theme)
+        lines = html.progress_lines(times_of(view.rows))
         if lines is not None and not self._plot.visible:
             self._recolour(view, theme)
             self._plot.data = lines
@@ -126,13 +120,11 @@ class TrialPage(ExercisePage[TrialView]):
 
     def _recolour(self, view: TrialView, theme: Theme) -> None:
         done = [row.help for row in view.rows] or TRIAL_HELPS
-        self._plot.series = progress_series(theme, done)
+        self._plot.series = html.progress_series(theme, done)
         across, up = self._plot.axes or ({}, {})
         self._plot.axes = ({**across, "stroke": theme.quiet}, {**up, "stroke": theme.quiet})
 
-    def _lay_out(self, layout: Layout, first: bool) -> None:
-        if layout == self._layout and not first:
-            return
+    def _arrange(self, layout: Layout) -> None:
         self._layout = layout
         # The scene is of no use where neither steps are shown nor a simulated board is dragged.
         dragged = self._simulated and layout == "picture"
@@ -140,6 +132,8 @@ class TrialPage(ExercisePage[TrialView]):
         self._guidance_panel.visible = layout == "steps"
         if layout == "steps":  # a hidden panel has no place, so it is given one each time
             self._guidance_panel.dock_above(self._left)
+        self._left.set_width(_LEFT_WIDTH if layout == "steps" else _SIDE_WIDTH)
+        self._gui.main_panel.set_width(self._right_width(self._client.camera.image_height))
 
     def _look(self, view: TrialView, before: TrialView | None) -> None:
         if before is not None and _looked_at(before) == _looked_at(view):
@@ -149,29 +143,26 @@ class TrialPage(ExercisePage[TrialView]):
         else:
             self._rig.go(partial(view_kept_wide, _BEHIND, _BEHIND_AT, _NARROW), at_once=True)
 
-    @property
-    def _form(self) -> tuple[Layout, int]:
-        return self._layout, self._client.camera.image_height
-
-    def _fit(self) -> None:
-        layout, height = self._form
-        self._left.set_width(_LEFT_WIDTH if layout == "steps" else _SIDE_WIDTH)
-        if layout == "steps":
-            width = _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
-        else:
-            # As wide as a picture of 16:9 that fits the window's height.
-            whole = max(480.0, (height - _AROUND_THE_PICTURE) * 16 / 9)
-            beside = self._simulated and layout == "picture"
-            width = round(whole * (_SHARE_BESIDE_THE_SCENE if beside else 1.0))
-        self._gui.main_panel.set_width(width)
+    def _right_width(self, height: int) -> int:
+        """Of the right panel in a window of this height, pixels."""
+        if self._layout == "steps":
+            return _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
+        # As wide as a picture of 16:9 that fits the window's height.
+        whole = max(480.0, (height - _AROUND_THE_PICTURE) * 16 / 9)
+        beside = self._simulated and self._layout == "picture"
+        return round(whole * (_SHARE_BESIDE_THE_SCENE if beside else 1.0))
 
     def _commands(self) -> tuple[Command, ...]:
         return trial_commands(self._ask, simulated=self._simulated)
 
-    def _make_scene(self, view: TrialView) -> None:
+    def _lay_out(self, view: TrialView) -> None:
+        self._make_right(view)
+        self._make_left()
         self._gizmo = self._make_gizmo() if self._simulated else None
+        self._arrange(layout_of(view))
+        fit_width(self._client, self._gui.main_panel, self._right_width)
 
-    def _make_left(self, view: TrialView) -> None:
+    def _make_left(self) -> None:
         gui = self._gui
         self._guidance_panel = gui.add_panel()
         with self._guidance_panel.add_tab(say.GUIDANCE_TAB, viser.Icon.HAND_MOVE):
@@ -208,7 +199,7 @@ class TrialPage(ExercisePage[TrialView]):
         self._projections.visible = False
         self._result = gui.add_html("")
         labels = (say.POSE, say.SECONDS_SINCE)
-        self._plot = add_plot(gui, progress_series(Theme(view.dark)), labels, _PLOT_HEIGHT)
+        self._plot = add_plot(gui, html.progress_series(Theme(view.dark)), labels, _PLOT_HEIGHT)
 
 
 def layout_of(view: TrialView) -> Layout:

@@ -11,7 +11,7 @@ from typing import Literal, get_args
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.exercise import Free
+from venus3d.engine.guidance.exercise import Attempt
 from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.storage.exercise import ExerciseRow
@@ -64,15 +64,12 @@ class PracticeView(ExerciseView):
     pose: Pose
     target: Pose
     match: Match
-    free: Free
+    attempt: Attempt
+    """How the board has been moved so far, and which numbers may be moved."""
     level: int
     auto_level: bool
     """Whether the next level comes by itself."""
     side: ViewSide
-    path_mm: float
-    shortest_mm: float
-    path_deg: float
-    shortest_deg: float
     last_mover: Mover | None
 
 
