@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import calibrate
-from venus3d.engine.calibration.information import view_information
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.engine.planning.suggest import suggest
 
 
@@ -30,16 +28,11 @@ def main() -> None:
 
     for _ in range(3):
         known = calibrate(board, views)
-        camera, sigma = known.camera, known.residual_sigma_px
-        error = projection_uncertainty_px(camera, known.covariance)
-        print(f"{len(views)} views: fx {camera.fx:.1f} ± {known.sigma[0]:.1f} px")
-        print(f"  expected error of a projected point {error:.2f} px")
-
-        R, t = (np.array([getattr(v.pose, part) for v in known.views]) for part in ("R", "t"))
-        information = view_information(camera, board.corners, R, t).sum(axis=0)
-        target = suggest(board, camera, information, sigma, rng=rng, number=len(views) + 1).target
+        print(f"{len(views)} views: fx {known.camera.fx:.1f} ± {known.sigma[0]:.1f} px")
+        print(f"  projection uncertainty {known.uncertainty_px:.2f} px")
+        target = suggest(known)
         print(f"  next {np.round(target.pose.vector(), 2).tolist()}: {target.reason}")
-        print(f"  expected error after it {target.predicted_uncertainty_px:.2f} px")
+        print(f"  projection uncertainty after it {target.predicted_uncertainty_px:.2f} px")
         views.append(observed(truth, board, target.pose, rng))
 
 

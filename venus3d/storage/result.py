@@ -15,12 +15,12 @@ import numpy as np
 
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress
-from venus3d.engine.planning.costs import projection_diff_px
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.storage.folder import write_bytes
 

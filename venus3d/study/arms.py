@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
-from venus3d.engine.guidance.work import Settings
-from venus3d.engine.planning.costs import index_of_dispersion, projection_diff_px
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.planning.costs import index_of_dispersion
 from venus3d.study.runner import Value
 from venus3d.study.simulated import points_before, true_error_px, walk
 

@@ -19,7 +19,7 @@ import numpy as np
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.guidance.work import Settings, noise_of
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.costs import make_cost
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import Method
@@ -119,18 +119,9 @@ def state_row(trial: BenchTrial) -> dict[str, Value]:
     """What `global` finds on one state, and the best that long runs of dual annealing find."""
     settings, views = Settings(), trial.repeat + 2
     *_, last = walk(settings, views, seed=trial.seed, repeat=trial.repeat)
-    outcome = last.outcome
-    board = outcome.work.board
-    sigma = noise_of(outcome.calibration)
-    posterior = Posterior.of(board, outcome.calibration.camera, outcome.information, sigma)
-    space = Space(board, posterior.camera, Limits.for_board(board, posterior.camera))
-    cost = make_cost(
-        "projection-variance",
-        board=board,
-        camera=posterior.camera,
-        information=posterior.information,
-        sigma_px=sigma,
-    )
+    posterior = last.outcome.posterior
+    space = Space.of(posterior, settings)
+    cost = make_cost("projection-variance", posterior)
 
     def found(strategy: Any, chance: int, budget: int | None) -> float:
         rng = np.random.default_rng([trial.seed, trial.repeat, chance])
@@ -246,13 +237,8 @@ class _Scene:
         seen = [observed(camera, board, pose, self.rng) for pose in poses]
         self._objects: Any = [board.points_of(o.ids).astype(np.float32) for o in seen]
         self._images: Any = [o.corners.astype(np.float32) for o in seen]
-        self.cost = make_cost(
-            "projection-variance",
-            board=board,
-            camera=camera,
-            information=true_information(board, poses[:views]),
-            sigma_px=NOISE_PX,
-        )
+        posterior = Posterior(board, camera, true_information(board, poses[:views]), NOISE_PX)
+        self.cost = make_cost("projection-variance", posterior)
 
     def calibrate(self) -> None:
         """What a hypothetical calibration with one more view takes, by OpenCV alone."""

@@ -20,7 +20,8 @@ from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.guidance.work import Outcome, Settings, Work
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
 
@@ -86,7 +87,7 @@ def walk(
         yield Stage(outcome, tuple(poses), lost)
         work = outcome.work
         if outcome.suggestion is not None:
-            work = replace(work, generation=outcome.suggestion.state)
+            work = replace(work, heuristic_state=outcome.suggestion.state)
             pose = outcome.suggestion.target.pose
         work = replace(work, history=outcome.history)
 
@@ -124,7 +125,7 @@ def _following(before: Work | None, settings: Settings, board: Board, seen: Obse
             observations=(seen,),
             numbers=(1,),
             history=(),
-            generation=HeuristicState(),
+            heuristic_state=HeuristicState(),
             skipped=(),
             target_number=1,
             start=calibrate(board, [seen], model="startup").camera,

@@ -21,8 +21,8 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import MIN_VIEWS
 from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.startup import Startup
-from venus3d.engine.guidance.work import Settings, information_of, noise_of
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.posterior import Posterior
@@ -181,13 +181,12 @@ def _chosen(
 
 def _most_telling(pool: Pool, unused: Sequence[int], calibration: Calibration) -> int:
     """The view that would make the expected projection error smallest."""
-    information = information_of(calibration, pool.board)
-    posterior = Posterior.of(pool.board, calibration.camera, information, noise_of(calibration))
+    posterior = Posterior.of_calibration(calibration, noise=None)
 
     def uncertainty_px(index: int) -> float:
         view = pool.observations[index]
         pose = estimate_pose(posterior.camera, pool.board, view)
-        return np.inf if pose is None else posterior.with_seen(view, pose).uncertainty_px
+        return np.inf if pose is None else posterior.with_observation(view, pose).uncertainty_px
 
     return min(unused, key=uncertainty_px)
 

@@ -10,9 +10,9 @@ import pytest
 from venus3d.engine.calibration.corner_noise import RENDERED, tilt_and_width
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.planning.costs import predicted_covariance
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.study.noise import NoiseRow, fit_noise, measure_noise
 
 
@@ -58,11 +58,9 @@ def test_a_view_counts_by_its_weight(paper_camera: Camera, default_board: Board)
     weight = RENDERED.weight(paper_camera, default_board, vectors)
     assert weight[0] > 1 > 0.5 > weight[1]
     known = np.eye(9) * 10
-    noisy = predicted_covariance(default_board, paper_camera, known, vectors, noise=RENDERED)
+    noisy = Posterior(default_board, paper_camera, known, noise=RENDERED).after(vectors)
     for i in range(2):
-        plain = predicted_covariance(
-            default_board, paper_camera, known / weight[i], vectors[i : i + 1]
-        )
+        plain = Posterior(default_board, paper_camera, known / weight[i]).after(vectors[i : i + 1])
         np.testing.assert_allclose(noisy[i] * weight[i], plain[0], rtol=1e-6, atol=1e-15)
 
 

@@ -24,7 +24,7 @@ from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.session import Session
-from venus3d.engine.guidance.work import Settings
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.limits import Limits
 
 RUNS = 300

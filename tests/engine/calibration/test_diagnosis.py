@@ -28,7 +28,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
-from venus3d.engine.guidance.work import Settings
+from venus3d.engine.guidance.settings import Settings
 
 STILLS = Board(8, 8, 0.0254, 0.01905, "DICT_4X4_1000")
 NOISE_PX = 0.3

@@ -17,9 +17,9 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose, rotations_of
 from venus3d.engine.geometry.quadrature import board_nodes
-from venus3d.engine.planning.costs import predicted_covariance
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.engine.planning.posterior import Posterior
 
 NEXT = [-15, 35, 45, 0.1, 0.05, 0.5]
 
@@ -92,7 +92,7 @@ def test_the_predicted_covariance_is_that_of_the_plain_sum(
     space = Space(default_board, paper_camera, Limits())
     vectors = np.array([random_pose(space, rng) for _ in range(10)] * 60)
     known = information_at(paper_camera, default_board, GOOD)
-    predicted = predicted_covariance(default_board, paper_camera, known, vectors)
+    predicted = Posterior(default_board, paper_camera, known).after(vectors)
     for index in (*range(10), 511, 512, 599):
         plain = schur_by_opencv(paper_camera, default_board.corners, vectors[index])
         expected = covariance_of(known + plain)
@@ -123,7 +123,7 @@ def test_few_nodes_stand_for_all_corners(
     vectors = np.array([random_pose(Space(board, paper_camera, limits), rng) for _ in range(100)])
     known = information_at(paper_camera, Board(), GOOD)
     exact, rough = (
-        np.einsum("nii->ni", predicted_covariance(board, paper_camera, known, vectors, rough=quick))
+        np.einsum("nii->ni", Posterior(board, paper_camera, known).after(vectors, rough=quick))
         for quick in (False, True)
     )
     # A board of 130 corners can fill the picture's edge with detail that 24 points do not see.

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.engine.planning.suggestions import suggestion
 from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import MIN_VIEWS, Progress, check_convergence
-from venus3d.engine.planning.costs import projection_uncertainty_px
-from venus3d.engine.planning.suggest import suggest
 
 
 def progress(views: int, *sigma: float) -> Progress:
@@ -90,7 +90,7 @@ def test_a_guided_calibration_converges_between_6_and_14_views(
                 )
                 if check_convergence(history).converged:
                     break
-            pose = suggest(
+            pose = suggestion(
                 default_board, paper_camera, information, np.sqrt(0.1), rng=rng, number=views + 1
             ).target.pose
         assert check_convergence(history).converged and 6 <= history[-1].views <= 14

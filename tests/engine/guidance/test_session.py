@@ -15,6 +15,7 @@ import pytest
 
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -23,7 +24,6 @@ from venus3d.engine.guidance.prompts import ENOUGH, FINISHED
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Outcome, Settings, Work
-from venus3d.engine.planning.costs import projection_diff_px
 
 NOISE_PX = float(np.sqrt(0.1))  # 4.1.2 of the paper: variance 0.1
 

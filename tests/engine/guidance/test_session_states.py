@@ -14,8 +14,8 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.guidance.work import Settings
 from venus3d.engine.planning.method import COSTS, METHODS, STRATEGIES
 
 _ODDS = {

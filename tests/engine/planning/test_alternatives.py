@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.engine.planning.suggestions import suggestion
 from venus3d.engine.calibration.corner_noise import RENDERED
 from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.alternatives import AT_MOST, NEARLY, clearly_different
-from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.reasons import held_in_words
-from venus3d.engine.planning.suggest import suggest
 from venus3d.engine.planning.target import Target
 
 SIGMA = float(np.sqrt(0.1))
@@ -40,7 +40,7 @@ def targets(paper_camera: Camera, default_board: Board) -> list[tuple[Array, Tar
         poses = [Pose.from_vector(vector) for vector in SEEN[:count]]
         known = sum((told_by(paper_camera, default_board, p) for p in poses), np.zeros((9, 9)))
         for seed in range(3):
-            made = suggest(
+            made = suggestion(
                 default_board,
                 paper_camera,
                 known,
@@ -105,7 +105,7 @@ def test_a_noise_model_changes_the_promise(paper_camera: Camera, default_board: 
 
     def promised(**options: object) -> float:
         rng = np.random.default_rng(0)
-        made = suggest(
+        made = suggestion(
             default_board,
             paper_camera,
             known,  # type: ignore[arg-type]

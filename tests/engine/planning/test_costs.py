@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -11,21 +13,19 @@ from scipy.spatial.transform import Rotation
 from venus3d.engine.calibration.corner_noise import RENDERED
 from venus3d.engine.calibration.information import covariance_of, view_information
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.projection_uncertainty import (
+    GRID,
+    grid_pixels,
+    projection_diff_px,
+    projection_uncertainty_px,
+)
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose, rotations_of
-from venus3d.engine.planning.costs import (
-    GRID,
-    PoseCost,
-    expected_distance,
-    grid_pixels,
-    make_cost,
-    projection_diff_px,
-    projection_uncertainty_px,
-    with_surcharge,
-)
+from venus3d.engine.planning.costs import PoseCost, expected_distance, make_cost, with_surcharge
 from venus3d.engine.planning.method import COSTS, Cost
+from venus3d.engine.planning.posterior import Posterior
 
 VIEWS = np.array(
     [
@@ -41,6 +41,10 @@ SIGMA = float(np.sqrt(0.1))
 
 def information_of_views(camera: Camera, board: Board, views: Array = VIEWS) -> Array:
     return view_information(camera, board.corners, rotations_of(views), views[:, 3:]).sum(axis=0)
+
+
+def after_views(camera: Camera, board: Board) -> Posterior:
+    return Posterior(board, camera, information_of_views(camera, board), SIGMA)
 
 
 def test_projection_variance_by_monte_carlo(
@@ -79,8 +83,6 @@ def test_a_turned_camera_and_a_shifted_principal_point_are_nearly_the_same(
 ) -> None:
     """3 px of principal point are mostly a turn: what is left is a small part of it."""
     assert projection_diff_px(paper_camera, paper_camera) < 1e-9
-    from dataclasses import replace
-
     shifted = replace(paper_camera, cx=paper_camera.cx + 3)
     assert projection_diff_px(paper_camera, shifted) < 1.0
     longer = replace(paper_camera, fx=paper_camera.fx * 1.01, fy=paper_camera.fy * 1.01)
@@ -117,10 +119,7 @@ def test_dispersion_costs_by_plain_inversion(paper_camera: Camera, default_board
         for name, expected in (("sum-iod", iod.sum()), ("max-iod", iod.max())):
             cost = make_cost(
                 name,  # type: ignore[arg-type]
-                board=default_board,
-                camera=paper_camera,
-                information=information,
-                sigma_px=SIGMA,
+                Posterior(default_board, paper_camera, information, SIGMA),
             )
             assert cost(candidate)[row] == pytest.approx(expected, rel=1e-6)
 
@@ -165,10 +164,12 @@ def test_trace_and_log_det_by_opencvs_jacobians(paper_camera: Camera, default_bo
     for name, value in expected.items():
         cost = make_cost(
             name,  # type: ignore[arg-type]
-            board=default_board,
-            camera=paper_camera,
-            information=information_of_views(paper_camera, default_board),
-            sigma_px=SIGMA,
+            Posterior(
+                default_board,
+                paper_camera,
+                information_of_views(paper_camera, default_board),
+                SIGMA,
+            ),
         )
         assert cost(candidate)[0] == pytest.approx(value, rel=0.02)
 
@@ -199,10 +200,9 @@ def test_max_ere_by_monte_carlo(
     expected = np.mean(distances, axis=0).max()
     cost = make_cost(
         "max-ere",
-        board=default_board,
-        camera=paper_camera,
-        information=information_of_views(paper_camera, default_board),
-        sigma_px=SIGMA,
+        Posterior(
+            default_board, paper_camera, information_of_views(paper_camera, default_board), SIGMA
+        ),
     )
     # The mean of 400 lengths is good to 3 %, the largest of 25 such means is a little too large.
     assert cost(candidate)[0] == pytest.approx(expected, rel=0.1)
@@ -221,14 +221,10 @@ def test_the_mean_length_of_a_gaussian(rng: np.random.Generator) -> None:
 def test_every_cost_is_positive_falls_with_a_view_and_is_quick(
     name: Cost, paper_camera: Camera, default_board: Board
 ) -> None:
-    information = information_of_views(paper_camera, default_board)
-    known = {"board": default_board, "camera": paper_camera, "sigma_px": SIGMA}
-    cost = make_cost(name, information=information, **known)
-    more = make_cost(
-        name,
-        information=information + information_of_views(paper_camera, default_board, VIEWS[:1]),
-        **known,
-    )
+    posterior = after_views(paper_camera, default_board)
+    cost = make_cost(name, posterior)
+    added = information_of_views(paper_camera, default_board, VIEWS[:1])
+    more = make_cost(name, replace(posterior, information=posterior.information + added))
     values = cost(VIEWS)
     assert values.shape == (5,) and (values > 0).all() and (more(VIEWS) < values).all()
     assert isinstance(cost, PoseCost)
@@ -237,14 +233,14 @@ def test_every_cost_is_positive_falls_with_a_view_and_is_quick(
     np.testing.assert_allclose(dearer(VIEWS), 1.5 * values)
     assert isinstance(dearer, PoseCost)
     np.testing.assert_allclose(dearer.rough(VIEWS), 1.5 * cost.rough(VIEWS))
-    noisy = make_cost(name, information=information, noise=RENDERED, **known)
+    noisy = make_cost(name, replace(posterior, noise=RENDERED))
     assert (noisy(VIEWS) != values).all()
 
 
 def test_a_value_of_exactly_zero_divides_by_one(default_board: Board) -> None:
     plain = Camera(1280, 720, 1000, 1000, 640, 360)
     information = information_of_views(plain, default_board)
-    cost = make_cost("max-iod", board=default_board, camera=plain, information=information)
+    cost = make_cost("max-iod", Posterior(default_board, plain, information))
     after = covariance_of(information + information_of_views(plain, default_board, VIEWS[:1]))
     values = [1000, 1000, 640, 360, 1, 1, 1, 1, 1]
     assert cost(VIEWS[:1])[0] == pytest.approx(np.max(np.diag(after) / values))
@@ -256,10 +252,7 @@ def test_projection_variance_falls_with_every_view(
     few = information_of_views(paper_camera, default_board, VIEWS[:3])
     cost = make_cost(
         "projection-variance",
-        board=default_board,
-        camera=paper_camera,
-        information=few,
-        sigma_px=2.0,
+        Posterior(default_board, paper_camera, few, 2.0),
     )
     now = projection_uncertainty_px(paper_camera, covariance_of(few, 2.0)) ** 2
     assert (cost(VIEWS) < now).all()
@@ -281,10 +274,7 @@ def test_rms_really_calibrates(
         observations.append(Observation(ids, noisy, paper_camera.image_size))
     cost = make_cost(
         "rms",
-        board=default_board,
-        camera=paper_camera,
-        information=np.eye(9),
-        sigma_px=SIGMA,
+        Posterior(default_board, paper_camera, np.eye(9), SIGMA),
         observations=observations,
         rng=rng,
     )
@@ -295,7 +285,7 @@ def test_rms_really_calibrates(
 
 def test_costs_that_do_not_exist(paper_camera: Camera, default_board: Board) -> None:
     with pytest.raises(VenusError, match="no cost 'beauty'; use one of projection-variance"):
-        make_cost("beauty", board=default_board, camera=paper_camera, information=np.eye(9))  # type: ignore[arg-type]
+        make_cost("beauty", Posterior(default_board, paper_camera, np.eye(9)))  # type: ignore[arg-type]
     with pytest.raises(VenusError, match="needs the views"):
-        make_cost("rms", board=default_board, camera=paper_camera, information=np.eye(9))
+        make_cost("rms", Posterior(default_board, paper_camera, np.eye(9)))
     assert len(PARAMETERS) == 9

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.engine.planning.suggestions import suggestion
 from venus3d.engine.calibration.information import view_information
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
@@ -14,10 +15,11 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.forecast import AHEAD, Forecast, forecast, spread_of
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import METHODS, Cost, Method, search_method
+from venus3d.engine.planning.method import METHODS, Cost, Method
 from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.posterior import Posterior
-from venus3d.engine.planning.suggest import find, suggest
+from venus3d.engine.planning.settings import PlanningSettings
+from venus3d.engine.planning.suggest import find_pose
 
 SIGMA = 0.2
 SEEN = ([45, 0, 0, 0, 0, 0.4], [-20, 25, 0, 0.05, 0, 0.4])
@@ -43,7 +45,7 @@ def ask(
     posterior = Posterior.of(board, camera, known, SIGMA)
     return forecast(
         posterior,
-        search_method(method, cost),
+        PlanningSettings(method, cost),
         Space(board, posterior.camera, Limits.for_board(board, posterior.camera)),
         np.random.default_rng(0),
         wanted_px=wanted_px,
@@ -77,7 +79,7 @@ def test_following_the_suggestions_takes_as_many_views_as_was_said(
     said: list[Forecast] = []
     information, views = known, len(SEEN)
     while not said or said[-1].views != 0:
-        made = suggest(
+        made = suggestion(
             default_board,
             paper_camera,
             information,
@@ -131,7 +133,7 @@ def test_another_cost_is_forecast_by_the_poses_that_it_asks_for(
     while posterior.uncertainty_px > 0.6:
         rng = np.random.default_rng([7, needed])
         posterior = posterior.with_view(
-            find(search_method("global", "max-iod"), posterior, space, rng)[0].vector
+            find_pose(posterior, PlanningSettings("global", "max-iod"), space, rng)[0].vector
         )
         needed += 1
     now = ask(paper_camera, default_board, known, cost="max-iod", wanted_px=0.6)
@@ -151,7 +153,7 @@ def test_limits_that_leave_no_pose_are_told(
     with pytest.raises(VenusError, match="No pose of this board fits"):
         forecast(
             posterior,
-            search_method("global"),
+            PlanningSettings("global"),
             space,
             np.random.default_rng(0),
             wanted_px=0.1,
@@ -165,14 +167,14 @@ def test_a_slow_search_does_not_keep_the_target_waiting(
     looked_at: list[int] = []
 
     def counted(*args: Any, **options: Any) -> Any:
-        found = find(*args, **options)
+        found = find_pose(*args, **options)
         looked_at.append(found[0].evaluated)
         return found
 
-    monkeypatch.setattr("venus3d.engine.planning.forecast.find", counted)
+    monkeypatch.setattr("venus3d.engine.planning.forecast.find_pose", counted)
     posterior = Posterior.of(default_board, paper_camera, known, SIGMA)
     space = Space(default_board, paper_camera, Limits.for_board(default_board, paper_camera))
-    way = search_method("venus", strategy="dual-annealing")
+    slow = PlanningSettings("venus", strategy="dual-annealing")
     rng = np.random.default_rng(0)
-    forecast(posterior, way, space, rng, wanted_px=0.001, degrees=99, ahead=2)
+    forecast(posterior, slow, space, rng, wanted_px=0.001, degrees=99, ahead=2)
     assert len(looked_at) == 2 and max(looked_at) <= 1100

@@ -15,6 +15,7 @@ from venus3d.engine.planning.costs import CostFunction, PoseCost, make_cost
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import STRATEGIES, Strategy
 from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search import SearchResult, SearchStep, anneal, search, search_globally
 
 GOAL = np.array([20.0, -30, 10, 0.05, -0.02, 0.5])
@@ -56,9 +57,7 @@ def state(space: Space, views: Array) -> CostFunction:
     seen = view_information(camera, board.corners, rotations_of(views), views[:, 3:]).sum(axis=0)
     return make_cost(
         "projection-variance",
-        board=board,
-        camera=camera,
-        information=seen + prior_information(camera),
+        Posterior(board, camera, seen + prior_information(camera)),
     )
 
 

@@ -5,19 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.engine.planning.suggestions import suggestion
 from venus3d.engine.calibration.information import covariance_of, view_information
 from venus3d.engine.calibration.observation import Observation, View
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.costs import projection_uncertainty_px
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import COSTS, METHODS, Cost, Method, Start, Strategy
 from venus3d.engine.planning.reasons import reason_for
 from venus3d.engine.planning.search import SearchStep
-from venus3d.engine.planning.suggest import Suggestion, suggest
+from venus3d.engine.planning.settings import PlanningSettings
+from venus3d.engine.planning.suggest import Suggestion
 
 SIGMA = float(np.sqrt(0.1))
 FIRST = Pose.from_vector([45, 0, 0, 0, 0, 0.4])
@@ -36,12 +38,12 @@ def guided(
     made: list[Suggestion] = []
     for number in range(2, views + 1):
         made.append(
-            suggest(
+            suggestion(
                 board,
                 camera,
                 information,
                 SIGMA,
-                method=method,
+                PlanningSettings(method=method),
                 rng=rng,
                 number=number,
                 state=state,
@@ -57,8 +59,8 @@ def test_a_target_is_complete_and_within_the_limits(
     method: Method, paper_camera: Camera, default_board: Board
 ) -> None:
     _, made = guided(paper_camera, default_board, method, 6)
-    for suggestion in made:
-        target = suggestion.target
+    for one in made:
+        target = one.target
         assert Limits().accepts(paper_camera, default_board, target.pose.vector())[0]
         np.testing.assert_array_equal(target.steps[3].after.matrix, target.pose.matrix)
         assert target.method == method and target.search_s > 0
@@ -114,13 +116,12 @@ def test_every_cost_that_makes_sense(
     moves: list[SearchStep] = []
 
     def ask() -> Suggestion:
-        return suggest(
+        return suggestion(
             default_board,
             paper_camera,
             information,  # type: ignore[arg-type]
             SIGMA,
-            method=method,
-            cost=cost,
+            PlanningSettings(method=method, cost=cost),
             rng=rng,
             number=4,
             views=views,
@@ -150,13 +151,12 @@ def test_combinations_without_sense_are_told(
     method: Method, cost: Cost, words: str, paper_camera: Camera, default_board: Board
 ) -> None:
     with pytest.raises(VenusError, match=words):
-        suggest(
+        suggestion(
             default_board,
             paper_camera,
             np.eye(9),
             1.0,
-            method=method,
-            cost=cost,
+            PlanningSettings(method=method, cost=cost),
             rng=np.random.default_rng(0),
             number=1,
         )
@@ -170,18 +170,18 @@ def test_a_skipped_pose_is_not_offered_again_nearby(
     skipped: list[Pose] = []
     state = HeuristicState()
     for number in range(2, 8):
-        suggestion = suggest(
+        made = suggestion(
             default_board,
             paper_camera,
             information,
             SIGMA,
-            method=method,
+            PlanningSettings(method=method),
             rng=np.random.default_rng(3),
             number=number,
             state=state,
             skipped=skipped,
         )
-        state, pose = suggestion.state, suggestion.target.pose
+        state, pose = made.state, made.target.pose
         for old in skipped:
             near = pose.distance_to(old) < 0.1 * np.linalg.norm(old.t)
             assert not (near and pose.angle_to_deg(old) < 15)
@@ -194,7 +194,7 @@ def test_a_distortion_that_folds_within_the_image_does_not_stop_the_planning(
     """After two views k1 ... k3 may be absurd; a target must be found all the same."""
     absurd = Camera(1280, 720, 1068, 1073, 635, 355, k1=-1.5)
     assert absurd.radius_limit < 0.5  # the image reaches to 0.68
-    target = suggest(
+    target = suggestion(
         default_board,
         absurd,
         said_by(absurd.without_distortion(), default_board, FIRST),
@@ -209,7 +209,7 @@ def test_one_frontal_view_leaves_the_search_on_its_feet(
     paper_camera: Camera, default_board: Board
 ) -> None:
     frontal = Pose.from_vector([0, 0, 0, 0, 0, 0.4])
-    target = suggest(
+    target = suggestion(
         default_board,
         paper_camera,
         said_by(paper_camera, default_board, frontal),
@@ -271,15 +271,14 @@ def test_nothing_is_said_of_a_generated_pose_that_was_not_used(
     ).sum(axis=0)
 
     def note(start: Start, strategy: Strategy) -> str:
-        return suggest(
+        return suggestion(
             default_board,
             paper_camera,
             information,
             0.3,
-            method="venus",
-            start=start,
-            strategy=strategy,
-            limits=Limits(max_tilt_deg=20.0),
+            PlanningSettings(
+                method="venus", start=start, strategy=strategy, limits={"max_tilt_deg": 20.0}
+            ),
             rng=np.random.default_rng(0),
             number=4,
         ).note

@@ -16,7 +16,7 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.work import Settings
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.limits import Limits
 from venus3d.scene.pages.exercise.options import TrialOptions
 from venus3d.scene.pages.exercise.trial import Trial

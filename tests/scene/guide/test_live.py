@@ -15,8 +15,8 @@ from venus3d.engine.errors import SourceError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.guidance.work import Settings
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.render.annotated_picture import LivePicture

@@ -58,19 +58,19 @@ def test_search_shows_every_pose_looked_at_and_ends_on_the_target(guided: Snapsh
     walk, target = guided.search_trace, guided.target
     assert walk is not None and target is not None
     looked = 0
-    for shown in range(1, len(walk.moves) + 1):
+    for shown in range(1, len(walk.steps) + 1):
         shapes = named(search_shapes(walk, shown, guided.board, True))
         places, angles = shapes["/search/places"], shapes["/search/angles"]
         assert isinstance(places, PointShape) and isinstance(angles, PointShape)
         assert len(places.points) == len(places.colours) == len(angles.points) > looked
         looked = len(places.points)
-        assert looked == walk.moves[shown - 1].evaluated
+        assert looked == walk.steps[shown - 1].evaluated
     assert looked == target.evaluated
     best = shapes["/search/best"]
     assert isinstance(best, LineShape)
     np.testing.assert_allclose(best.pose.matrix, target.pose.matrix, atol=1e-9)
     # The cheaper a pose, the more its dot stands out against the ground.
-    costs = np.concatenate([move.candidate_costs for move in walk.moves])
+    costs = np.concatenate([move.candidate_costs for move in walk.steps])
     for dark in (True, False):
         dots = named(search_shapes(walk, shown, guided.board, dark))["/search/places"]
         assert isinstance(dots, PointShape)
@@ -86,13 +86,13 @@ def test_annealing_is_a_line_through_the_poses_taken(
     walk = snapshot.search_trace
     assert walk is not None
     shapes = named(search_shapes(walk, 40, snapshot.board, True))
-    taken = [move.vector[3:] for move in walk.moves[:40] if move.accepted]
+    taken = [move.vector[3:] for move in walk.steps[:40] if move.accepted]
     line = shapes["/search/walk"]
     assert isinstance(line, LineShape)
     np.testing.assert_allclose(line.segments[:, 0], taken[:-1])
     np.testing.assert_allclose(line.segments[:, 1], taken[1:])
     assert f"{len(taken)} taken" in caption(walk, 40, 5, in_px=False)
-    ended = caption(walk, len(walk.moves), 5, in_px=False)
+    ended = caption(walk, len(walk.steps), 5, in_px=False)
     assert "best on the way" in ended
 
 
@@ -114,7 +114,7 @@ def test_replay_takes_its_time_and_gives_the_steps_back(guided: Snapshot) -> Non
         shown.append(len(places.points))
         assert "poses" in replay.caption
         now[0] += 0.1
-    assert shown == sorted(shown) and len(set(shown)) == len(guided.search_trace.moves)  # type: ignore[union-attr]
+    assert shown == sorted(shown) and len(set(shown)) == len(guided.search_trace.steps)  # type: ignore[union-attr]
     assert SECONDS + REST_SECONDS <= now[0] - 100 < SECONDS + REST_SECONDS + 1
     assert "/target/board" in shapes and replay.caption == ""
     # Switched off and on it begins anew.
@@ -136,5 +136,5 @@ def test_every_move_is_shown_and_none_twice(guided: Snapshot) -> None:
     walk = guided.search_trace
     assert walk is not None
     counts = [shown_after(walk, s) for s in np.arange(-1, SECONDS + 5, 0.04)]
-    assert counts[0] == 1 and counts[-1] == len(walk.moves)
+    assert counts[0] == 1 and counts[-1] == len(walk.steps)
     assert set(np.diff(counts)) <= {0, 1}

@@ -13,8 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
@@ -22,18 +20,18 @@ from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
-from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
 from venus3d.engine.guidance.phase import Phase
 from venus3d.engine.guidance.prompts import headline_and_prompt, startup_headline_and_prompt
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.startup import Startup
 from venus3d.engine.guidance.tracking import PoseTracker
 from venus3d.engine.guidance.views import CapturedView, CapturedViews
-from venus3d.engine.guidance.work import Outcome, Settings, Work, noise_of
+from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.method import Cost, Method
-from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.target import Target
 
 
@@ -48,7 +46,6 @@ class Session:
         Raises `VenusError` for settings whose method, cost and search do not go together.
         """
         self.settings = settings or Settings()
-        self._search_method = self.settings.way
         self._ending = False
         self._image_size = image_size
         self._board_diagnoses: tuple[Diagnosis, ...] = ()
@@ -65,10 +62,9 @@ class Session:
         self._next_target = 1
         self._target: Target | None = None
         self._calibration: Calibration | None = None
-        self._information: Array = np.zeros((9, 9))
         self._convergence: Convergence | None = None
         self._history: tuple[Progress, ...] = ()
-        self._generation = HeuristicState()
+        self._heuristic_state = HeuristicState()
         self._skipped: tuple[Pose, ...] = ()
         self._warnings: tuple[str, ...] = ()
         self._diagnoses: tuple[Diagnosis, ...] = ()
@@ -154,10 +150,11 @@ class Session:
         The method's own search is used, and for `cost` None its own cost. Raises `VenusError` for a
         combination that makes no sense; the session is then as it was.
         """
-        wanted = replace(self.settings, method=method, cost=cost, strategy=None)
-        if wanted.way == self._search_method:
+        old, new = self.settings, replace(self.settings, method=method, cost=cost, strategy=None)
+        used = [(s.method, s.search_cost, s.search_strategy) for s in (old, new)]
+        if used[0] == used[1]:
             return
-        self.settings, self._search_method = wanted, wanted.way
+        self.settings = new
         if self._captured.views and self._phase in ("guiding", "captured") and not self._ending:
             self._recalibrate()
 
@@ -191,7 +188,7 @@ class Session:
         if outcome.work is not self.pending:
             return self.snapshot()
         self.pending = None
-        self._calibration, self._information = outcome.calibration, outcome.information
+        self._calibration = outcome.calibration
         self._history, self._convergence = outcome.history, outcome.convergence
         self._outcome = outcome
         self._warnings = (*outcome.warnings, *([self._lost] if self._lost else []))
@@ -203,7 +200,10 @@ class Session:
         else:
             self._phase = "guiding"
             if outcome.suggestion is not None:
-                self._target, self._generation = outcome.suggestion.target, outcome.suggestion.state
+                self._target, self._heuristic_state = (
+                    outcome.suggestion.target,
+                    outcome.suggestion.state,
+                )
                 self._next_target = self._target.number + 1
         self._diagnose()
         self._tracker.set_target(self.camera, self._target)
@@ -276,7 +276,7 @@ class Session:
             diagnoses=worst_first((*self._board_diagnoses, *self._diagnoses)),
             forecast=known and known.forecast,
             method=self.settings.method,
-            cost=self._search_method.cost,
+            cost=self.settings.search_cost,
             uncertainty=known and known.uncertainty,
             search_trace=known and known.search_trace,
         )
@@ -293,11 +293,11 @@ class Session:
         drop, tracker = self.settings.useful_drop, self._tracker
         if drop is None or tracker.pose is None or not tracker.is_still:
             return False
-        if self._calibration is None:
+        if self._outcome is None:
             return True  # the first view of a recording: there is nothing to compare it with
-        now = Posterior.of(self.board, self.camera, self._information, noise_of(self._calibration))
-        told = now.with_seen(tracker.observation, tracker.pose)
-        return told.uncertainty_px <= (1 - drop) * now.uncertainty_px
+        now = self._outcome.posterior
+        after = now.with_observation(tracker.observation, tracker.pose)
+        return after.uncertainty_px <= (1 - drop) * now.uncertainty_px
 
     def _diagnose(self) -> None:
         if self._calibration is not None:
@@ -324,7 +324,7 @@ class Session:
             observations=tuple(view.observation for view in views),
             numbers=tuple(view.number for view in views),
             history=tuple(p for p in self._history if p.views < len(views)),
-            generation=self._generation,
+            heuristic_state=self._heuristic_state,
             skipped=self._skipped,
             target_number=self._next_target if self._target is None else self._target.number + 1,
             start=self._startup.camera,

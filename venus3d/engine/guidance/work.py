@@ -5,36 +5,29 @@ The session hands out a frozen `Work`, somebody runs it, the session takes the `
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
-from venus3d.engine.calibration.corner_noise import NoiseModel
-from venus3d.engine.calibration.information import view_information
 from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera, planning_camera
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress, check_convergence
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.forecast import Forecast, forecast
 from venus3d.engine.planning.heuristic_poses import HeuristicState
-from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.posterior import Posterior
-from venus3d.engine.planning.search_trace import SearchRecorder, SearchStep, SearchTrace
-from venus3d.engine.planning.suggest import Suggestion, suggest
+from venus3d.engine.planning.search_trace import OnSearchStep, SearchRecorder, SearchTrace, Stop
+from venus3d.engine.planning.suggest import Suggestion, next_target
 from venus3d.engine.planning.target import Target
-from venus3d.engine.planning.uncertainty import ProjectionUncertainty
-from venus3d.engine.planning.uncertainty_map import projection_uncertainty
-
-# Corners are never known better than this; keeps predictions finite where residuals vanish.
-LEAST_NOISE_PX = 0.01
+from venus3d.engine.planning.uncertainty import ProjectionUncertainty, projection_uncertainty
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +36,8 @@ class Outcome:
 
     work: Work
     calibration: Calibration
-    information: Array
-    """(9, 9) sum over the views, for corner noise of one pixel."""
+    posterior: Posterior
+    """What the views say, to plan ahead with."""
     history: tuple[Progress, ...]
     convergence: Convergence
     suggestion: Suggestion | None
@@ -70,7 +63,8 @@ class Work:
     numbers: tuple[int, ...]
     history: tuple[Progress, ...]
     """Of the earlier calibrations with fewer views."""
-    generation: HeuristicState
+    heuristic_state: HeuristicState
+    """Of the rule of the methods that have one."""
     skipped: tuple[Pose, ...]
     target_number: int
     start: Camera
@@ -82,25 +76,37 @@ class Work:
 
     def run(
         self,
-        stop: Callable[[], bool] | None = None,
-        on_step: Callable[[SearchStep], None] | None = None,
+        stop: Stop | None = None,
+        on_step: OnSearchStep | None = None,
     ) -> Outcome:
         """Do it. `stop` ends the search early with the best pose so far; `on_step` watches it.
 
         Raises `CalibrationError` if the views determine no camera at all.
         """
         calibration, warnings = self._calibrated()
-        information = information_of(calibration, self.board)
+        posterior = Posterior.of_calibration(calibration, self.settings.noise)
+        space = Space.of(posterior, self.settings, self.skipped)
         history = (*self.history, self._progress(calibration))
         convergence = check_convergence(
             history, epsilon=self.settings.epsilon, rule=self.settings.rule
         )
         enough = len(self.observations) >= self.settings.max_views
         is_over = enough or (convergence.converged and not self.keep_going)
-        suggestion, moves = None, SearchRecorder(on_step)
+        suggestion, recorder = None, SearchRecorder(on_step)
         if not is_over:
             try:
-                suggestion = self._suggested(calibration, information, stop, moves)
+                # Seeded by the target's number: a replayed session asks for the same poses.
+                suggestion = next_target(
+                    posterior,
+                    self.settings,
+                    space,
+                    np.random.default_rng([self.settings.seed, self.target_number]),
+                    number=self.target_number,
+                    state=self.heuristic_state,
+                    views=calibration.views,
+                    stop=stop,
+                    on_step=recorder,
+                )
             except VenusError as error:
                 warnings = (*warnings, str(error))  # the views stay; more can be taken by hand
         if suggestion is not None and suggestion.note:
@@ -109,17 +115,15 @@ class Work:
         return Outcome(
             self,
             calibration,
-            information,
+            posterior,
             history,
             convergence,
             suggestion,
             is_over,
             warnings,
-            self._forecast(calibration, information, suggestion, stop),
-            projection_uncertainty(
-                self.board, calibration, self._outlook(calibration, information), target
-            ),
-            None if target is None else moves.trace(target.pose.vector()),
+            self._forecast(calibration, posterior, space, suggestion, stop),
+            projection_uncertainty(calibration, posterior, target),
+            None if target is None else recorder.trace(target.pose.vector()),
         )
 
     def _progress(self, calibration: Calibration) -> Progress:
@@ -152,89 +156,36 @@ class Work:
                 f"The camera is only guessed for now.{cause or f' {error}'}",
             )
 
-    def _suggested(
-        self,
-        calibration: Calibration,
-        information: Array,
-        stop: Callable[[], bool] | None,
-        on_step: Callable[[SearchStep], None] | None,
-    ) -> Suggestion:
-        settings = self.settings
-        # Seeded by the target's number, so that a replayed session asks for the same poses.
-        return suggest(
-            self.board,
-            calibration.camera,
-            information,
-            noise_of(calibration),
-            method=settings.method,
-            cost=settings.cost,
-            strategy=settings.strategy,
-            start=settings.start,
-            noise=self._noise(calibration),
-            limits=self._limits(planning_camera(calibration.camera)),
-            rng=np.random.default_rng([settings.seed, self.target_number]),
-            number=self.target_number,
-            state=self.generation,
-            views=calibration.views,
-            skipped=self.skipped,
-            keep_best=settings.keep_best,
-            stop=stop,
-            on_step=on_step,
-        )
-
-    def _noise(self, calibration: Calibration) -> NoiseModel | None:
-        """The noise model, relative to the views that `noise_of` was measured on."""
-        vectors = np.array([view.pose.vector() for view in calibration.views])
-        model = self.settings.noise
-        return model and model.relative_to(calibration.camera, self.board, vectors)
-
-    def _limits(self, camera: Camera) -> Limits:
-        return replace(Limits.for_board(self.board, camera), **self.settings.limits)
-
-    def _outlook(self, calibration: Calibration, information: Array) -> Posterior:
-        return Posterior.of(
-            self.board,
-            calibration.camera,
-            information,
-            noise_of(calibration),
-            self._noise(calibration),
-        )
-
     def _forecast(
         self,
         calibration: Calibration,
-        information: Array,
+        posterior: Posterior,
+        space: Space,
         suggestion: Suggestion | None,
-        stop: Callable[[], bool] | None,
+        stop: Stop | None,
     ) -> Forecast | None:
         """None before the first full calibration, when stopped, and for the cost "rms", which is
         too slow to plan with."""
         settings = self.settings
         if settings.wanted_uncertainty_px is None or settings.cost == "rms":
             return None
-        posterior = self._outlook(calibration, information)
         if not all(calibration.free) or not posterior.settled:
             return None
         residuals = 2 * sum(view.observation.count for view in calibration.views)
         try:
             return forecast(
                 posterior,
-                settings.way,
-                Space(self.board, posterior.camera, self._limits(posterior.camera), self.skipped),
+                settings,
+                space,
                 np.random.default_rng([settings.seed, self.target_number, 1]),
                 wanted_px=settings.wanted_uncertainty_px,
                 degrees=residuals - len(PARAMETERS) - 6 * len(calibration.views),
-                state=self.generation if suggestion is None else suggestion.state,
+                state=self.heuristic_state if suggestion is None else suggestion.state,
                 first=None if suggestion is None else suggestion.target.pose.vector(),
                 stop=stop,
             )
         except VenusError:
             return None  # no pose fits the limits: the suggestion has said so
-
-
-def noise_of(calibration: Calibration) -> float:
-    """Standard deviation of a corner coordinate to plan with, pixels."""
-    return max(calibration.residual_sigma_px, LEAST_NOISE_PX)
 
 
 def provisional(
@@ -265,14 +216,3 @@ def provisional(
 
 def _rms(errors: Array) -> float:
     return float(np.sqrt((errors**2).sum(axis=1).mean()))
-
-
-def information_of(calibration: Calibration, board: Board) -> Array:
-    """(9, 9) information of all captured views at the calibration's optimum, unit noise."""
-    total = np.zeros((9, 9))
-    for view in calibration.views:
-        points = board.points_of(view.observation.ids)
-        total += view_information(calibration.camera, points, view.pose.R[None], view.pose.t[None])[
-            0
-        ]
-    return total

@@ -16,7 +16,7 @@ AT_MOST = 3
 DIFFERENT_DEG = 20.0
 DIFFERENT_FRACTION = 0.2
 NEARLY = 0.15
-"""By this share of the best pose's gain, and of the error it leaves, another may be behind it.
+"""By this share of the best pose's gain, and of the uncertainty it leaves, another may be worse.
 
 The second half is for the first views: they gain so much that a share of it means little.
 """
@@ -35,19 +35,19 @@ def clearly_different(one: Pose, other: Pose) -> bool:
 def nearly_equal(posterior: Posterior, best: Array, elites: Array) -> list[Array]:
     """The pose vectors (6,) of elites (K, 6) to offer besides `best` (6,), best first (at most 3).
 
-    Compared by the mean projection error they leave, whatever the search was for: it is what the
-    person is told. All are clearly different from `best` and from each other.
+    Compared by the projection uncertainty they leave, whatever the search was for: it is what the
+    page shows. All are clearly different from `best` and from each other.
     """
     if not len(elites):
         return []
-    errors = np.array(
+    uncertainties = np.array(
         [projection_uncertainty_px(posterior.camera, C) for C in posterior.after(elites)]
     )
     least = projection_uncertainty_px(posterior.camera, posterior.after(best)[0])
     allowed = least + NEARLY * min(max(posterior.uncertainty_px - least, 0.0), least)
     chosen, poses = list[Array](), [Pose.from_vector(best)]
-    for i in np.argsort(errors, kind="stable"):
-        if errors[i] > allowed or len(chosen) == AT_MOST:
+    for i in np.argsort(uncertainties, kind="stable"):
+        if uncertainties[i] > allowed or len(chosen) == AT_MOST:
             break
         pose = Pose.from_vector(elites[i])
         if all(clearly_different(pose, other) for other in poses):

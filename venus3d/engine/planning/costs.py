@@ -1,12 +1,9 @@
 """What a candidate pose is worth: one cost per name, all with the same interface.
 
 `make_cost(...)` returns `cost(vectors (N, 6)) -> (N,)`, smaller is better, never negative. All but
-"rms" come from the predicted covariance `sigma^2 (I + I_view)^-1` of the nine intrinsics (see
-`information`); "rms" really calibrates, which takes milliseconds a pose instead of microseconds.
-docs/costs.md derives each and says when it misleads.
-
-Which pose to try next is `search`'s business, what is left of an error after the best turn
-`projection_error`'s.
+"rms" come from the predicted covariance of the nine intrinsics (`Posterior.after`); "rms" really
+calibrates, which takes milliseconds a pose instead of microseconds. docs/costs.md derives each and
+says when it misleads.
 """
 
 from __future__ import annotations
@@ -18,43 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipe
 
-from venus3d.engine.calibration.corner_noise import NoiseModel
-from venus3d.engine.calibration.information import normal_matrices
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.projection_uncertainty import (
-    GRID,
-    border_moves,
-    grid_pixels,
-    projection_diff_px,
-    projection_uncertainty_px,
-    projection_weight,
-)
+from venus3d.engine.calibration.projection_uncertainty import border_moves, projection_weight
 from venus3d.engine.errors import CalibrationError, VenusError
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, rotations_of
-from venus3d.engine.geometry.quadrature import board_nodes
 from venus3d.engine.planning.method import COSTS, Cost
+from venus3d.engine.planning.posterior import Posterior
 
-# What is told in pixels lives in `projection_error`; it is part of what a cost is about.
-__all__ = [
-    "GRID",
-    "CostFunction",
-    "PoseCost",
-    "dispersion_scale",
-    "expected_distance",
-    "grid_pixels",
-    "index_of_dispersion",
-    "make_cost",
-    "predicted_covariance",
-    "projection_diff_px",
-    "projection_uncertainty_px",
-    "projection_weight",
-    "rough_of",
-    "with_surcharge",
-]
-
-_CHUNK = 512  # poses at a time: their Jacobians should stay in the processor's cache
 CostFunction = Callable[[Array], Array]
 
 
@@ -74,40 +42,29 @@ class PoseCost:
 
 def make_cost(
     name: Cost,
+    posterior: Posterior,
     *,
-    board: Board,
-    camera: Camera,
-    information: ArrayLike,
-    sigma_px: float = 1.0,
     observations: Sequence[Observation] = (),
     rng: np.random.Generator | None = None,
-    noise: NoiseModel | None = None,
 ) -> CostFunction:
-    """The cost of that name.
+    """The cost of that name: of one more view, after those of the `posterior`.
 
     Args:
-        information: (9, 9) what the views so far say, for corner noise of one pixel.
-        sigma_px: standard deviation of a corner coordinate, pixels.
         observations, rng: the views so far and a source of noise; only "rms" needs them.
-        noise: how noise and found corners depend on the pose; None: they do not.
 
     All but "rms" are a `PoseCost`, with a quicker cost to rank by.
 
     Raises `VenusError` for an unknown name and for "rms" without observations.
     """
     if name == "rms":
-        return _rms_cost(board, camera, sigma_px, observations, rng)
+        return _rms_cost(posterior, observations, rng)
     if name not in COSTS:
         raise VenusError(f"There is no cost {name!r}; use one of {', '.join(COSTS)}.")
-    value_of = _of_covariance(name, camera)
-
-    def cost(vectors: Array, rough: bool = False) -> Array:
-        covariance = predicted_covariance(
-            board, camera, information, vectors, noise=noise, rough=rough
-        )
-        return value_of(sigma_px**2 * covariance)
-
-    return PoseCost(cost, lambda vectors: cost(vectors, rough=True))
+    value_of = _of_covariance(name, posterior.camera)
+    return PoseCost(
+        lambda vectors: value_of(posterior.after(vectors)),
+        lambda vectors: value_of(posterior.after(vectors, rough=True)),
+    )
 
 
 def with_surcharge(cost: CostFunction, share: CostFunction) -> CostFunction:
@@ -121,41 +78,6 @@ def with_surcharge(cost: CostFunction, share: CostFunction) -> CostFunction:
 def rough_of(cost: CostFunction) -> CostFunction:
     """The quicker cost to rank poses by; the cost itself if it has none."""
     return cost.rough if isinstance(cost, PoseCost) else cost
-
-
-def predicted_covariance(
-    board: Board,
-    camera: Camera,
-    information: ArrayLike,
-    vectors: ArrayLike,
-    *,
-    noise: NoiseModel | None = None,
-    rough: bool = False,
-) -> Array:
-    """Covariance (N, 9, 9) of the intrinsics after one more view, for each pose vector (N, 6).
-
-    For corner noise of one pixel; the whole board is seen. With a noise model the view counts for
-    as much as the noise and the corners found under that pose let it.
-
-    The normal matrix of the view's pose and the intrinsics, with what is known of the latter added,
-    is `L L^T`. The pose stands first, so the lower right block of L is the root of the marginal
-    information: one Cholesky factor does what the Schur complement and a second one would do.
-
-    Raises numpy's `LinAlgError` if all together leave some parameter undetermined.
-    """
-    p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
-    known = np.asarray(information, dtype=np.float64)
-    points, weights = board_nodes(board) if rough else (board.corners, None)
-    covariances = np.empty((len(p), 9, 9))
-    for first in range(0, len(p), _CHUNK):
-        part = p[first : first + _CHUNK]
-        normal = normal_matrices(camera, points, rotations_of(part), part[:, 3:], weights)
-        if noise is not None:
-            normal *= noise.weight(camera, board, part)[:, None, None]
-        normal[:, 6:, 6:] += known
-        root = np.linalg.inv(np.linalg.cholesky(normal)[:, 6:, 6:])
-        np.matmul(np.swapaxes(root, 1, 2), root, out=covariances[first : first + _CHUNK])
-    return covariances
 
 
 def dispersion_scale(camera: Camera) -> Array:
@@ -220,19 +142,16 @@ def _largest_expected_error(moves: Array, covariances: Array) -> Array:
 
 
 def _rms_cost(
-    board: Board,
-    camera: Camera,
-    sigma_px: float,
-    observations: Sequence[Observation],
-    rng: np.random.Generator | None,
+    posterior: Posterior, observations: Sequence[Observation], rng: np.random.Generator | None
 ) -> CostFunction:
     """RmsErr: the rms over all views of a real calibration that includes the candidate."""
     from venus3d.engine.calibration.adjustment import calibrate
 
     if not observations:
         raise VenusError("The cost rms calibrates really and needs the views captured so far.")
+    board, camera = posterior.board, posterior.camera
     # One draw of noise for all candidates, or the search would hunt for lucky noise.
-    noise = (rng or np.random.default_rng(0)).normal(0, sigma_px, (board.corner_count, 2))
+    noise = (rng or np.random.default_rng(0)).normal(0, posterior.sigma_px, (board.corner_count, 2))
     ids = np.arange(board.corner_count)
 
     def rms(vectors: Array) -> Array:

@@ -1,7 +1,7 @@
-"""How many more views it takes until a wanted projection error: a plan ahead, made anew each time.
+"""How many more views it takes until a wanted projection uncertainty, by planning them ahead.
 
-From what is known now, view after view is added greedily, each the best of a small search, and the
-expected error after each is noted. The plan is only for counting; the poses asked for are
+From the posterior now, view after view is added greedily, each the best of a small search, and the
+uncertainty after each is noted. The plan is only for counting; the poses asked for are
 `suggest`'s, one at a time, since each view changes what is known.
 """
 
@@ -17,11 +17,11 @@ from venus3d.engine.calibration.information import view_information
 from venus3d.engine.calibration.projection_uncertainty import projection_weight
 from venus3d.engine.geometry.pose import Array, rotations_of
 from venus3d.engine.planning.heuristic_poses import HeuristicState
-from venus3d.engine.planning.method import SearchMethod
 from venus3d.engine.planning.pose_space import Space, nothing_fits
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search_trace import Stop
-from venus3d.engine.planning.suggest import find
+from venus3d.engine.planning.settings import PlanningSettings
+from venus3d.engine.planning.suggest import find_pose
 
 AHEAD = 10
 """Views planned ahead at most."""
@@ -34,16 +34,16 @@ _BUDGET = 1000
 """Poses that another search than the annealing looks at for each view of a plan: the target waits
 for the forecast, and scipy's would take half a minute."""
 _BEHIND = 1.03
-"""By this factor the errors planned lie above those of the suggestions' thorough search: 1.02 for
-the second view, 1.03 to 1.04 from the fourth to the ninth."""
+"""By this factor a plan lies above the thorough search of the suggestions: 1.02 for the second
+view, 1.03 to 1.04 from the fourth to the ninth."""
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """How many more views it takes until a wanted projection error, if targets are followed."""
+    """How many more views a wanted projection uncertainty takes, if targets are followed."""
 
     wanted_px: float
-    """The wanted mean projection error over the image."""
+    """The wanted projection uncertainty: rms over the image, pixels."""
     views: int | None
     """More views needed; 0 if it is reached; None if more than were looked ahead."""
     low: int | None
@@ -56,7 +56,7 @@ class Forecast:
 
 def forecast(
     posterior: Posterior,
-    way: SearchMethod,
+    settings: PlanningSettings,
     space: Space,
     rng: np.random.Generator,
     *,
@@ -67,7 +67,7 @@ def forecast(
     ahead: int = AHEAD,
     stop: Stop | None = None,
 ) -> Forecast | None:
-    """Views needed until the mean projection error over the image is `wanted_px` or less.
+    """Views needed until the projection uncertainty over the image is `wanted_px` or less.
 
     Args:
         degrees: degrees of freedom of the residuals that `posterior.sigma_px` was estimated from.
@@ -78,22 +78,22 @@ def forecast(
     Returns None when stopped. Raises `VenusError` if no pose fits the limits.
     """
     best, worst = spread_of(degrees)
-    errors = [posterior.uncertainty_px]
-    if errors[0] <= wanted_px:
+    uncertainties = [posterior.uncertainty_px]
+    if uncertainties[0] <= wanted_px:
         return Forecast(wanted_px, 0, 0, 0, 0)
-    plan = _plan(posterior, way, space, rng, state, first)
-    while len(errors) <= ahead and errors[-1] * worst > wanted_px:
+    plan = _plan(posterior, settings, space, rng, state, first)
+    while len(uncertainties) <= ahead and uncertainties[-1] * worst > wanted_px:
         if stop is not None and stop():
             return None
-        errors.append(next(plan))
-    views, low, high = (_reached(errors, factor, wanted_px) for factor in (1.0, best, worst))
+        uncertainties.append(next(plan))
+    views, low, high = (_reached(uncertainties, factor, wanted_px) for factor in (1.0, best, worst))
     # What is known now is not enough, so at least one more view is needed.
     low = None if low is None else max(low, 1)
-    return Forecast(wanted_px, views, low, high, len(errors) - 1)
+    return Forecast(wanted_px, views, low, high, len(uncertainties) - 1)
 
 
 def spread_of(degrees: int) -> tuple[float, float]:
-    """Factors (best, worst) by which all planned errors may come out otherwise.
+    """Factors (best, worst) by which all planned uncertainties may come out otherwise.
 
     From how well the noise is known: `degrees * s^2 / sigma^2` is chi-square distributed.
     """
@@ -102,31 +102,31 @@ def spread_of(degrees: int) -> tuple[float, float]:
     return float(best), float(worst)
 
 
-def _reached(errors: list[float], factor: float, wanted_px: float) -> int | None:
-    reached = [views for views, error in enumerate(errors) if error * factor <= wanted_px]
+def _reached(uncertainties: list[float], factor: float, wanted_px: float) -> int | None:
+    reached = [views for views, value in enumerate(uncertainties) if value * factor <= wanted_px]
     return reached[0] if reached else None
 
 
 def _plan(
     posterior: Posterior,
-    way: SearchMethod,
+    settings: PlanningSettings,
     space: Space,
     rng: np.random.Generator,
     state: HeuristicState | None,
     first: Array | None,
 ) -> Iterator[float]:
-    """The expected error after one view more, after two, and so on."""
+    """The uncertainty after one view more, after two, and so on."""
     # The quick search makes the projection variance small; another cost asks for other poses.
-    quick = way.method == "global" and way.cost == "projection-variance"
+    quick = settings.method == "global" and settings.search_cost == "projection-variance"
     poses = _Poses(posterior, space, rng) if quick else None
-    behind, budget = 1.0, None if way.strategy in (None, "annealing") else _BUDGET
+    behind, budget = 1.0, None if settings.search_strategy in (None, "annealing") else _BUDGET
     while True:
         if first is not None:
             vector, first = first, None
         elif poses is not None:
             vector, behind = poses.best(posterior), _BEHIND
         else:
-            found, _, state = find(way, posterior, space, rng, state=state, budget=budget)
+            found, _, state = find_pose(posterior, settings, space, rng, state=state, budget=budget)
             vector = found.vector
         posterior = posterior.with_view(vector)
         yield posterior.uncertainty_px / behind
@@ -136,18 +136,18 @@ class _Poses:
     """Poses of the space with what a view under each says: computed once, used for every view."""
 
     def __init__(self, posterior: Posterior, space: Space, rng: np.random.Generator) -> None:
-        self._outlook, self._space, self._rng = posterior, space, rng
+        self._start, self._space, self._rng = posterior, space, rng
         self._vectors, self._information = np.empty((0, 6)), np.empty((0, 9, 9))
         self._add(rng.random((_SPREAD, 6)))
 
     def best(self, posterior: Posterior) -> Array:
-        """(6,) the pose that leaves the least projection error after its view."""
+        """(6,) the pose that leaves the least projection uncertainty after its view."""
         variances = _variances(posterior, self._information)
         for stride in _STRIDES:
             parents = self._vectors[np.argsort(variances, kind="stable")[:_PARENTS]]
             around = np.repeat(self._space.to_unit(parents), _NEIGHBOURS // _PARENTS, axis=0)
-            told = self._add(around + stride * self._rng.standard_normal(around.shape))
-            variances = np.concatenate([variances, _variances(posterior, told)])
+            added = self._add(around + stride * self._rng.standard_normal(around.shape))
+            variances = np.concatenate([variances, _variances(posterior, added)])
         # The next view chooses among the best ones, so that it takes no longer than this one.
         kept = np.argsort(variances, kind="stable")[:_SPREAD]
         self._vectors, self._information = self._vectors[kept], self._information[kept]
@@ -156,17 +156,18 @@ class _Poses:
     def _add(self, unit: Array) -> Array:
         """Take in points (N, 6) of the unit cube; information (K, 9, 9) of those of the space."""
         vectors, good = self._space.bring_inside(self._space.from_unit(unit))
-        vectors, o = vectors[good], self._outlook
+        vectors, start = vectors[good], self._start
         if not len(vectors):
             if len(self._vectors):
                 return np.empty((0, 9, 9))
             raise nothing_fits(self._space)
-        told = view_information(o.camera, o.board.corners, rotations_of(vectors), vectors[:, 3:])
-        if o.noise is not None:
-            told *= o.noise.weight(o.camera, o.board, vectors)[:, None, None]
+        camera, board = start.camera, start.board
+        added = view_information(camera, board.corners, rotations_of(vectors), vectors[:, 3:])
+        if start.noise is not None:
+            added *= start.noise.weight(camera, board, vectors)[:, None, None]
         self._vectors = np.concatenate([self._vectors, vectors])
-        self._information = np.concatenate([self._information, told])
-        return told
+        self._information = np.concatenate([self._information, added])
+        return added
 
 
 def _variances(posterior: Posterior, information: Array) -> Array:

@@ -5,6 +5,7 @@ Where in it the best pose lies is `search`'s business.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose, rotations_of
 from venus3d.engine.planning.limit_projection import onto_limits
 from venus3d.engine.planning.limits import Limits, Mask
+from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.planning.settings import PlanningSettings
 
 SKIPPED_DEG = 15.0
 SKIPPED_FRACTION = 0.1
@@ -31,6 +34,12 @@ class Space:
     limits: Limits
     skipped: tuple[Pose, ...] = ()
     """Not offered again within 15 degrees and a tenth of the distance."""
+
+    @staticmethod
+    def of(posterior: Posterior, settings: PlanningSettings, skipped: Iterable[Pose] = ()) -> Space:
+        """The space that a plan of these settings searches."""
+        board, camera = posterior.board, posterior.camera
+        return Space(board, camera, settings.limits_for(board, camera), tuple(skipped))
 
     def accepts(self, vectors: ArrayLike) -> Mask:
         """Which pose vectors (N, 6) belong to the space: (N,) bool."""

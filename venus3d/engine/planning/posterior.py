@@ -1,7 +1,8 @@
 """What is known of a camera now, and what one more view would make of it.
 
-The start of everything that plans ahead: the suggestion, its alternatives, the forecast, the test
-whether a view is useful. What a pose is worth to a search is left to `costs`.
+Made once for each calibration and handed to everything that plans ahead: the next target, its
+alternatives, the forecast, the test whether a view is useful. What a pose is worth to a search is
+left to `costs`.
 """
 
 from __future__ import annotations
@@ -12,17 +13,24 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from venus3d.engine.calibration.corner_noise import NoiseModel
+from venus3d.engine.calibration.corner_noise import RENDERED, NoiseModel
 from venus3d.engine.calibration.information import (
     covariance_of,
+    normal_matrices,
     prior_information,
     view_information,
 )
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
-from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.costs import predicted_covariance, projection_uncertainty_px
+from venus3d.engine.geometry.pose import Array, Pose, rotations_of
+from venus3d.engine.geometry.quadrature import board_nodes
+
+LEAST_SIGMA_PX = 0.01
+"""Corners are never known better than this: predictions stay finite where residuals vanish."""
+_CHUNK = 512  # poses at a time: their Jacobians should stay in the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +41,7 @@ class Posterior:
     camera: Camera
     information: Array
     """(9, 9) for corner noise of one pixel; never singular."""
-    sigma_px: float
+    sigma_px: float = 1.0
     """Standard deviation of a corner coordinate, pixels."""
     noise: NoiseModel | None = None
     """How noise and found corners depend on the pose; None: they do not."""
@@ -53,12 +61,24 @@ class Posterior:
 
         The wide prior of `prior_information` is added while the views alone say less than it does.
         """
-        known = np.asarray(information, dtype=np.float64)
+        gathered = np.asarray(information, dtype=np.float64)
         prior = prior_information(camera, sigma_px)
-        settled = _settled(known, prior, sigma_px)
+        settled = _settled(gathered, prior, sigma_px)
         if not settled:
-            known = known + prior
-        return cls(board, planning_camera(camera), known, sigma_px, noise, settled)
+            gathered = gathered + prior
+        return cls(board, planning_camera(camera), gathered, sigma_px, noise, settled)
+
+    @classmethod
+    def of_calibration(
+        cls, calibration: Calibration, noise: NoiseModel | None = RENDERED
+    ) -> Posterior:
+        """The posterior after a calibration's views; the noise model is made relative to them."""
+        c = calibration
+        if noise is not None:
+            vectors = np.array([view.pose.vector() for view in c.views])
+            noise = noise.relative_to(c.camera, c.board, vectors)
+        sigma = max(c.residual_sigma_px, LEAST_SIGMA_PX)
+        return cls.of(c.board, c.camera, information_of(c), sigma, noise)
 
     @cached_property
     def covariance(self) -> Array:
@@ -67,14 +87,35 @@ class Posterior:
 
     @cached_property
     def uncertainty_px(self) -> float:
-        """Mean projection error over the image to expect now, pixels, the prior included."""
+        """Projection uncertainty now: rms over the image, pixels, the prior included."""
         return projection_uncertainty_px(self.camera, self.covariance)
 
-    def after(self, vectors: ArrayLike) -> Array:
-        """(N, 9, 9) covariances after one more view under each pose vector (N, 6)."""
-        return self.sigma_px**2 * predicted_covariance(
-            self.board, self.camera, self.information, vectors, noise=self.noise
-        )
+    def after(self, vectors: ArrayLike, *, rough: bool = False) -> Array:
+        """(N, 9, 9) covariances after one more view under each pose vector (N, 6).
+
+        The whole board is seen; with a noise model the view counts for as much as the noise and the
+        corners found under that pose let it. `rough` takes two dozen points of the board instead of
+        all corners (`quadrature`): good to a fraction of a per cent.
+
+        The normal matrix of the view's pose and the intrinsics, with the information on the latter
+        added, is `L L^T`. The pose stands first, so the lower right block of L is the root of the
+        marginal information: one Cholesky factor does what the Schur complement and a second one
+        would do.
+
+        Raises numpy's `LinAlgError` if all together leave some parameter undetermined.
+        """
+        p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
+        points, weights = board_nodes(self.board) if rough else (self.board.corners, None)
+        covariances = np.empty((len(p), 9, 9))
+        for first in range(0, len(p), _CHUNK):
+            part = p[first : first + _CHUNK]
+            normal = normal_matrices(self.camera, points, rotations_of(part), part[:, 3:], weights)
+            if self.noise is not None:
+                normal *= self.noise.weight(self.camera, self.board, part)[:, None, None]
+            normal[:, 6:, 6:] += self.information
+            root = np.linalg.inv(np.linalg.cholesky(normal)[:, 6:, 6:])
+            np.matmul(np.swapaxes(root, 1, 2), root, out=covariances[first : first + _CHUNK])
+        return self.sigma_px**2 * covariances
 
     def with_view(self, vector: ArrayLike) -> Posterior:
         """The posterior once a view under the pose vector (6,) is taken."""
@@ -82,11 +123,21 @@ class Posterior:
         after = covariance_of(self.after(vector)[0] / self.sigma_px**2)
         return replace(self, information=after)
 
-    def with_seen(self, observation: Observation, pose: Pose) -> Posterior:
-        """The posterior with a view as it is seen: those corners, under that pose."""
+    def with_observation(self, observation: Observation, pose: Pose) -> Posterior:
+        """The posterior once this very observation is taken as a view, under its pose."""
         points = self.board.points_of(observation.ids)
-        told = view_information(self.camera, points, pose.R[None], pose.t[None])[0]
-        return replace(self, information=self.information + told)
+        added = view_information(self.camera, points, pose.R[None], pose.t[None])[0]
+        return replace(self, information=self.information + added)
+
+
+def information_of(calibration: Calibration) -> Array:
+    """(9, 9) information of a calibration's views at its optimum, for corner noise of one pixel."""
+    total = np.zeros((9, 9))
+    for view in calibration.views:
+        points = calibration.board.points_of(view.observation.ids)
+        R, t = view.pose.R[None], view.pose.t[None]
+        total += view_information(calibration.camera, points, R, t)[0]
+    return total
 
 
 def _settled(information: Array, prior: Array, sigma_px: float) -> bool:

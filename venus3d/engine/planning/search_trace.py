@@ -36,15 +36,15 @@ class SearchStep:
 class SearchTrace:
     """A whole search as it went, to be watched afterwards."""
 
-    moves: tuple[SearchStep, ...]
+    steps: tuple[SearchStep, ...]
     """In order; the first ones only, if there were very many."""
     end: Array
     """(6,) the pose that the search ended with."""
 
     @property
     def is_batched(self) -> bool:
-        """Whether each move stands for a batch of poses (no walk from pose to pose)."""
-        return any(len(move.candidates) > 0 for move in self.moves)
+        """Whether each step stands for a batch of poses."""
+        return any(len(step.candidates) > 0 for step in self.steps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,24 +68,24 @@ OnSearchStep = Callable[[SearchStep], None]
 
 
 class SearchRecorder:
-    """Keeps the moves of a search. Used within one search; a move is kept as it is, not copied."""
+    """Keeps the steps of a search. Used within one search; a step is kept as it is, not copied."""
 
     AT_MOST = 6000
     """Poses kept, so that no search fills the memory: a third of a megabyte."""
 
     def __init__(self, watch: OnSearchStep | None = None) -> None:
-        """`watch` is told of every move as well."""
-        self._watch, self._moves, self._poses = watch, list[SearchStep](), 0
+        """`watch` is called with every step as well."""
+        self._watch, self._steps, self._poses = watch, list[SearchStep](), 0
 
-    def __call__(self, move: SearchStep) -> None:
-        """Take in one move."""
-        poses = max(1, len(move.candidates))
+    def __call__(self, step: SearchStep) -> None:
+        """Take in one step."""
+        poses = max(1, len(step.candidates))
         if self._poses + poses <= self.AT_MOST:
-            self._moves.append(move)
+            self._steps.append(step)
             self._poses += poses
         if self._watch is not None:
-            self._watch(move)
+            self._watch(step)
 
     def trace(self, end: Array) -> SearchTrace | None:
-        """The search that ended with the pose vector `end` (6,); None if there was no move."""
-        return SearchTrace(tuple(self._moves), end) if self._moves else None
+        """The search that ended with the pose vector `end` (6,); None if there was no step."""
+        return SearchTrace(tuple(self._steps), end) if self._steps else None

@@ -1,4 +1,4 @@
-"""The next target: the method finds a pose, and this says what it is for and how to get there.
+"""The next target: the pose that the method finds, what it is for and the steps to it.
 
 random           a valid random pose
 pose-selection   Rojtberg's pose for the parameter known worst
@@ -9,25 +9,18 @@ global           a search of the whole pose space within the limits
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from venus3d.engine.calibration.corner_noise import NoiseModel
 from venus3d.engine.calibration.observation import View
-from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
+from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.alternatives import nearly_equal
-from venus3d.engine.planning.costs import (
-    CostFunction,
-    make_cost,
-    projection_uncertainty_px,
-    with_surcharge,
-)
+from venus3d.engine.planning.costs import CostFunction, make_cost, with_surcharge
 from venus3d.engine.planning.heuristic_poses import (
     HeuristicPose,
     HeuristicState,
@@ -35,19 +28,12 @@ from venus3d.engine.planning.heuristic_poses import (
     rojtberg_pose,
     weakest_parameter,
 )
-from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import (
-    Cost,
-    Method,
-    SearchMethod,
-    Start,
-    Strategy,
-    search_method,
-)
+from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.reasons import held_in_words, reason_for, served
 from venus3d.engine.planning.search import OnSearchStep, SearchResult, Stop, search
+from venus3d.engine.planning.settings import PlanningSettings
 from venus3d.engine.planning.target import Target
 
 EFFORT = 0.02
@@ -68,62 +54,80 @@ class Suggestion:
 
 
 def suggest(
-    board: Board,
-    camera: Camera,
-    information: ArrayLike,
-    sigma_px: float,
+    calibration: Calibration,
+    settings: PlanningSettings | None = None,
     *,
-    method: Method = "global",
-    cost: Cost | None = None,
-    strategy: Strategy | None = None,
-    start: Start = "generated",
-    noise: NoiseModel | None = None,
-    limits: Limits | None = None,
+    number: int | None = None,
+    skipped: Iterable[Pose] = (),
+    rng: np.random.Generator | None = None,
+    state: HeuristicState | None = None,
+    stop: Stop | None = None,
+    on_step: OnSearchStep | None = None,
+) -> Target:
+    """The next pose to hold the calibration's board in, why, and the four steps to it.
+
+    Args:
+        settings: how it is found; None for the defaults: the method global.
+        number: the target's number; None: one more than there are views.
+        skipped: poses not to be offered again within 15 degrees and a tenth of the distance.
+        rng: None: seeded with 0 and the number, as a session with the seed 0 does.
+        state, stop, on_step: see `next_target`.
+
+    Raises `VenusError` for limits that leave no pose.
+    """
+    settings = settings or PlanningSettings()
+    count = len(calibration.views) + 1 if number is None else number
+    posterior = Posterior.of_calibration(calibration, settings.noise)
+    return next_target(
+        posterior,
+        settings,
+        Space.of(posterior, settings, skipped),
+        np.random.default_rng([0, count]) if rng is None else rng,
+        number=count,
+        state=state,
+        views=calibration.views,
+        stop=stop,
+        on_step=on_step,
+    ).target
+
+
+def next_target(
+    posterior: Posterior,
+    settings: PlanningSettings,
+    space: Space,
     rng: np.random.Generator,
+    *,
     number: int,
     state: HeuristicState | None = None,
     views: Sequence[View] = (),
-    skipped: Sequence[Pose] = (),
-    keep_best: bool = False,
     stop: Stop | None = None,
     on_step: OnSearchStep | None = None,
 ) -> Suggestion:
-    """The next pose to hold the board in.
+    """The next target in the `space`, with what is needed to go on after it.
 
     Args:
-        information: (9, 9) what the views so far say, for corner noise of one pixel.
-        sigma_px: standard deviation of a corner coordinate, pixels.
-        cost, strategy: None for the method's own (`DEFAULT_COST`, `DEFAULT_STRATEGY`).
-        start: where the method venus begins to search: at its rule's pose or at a random one.
-        noise: how noise and found corners depend on the pose; None: they do not.
-        limits: None for `Limits.for_board`.
         number: the target's number.
+        state: of the rule of the methods that have one.
         views: captured so far; only the cost "rms" needs their observations.
-        skipped: poses not to be offered again within 15 degrees and a tenth of the distance.
-        keep_best: let the annealing return the best pose it met, not the one it ends on.
         stop, on_step: see `search`.
 
-    Raises `VenusError` for what `search_method` refuses, and for limits that leave no pose.
+    Raises `VenusError` for limits that leave no pose.
     """
-    way = search_method(method, cost, strategy, start=start, keep_best=keep_best)
     began = time.perf_counter()
-    posterior = Posterior.of(board, camera, information, sigma_px, noise)
-    bounds = Limits.for_board(board, posterior.camera) if limits is None else limits
-    space = Space(board, posterior.camera, bounds, tuple(skipped))
-    found, generated, ended = find(
-        way, posterior, space, rng, state=state, views=views, stop=stop, on_step=on_step
+    found, generated, ended = find_pose(
+        posterior, settings, space, rng, state=state, views=views, stop=stop, on_step=on_step
     )
-    aimed_at = generated.parameter if method == "pose-selection" and generated else None
+    by_rule = settings.method == "pose-selection" and generated is not None
     others = tuple(
-        target_at(posterior, way, vector, number, evaluated=found.evaluated)
+        target_at(posterior, settings, vector, number, evaluated=found.evaluated)
         for vector in nearly_equal(posterior, found.vector, found.elites)
     )
     target = target_at(
         posterior,
-        way,
+        settings,
         found.vector,
         number,
-        aimed_at=aimed_at,
+        aimed_at=generated.parameter if by_rule and generated else None,
         alternatives=others,
         evaluated=found.evaluated,
         began=began,
@@ -131,9 +135,9 @@ def suggest(
     return Suggestion(target, ended, "" if generated is None else generated.note)
 
 
-def find(
-    way: SearchMethod,
+def find_pose(
     posterior: Posterior,
+    settings: PlanningSettings,
     space: Space,
     rng: np.random.Generator,
     *,
@@ -145,38 +149,39 @@ def find(
 ) -> tuple[SearchResult, HeuristicPose | None, HeuristicState]:
     """The pose itself; what the method's rule made, if that was used; the rule's state after it.
 
-    `budget` is about how many poses to look at, None for the search's own. Others as `suggest`.
+    `budget` is about how many poses to look at, None for the search's own. Others as `next_target`.
     """
+    strategy = settings.search_strategy
     begun = (state or HeuristicState()).observed(np.sqrt(np.diag(posterior.covariance)))
     # Other searches than the annealing do not start anywhere: no rule is asked.
-    ruled = way.strategy is None or (way.strategy == "annealing" and way.start == "generated")
-    made = _generated(way.method, space, posterior.covariance, begun) if ruled else None
+    ruled = strategy is None or (strategy == "annealing" and settings.start == "generated")
+    made = _generated(settings.method, space, posterior.covariance, begun) if ruled else None
     ended = begun if made is None else made.state
-    if way.strategy is None:
+    if strategy is None:
         vector = random_pose(space, rng) if made is None else made.vector
         return SearchResult(vector, float("nan"), 0, False), made, ended
     begin = None
-    if way.strategy == "annealing":
+    if strategy == "annealing":
         if made is not None and not space.accepts(made.vector)[0]:
             made = None
         begin = random_pose(space, rng) if made is None else made.vector
     found = search(
-        way.strategy,
+        strategy,
         space,
-        _price(way, posterior, space, views, rng),
+        _search_cost(settings, posterior, space, views, rng),
         rng,
         start=begin,
         budget=budget,
         stop=stop,
         on_step=on_step,
-        keep_best=way.keep_best,
+        keep_best=settings.keep_best,
     )
     return found, made, ended
 
 
 def target_at(
     posterior: Posterior,
-    way: SearchMethod,
+    settings: PlanningSettings,
     vector: Array,
     number: int,
     *,
@@ -199,8 +204,8 @@ def target_at(
         number=number,
         pose=pose,
         steps=decompose(pose, camera, board),
-        method=way.method,
-        cost=way.cost,
+        method=settings.method,
+        cost=settings.search_cost,
         serves=serves,
         reason=reason_for(serves, pose, camera, board),
         predicted_sigma=np.sqrt(np.diag(after)),
@@ -213,8 +218,8 @@ def target_at(
     )
 
 
-def _price(
-    way: SearchMethod,
+def _search_cost(
+    settings: PlanningSettings,
     posterior: Posterior,
     space: Space,
     views: Sequence[View],
@@ -222,23 +227,15 @@ def _price(
 ) -> CostFunction:
     """The cost; for the method global with a tiny surcharge for the turns that a person has to
     make (see `EFFORT`)."""
-    price = make_cost(
-        way.cost,
-        board=posterior.board,
-        camera=posterior.camera,
-        information=posterior.information,
-        sigma_px=posterior.sigma_px,
-        observations=[view.observation for view in views],
-        rng=rng,
-        noise=posterior.noise,
-    )
-    if way.method != "global":
-        return price
+    observations = [view.observation for view in views]
+    cost = make_cost(settings.search_cost, posterior, observations=observations, rng=rng)
+    if settings.method != "global":
+        return cost
 
     def effort(vectors: Array) -> Array:
         return EFFORT * np.abs(vectors[:, :3]).mean(axis=1) / space.limits.max_angle_deg
 
-    return with_surcharge(price, effort)
+    return with_surcharge(cost, effort)
 
 
 def _generated(

@@ -31,13 +31,13 @@ class Target:
     predicted_sigma: Array
     """(9,) expected standard deviations after this view; NaN where not known."""
     predicted_uncertainty_px: float
-    """Expected mean projection error over the image after this view; NaN where not known."""
+    """Projection uncertainty over the image after this view, pixels; NaN where not known."""
     evaluated: int
     """How many candidate poses were looked at."""
     search_s: float
     """How long the search took."""
     uncertainty_px: float = float("nan")
-    """Expected mean projection error over the image before this view; NaN where not known."""
+    """Projection uncertainty over the image before this view, pixels; NaN where not known."""
     alternatives: tuple[Target, ...] = ()
     """Clearly different poses that are nearly as good, best first; one may suit the wrists."""
     held: str = ""
@@ -45,7 +45,7 @@ class Target:
 
     @property
     def gain_px(self) -> float:
-        """By how much this view is expected to lower the mean projection error; NaN if unknown."""
+        """By how much this view should lower the projection uncertainty, pixels; NaN if unknown."""
         return self.uncertainty_px - self.predicted_uncertainty_px
 
 

@@ -1,13 +1,42 @@
-"""What the captured views tell about the camera, as frozen values that anyone may draw.
+"""Projection uncertainty over the image, now and after the next view, and each view's influence.
 
-Nothing in here computes: `uncertainty` fills it.
+What a calibration would be without one of its views is estimated without calibrating anew. At the
+optimum let view i have the residuals r_i, the Jacobian J_i by the intrinsics and the information
+I_i of `information`, and let A be the sum of the other views' informations. To first order the
+others alone
+
+    say the parameters    x - A^-1 g,                     g = J_i^T r_i
+    leave the squares     S - |r_i|^2 - g^T A^-1 g,       S those of all views
+    have the covariance   sigma^2 A^-1,                   sigma^2 = squares / degrees of freedom
+
+(Cook 1977, "Detection of influential observation in linear regression"). r_i is orthogonal to the
+view's own pose, which is at its optimum, so the pose drops out of g.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.projection_uncertainty import (
+    projection_uncertainty_px,
+    uncertainty_map,
+)
+from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.planning.target import Target
+
+MAP = (36, 24)
+"""Cells of the maps across and down: three in each direction for one ray of the mean, which is the
+middle one."""
+# Information whose parameters are tied more strongly than this cannot be told from singular.
+_TIED = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,7 +46,7 @@ class Influence:
     number: int
     """The view's number."""
     uncertainty_px: float
-    """Expected mean projection error over the image; NaN if the others determine no camera."""
+    """Projection uncertainty over the image, pixels; NaN if the others determine no camera."""
     rms_px: float
     """Root mean square reprojection distance of the others; NaN likewise."""
     parameters: Array
@@ -28,12 +57,12 @@ class Influence:
 
 @dataclass(frozen=True, eq=False)
 class ProjectionUncertainty:
-    """How well a calibration knows the camera over its image, and what each view has part in."""
+    """How well a camera is known over its image, and what each view contributes to that."""
 
     uncertainty_px: float
-    """Expected mean projection error over the image, pixels: the root mean square of the map."""
+    """Projection uncertainty over the image, pixels: the root mean square of the map."""
     uncertainty_map: Array
-    """(rows, columns) expected projection error at equal cells' centres; NaN where no ray is."""
+    """(rows, columns) the same at the centres of equal cells; NaN where no ray is."""
     predicted: tuple[tuple[Pose, Array], ...]
     """The target's pose and its alternatives', each with the map to expect after a view there."""
     influences: tuple[Influence, ...]
@@ -41,8 +70,86 @@ class ProjectionUncertainty:
 
     def predicted_at(self, pose: Pose) -> Array | None:
         """The map to expect after a view at this very target's pose; None if it is none of them."""
-        return next((errors for known, errors in self.predicted if known is pose), None)
+        return next((map_ for aim, map_ in self.predicted if aim is pose), None)
 
     def without(self, number: int) -> Influence | None:
         """What would be known without the view of this number; None if there is none."""
         return next((left for left in self.influences if left.number == number), None)
+
+
+def projection_uncertainty(
+    calibration: Calibration, posterior: Posterior, target: Target | None
+) -> ProjectionUncertainty | None:
+    """The uncertainty of a calibration; None while it does not estimate all nine parameters.
+
+    Args:
+        posterior: of the same views; the maps to expect after a view are its.
+        target: the next target, with its alternatives; None if there is none.
+    """
+    if not all(calibration.free):
+        return None
+    targets = () if target is None else (target, *target.alternatives)
+    predicted: list[tuple[Pose, Array]] = []
+    if targets and posterior.settled:
+        after = posterior.after(np.array([aim.pose.vector() for aim in targets]))
+        predicted = [
+            (aim.pose, uncertainty_map(posterior.camera, covariance, MAP))
+            for aim, covariance in zip(targets, after, strict=True)
+        ]
+    return ProjectionUncertainty(
+        calibration.uncertainty_px,
+        uncertainty_map(calibration.camera, calibration.covariance, MAP),
+        tuple(predicted),
+        influences(calibration),
+    )
+
+
+def influences(calibration: Calibration) -> tuple[Influence, ...]:
+    """What would be known without each of the views of a full calibration, in their order."""
+    camera, views = calibration.camera, calibration.views
+    parts = [_information_and_pull(calibration, view) for view in views]
+    total = np.sum([information for information, _ in parts], axis=0)
+    return tuple(
+        _without(camera, views, view, total - information, gradient)
+        for view, (information, gradient) in zip(views, parts, strict=True)
+    )
+
+
+def _information_and_pull(calibration: Calibration, view: View) -> tuple[Array, Array]:
+    """The view's information (9, 9) and its pull on the parameters, g (9,); unit noise."""
+    camera, points = calibration.camera, calibration.board.points_of(view.observation.ids)
+    R, t = view.pose.R[None], view.pose.t[None]
+    _, intrinsic, _ = camera.project_with_jacobians(points, R, t)
+    gradient = intrinsic.reshape(-1, len(PARAMETERS)).T @ view.errors.reshape(-1)
+    return view_information(camera, points, R, t)[0], gradient
+
+
+def _without(
+    camera: Camera, views: Sequence[View], view: View, others: Array, gradient: Array
+) -> Influence:
+    corners = sum(v.observation.count for v in views) - view.observation.count
+    freedom = 2 * corners - len(PARAMETERS) - 6 * (len(views) - 1)
+    unit = _covariance(others) if freedom > 0 else None
+    if unit is None:
+        nothing = np.full(len(PARAMETERS), np.nan)
+        return Influence(view.number, float("nan"), float("nan"), nothing, nothing)
+    squares = sum(float(np.sum(v.errors**2)) for v in views if v is not view)
+    squares = max(squares - float(gradient @ unit @ gradient), 0.0)
+    covariance = squares / freedom * unit
+    return Influence(
+        view.number,
+        projection_uncertainty_px(camera, covariance),
+        float(np.sqrt(squares / corners)),
+        camera.parameters - unit @ gradient,
+        np.sqrt(np.diag(covariance)),
+    )
+
+
+def _covariance(information: Array) -> Array | None:
+    """(9, 9) for unit noise; None if the information is singular, or as good as."""
+    scale = np.sqrt(np.abs(np.diag(information)))
+    if not (scale > 0).all():
+        return None
+    if np.linalg.eigvalsh(information / np.outer(scale, scale))[0] < _TIED:
+        return None
+    return covariance_of(information)

@@ -9,7 +9,8 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, arg
 
 from venus3d.engine.errors import VenusError
-from venus3d.engine.planning.method import Cost, Method, Strategy, search_method
+from venus3d.engine.planning.method import Cost, Method, Strategy
+from venus3d.engine.planning.settings import PlanningSettings
 from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
 from venus3d.scene.web.address import audience_address
 
@@ -80,7 +81,7 @@ class GuideOptions:
         """Raises `VenusError` for the first option that cannot be met."""
         self.board.board()
         self._check_audience()
-        search_method(self.method, self.cost, self.search)
+        PlanningSettings(self.method, self.cost, self.search)
         self.limits.check()
         check_range("--wanted-error", self.wanted_error, 0.001, 100)
         check_range("--overlap", self.overlap, 0.1, 0.99)

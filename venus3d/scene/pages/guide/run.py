@@ -13,8 +13,8 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.guidance.work import Settings
 from venus3d.scene.pages.guide import texts
 from venus3d.scene.pages.guide.headless import run_headless
 from venus3d.scene.pages.guide.live import LiveGuide

@@ -56,7 +56,7 @@ class SearchFrame:
     @property
     def is_last(self) -> bool:
         """Whether all has been shown."""
-        return self.shown == len(self.search_trace.moves)
+        return self.shown == len(self.search_trace.steps)
 
     @property
     def back(self) -> float:
@@ -66,7 +66,7 @@ class SearchFrame:
 
 def shown_after(search_trace: SearchTrace, seconds: float) -> int:
     """How many moves are shown so long after the start; at least 1."""
-    count = len(search_trace.moves)
+    count = len(search_trace.steps)
     return min(count, 1 + int(count * max(seconds, 0.0) / SECONDS))
 
 
@@ -76,7 +76,7 @@ def search_shapes(
 ) -> tuple[Shape, ...]:
     """The search after `shown` moves."""
     stage, colours = SearchFrame(search_trace, shown), ground(dark)
-    moves, back = search_trace.moves[:shown], stage.back
+    moves, back = search_trace.steps[:shown], stage.back
     poses, colour, fresh = _dots(stage, dark)
     shapes: list[Shape] = [
         PointShape("/search/places", poses[:, 3:], colour, back * _DOT),
@@ -105,12 +105,12 @@ def search_shapes(
 
 def caption(search_trace: SearchTrace, shown: int, number: int, *, in_px: bool) -> str:
     """What is to be seen, in one line; `in_px` if the cost is a mean variance in square pixels."""
-    last, title = search_trace.moves[shown - 1], texts.SEARCH_TITLE.format(number=number)
-    best, is_last = _cost_text(last.best_cost, in_px), shown == len(search_trace.moves)
+    last, title = search_trace.steps[shown - 1], texts.SEARCH_TITLE.format(number=number)
+    best, is_last = _cost_text(last.best_cost, in_px), shown == len(search_trace.steps)
     if search_trace.is_batched:
         text = texts.SEARCH_DONE if is_last else texts.SEARCH_BATCH
         return f"{title}: {text.format(looked=last.evaluated, best=best)}"
-    taken = [move for move in search_trace.moves[:shown] if move.accepted]
+    taken = [move for move in search_trace.steps[:shown] if move.accepted]
     if is_last:
         at_end = [
             move.cost for move in taken if np.allclose(move.vector, search_trace.end, atol=1e-6)
@@ -120,7 +120,7 @@ def caption(search_trace: SearchTrace, shown: int, number: int, *, in_px: bool) 
         return f"{title}: {done}"
     told = texts.SEARCH_MOVE.format(
         move=shown,
-        moves=len(search_trace.moves),
+        moves=len(search_trace.steps),
         verdict=texts.SEARCH_TAKEN if last.accepted else texts.SEARCH_REFUSED,
         accepted=len(taken),
         best=best,
@@ -139,7 +139,7 @@ def _dots(stage: SearchFrame, dark: bool) -> tuple[Array, NDArray[np.uint8], Arr
         (move.candidates, move.candidate_costs)
         if len(move.candidates)
         else (move.vector[None], np.array([move.cost]))
-        for move in stage.search_trace.moves
+        for move in stage.search_trace.steps
     ]
     every = np.log(np.concatenate([costs for _, costs in batches]))
     low, high = np.percentile(every, [1, 90])
@@ -179,7 +179,7 @@ def _in_box(poses: Array, back: float) -> Array:
 def _walk_shapes(stage: SearchFrame, board: Board, dark: bool) -> list[Shape]:
     """The line of the poses taken so far, and the pose that is looked at now."""
     colours = ground(dark)
-    moves = stage.search_trace.moves[: stage.shown]
+    moves = stage.search_trace.steps[: stage.shown]
     taken = [move.vector for move in moves if move.accepted]
     last = moves[-1]
     colour = step_colour(1, dark) if last.accepted else colours.ghost

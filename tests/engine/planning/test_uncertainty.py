@@ -24,11 +24,15 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.guidance.work import Work, information_of, noise_of
-from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.guidance.work import Work
+from venus3d.engine.planning.posterior import Posterior, information_of
 from venus3d.engine.planning.search_trace import SearchRecorder, SearchStep
-from venus3d.engine.planning.uncertainty import ProjectionUncertainty
-from venus3d.engine.planning.uncertainty_map import MAP, influences, projection_uncertainty
+from venus3d.engine.planning.uncertainty import (
+    MAP,
+    ProjectionUncertainty,
+    influences,
+    projection_uncertainty,
+)
 
 POSES = (
     [30, 5, 0, 0, 0, 0.45],
@@ -116,7 +120,7 @@ def test_without_a_view_is_what_a_calibration_without_it_says(
     known: Calibration, default_board: Board, observations: list[Observation], dropped: int
 ) -> None:
     """Told beforehand to first order; when OpenCV does it, it is the same but for two percent."""
-    told = influences(default_board, known)[dropped]
+    told = influences(known)[dropped]
     assert told.number == dropped + 1
     done = calibrate(default_board, [o for i, o in enumerate(observations) if i != dropped])
     error = projection_uncertainty_px(done.camera, done.covariance)
@@ -136,7 +140,7 @@ def test_leaving_out_a_bad_view_is_foretold_to_help(
     good = [observe(paper_camera, default_board, vector, rng) for vector in POSES]
     shaken = replace(good[2], corners=good[2].corners + rng.normal(0, 3, good[2].corners.shape))
     spoilt = calibrate(default_board, [*good[:2], shaken, *good[3:]])
-    told = influences(default_board, spoilt)
+    told = influences(spoilt)
     done = calibrate(default_board, [*good[:2], *good[3:]])
     now = projection_uncertainty_px(spoilt.camera, spoilt.covariance)
     assert told[2].uncertainty_px < 0.6 * now
@@ -152,7 +156,7 @@ def test_without_one_of_two_views_nothing_is_promised(
 ) -> None:
     """A single view does not determine nine parameters."""
     two = calibrate(default_board, observations[:2])
-    for left in influences(default_board, two):
+    for left in influences(two):
         assert np.isnan(
             left.uncertainty_px
         ) or left.uncertainty_px > 10 * projection_uncertainty_px(two.camera, two.covariance)
@@ -196,10 +200,10 @@ def test_global_search_is_recorded_with_all_its_candidates(
     snapshot = session_after(paper_camera, default_board, observations[:3], Settings())
     walk, target = snapshot.search_trace, snapshot.target
     assert walk is not None and target is not None and walk.is_batched
-    poses = np.concatenate([move.candidates for move in walk.moves])
-    costs = np.concatenate([move.candidate_costs for move in walk.moves])
-    assert len(poses) == len(costs) == target.evaluated == walk.moves[-1].evaluated
-    bests = np.array([move.best_cost for move in walk.moves])
+    poses = np.concatenate([move.candidates for move in walk.steps])
+    costs = np.concatenate([move.candidate_costs for move in walk.steps])
+    assert len(poses) == len(costs) == target.evaluated == walk.steps[-1].evaluated
+    bests = np.array([move.best_cost for move in walk.steps])
     assert (np.diff(bests) <= 0).all() and bests[-1] == costs.min()
     np.testing.assert_allclose(walk.end, target.pose.vector(), atol=1e-9)
     assert len(np.unique(poses, axis=0)) > 0.9 * len(poses), "no batch was written over"
@@ -212,8 +216,8 @@ def test_annealing_is_recorded_move_by_move(
     snapshot = session_after(paper_camera, default_board, observations[:3], settings)
     walk = snapshot.search_trace
     assert walk is not None and not walk.is_batched
-    assert 60 <= len(walk.moves) <= 70
-    taken = [move for move in walk.moves if move.accepted]
+    assert 60 <= len(walk.steps) <= 70
+    taken = [move for move in walk.steps if move.accepted]
     # As printed, the walk ends on the pose it took last, not on its best one.
     np.testing.assert_allclose(walk.end, taken[-1].vector, atol=1e-9)
     # Algorithm 1 changes one element at a time, from the last pose taken.
@@ -231,7 +235,7 @@ def test_a_long_search_does_not_fill_the_memory() -> None:
     for _ in range(3 * SearchRecorder.AT_MOST):
         recorder(move)
     walk = recorder.trace(np.zeros(6))
-    assert walk is not None and len(walk.moves) == SearchRecorder.AT_MOST
+    assert walk is not None and len(walk.steps) == SearchRecorder.AT_MOST
 
 
 def test_watching_changes_no_target(
@@ -251,15 +255,15 @@ def test_watching_changes_no_target(
         np.testing.assert_allclose(
             watched.suggestion.target.pose.matrix, alone.suggestion.target.pose.matrix, atol=1e-5
         )
-        assert watched.search_trace is not None and tuple(told) == watched.search_trace.moves
+        assert watched.search_trace is not None and tuple(told) == watched.search_trace.steps
         session.apply(watched)
 
 
 def test_no_maps_are_promised_while_the_views_alone_do_not_say_enough(
     known: Calibration, default_board: Board
 ) -> None:
-    information = information_of(known, default_board)
-    posterior = Posterior.of(default_board, known.camera, 1e-9 * information, noise_of(known))
+    information = 1e-9 * information_of(known)
+    posterior = Posterior.of(default_board, known.camera, information, known.residual_sigma_px)
     assert not posterior.settled
-    knows = projection_uncertainty(default_board, known, posterior, None)
+    knows = projection_uncertainty(known, posterior, None)
     assert knows is not None and knows.predicted == ()

@@ -1,0 +1,87 @@
+"""How the next pose is found: the method with its cost and search, the noise model, the limits.
+
+What does not go together is refused when the settings are made, before anything starts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from venus3d.engine.calibration.corner_noise import RENDERED, NoiseModel
+from venus3d.engine.errors import VenusError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.method import (
+    COSTS,
+    DEFAULT_COST,
+    DEFAULT_STRATEGY,
+    METHODS,
+    STRATEGIES,
+    Cost,
+    Method,
+    Start,
+    Strategy,
+)
+
+
+@dataclass(frozen=True)
+class PlanningSettings:
+    """How the next pose is found.
+
+    Raises `VenusError` for names that do not exist and for combinations that make no sense.
+    """
+
+    method: Method = "global"
+    cost: Cost | None = None
+    """None: the method's own."""
+    strategy: Strategy | None = None
+    """How the method searches; None: its own search."""
+    start: Start = "generated"
+    """Method venus: where its search begins, at the rule's pose or at a random one."""
+    noise: NoiseModel | None = RENDERED
+    """How noise and found corners depend on a pose, when planning; None: they do not."""
+    limits: Mapping[str, float] = field(default_factory=dict[str, float])
+    """`Limits`' fields that are set by hand; the rest suit the board and the camera."""
+    keep_best: bool = False
+    """Method venus: return the best pose that the annealing met, not the one it ends on."""
+
+    def __post_init__(self) -> None:
+        for kind, name, names in (
+            ("method", self.method, METHODS),
+            ("cost", self.cost, COSTS),
+            ("search", self.strategy, STRATEGIES),
+        ):
+            if name is not None and name not in names:
+                raise VenusError(f"There is no {kind} {name!r}; use one of {', '.join(names)}.")
+        if self.method not in DEFAULT_STRATEGY:
+            # A cost is harmless where it is the default, a misunderstanding elsewhere.
+            own = self.cost == DEFAULT_COST[self.method]
+            unused = self.strategy or (None if own else self.cost)
+            if unused is not None:
+                raise VenusError(
+                    f"The method {self.method} does not search, so the "
+                    f"{'search' if self.strategy else 'cost'} {unused} has no use there; leave it "
+                    "out or use the method venus or global."
+                )
+        elif self.cost == "rms" and self.search_strategy != "annealing":
+            slow = "method global" if self.method == "global" else f"search {self.strategy}"
+            raise VenusError(
+                f"The cost rms calibrates anew for every pose and is too slow for the {slow}; use "
+                "it with the method venus and its own search, or use projection-variance."
+            )
+
+    @property
+    def search_cost(self) -> Cost:
+        """The cost that is used: `cost`, or the method's own."""
+        return self.cost or DEFAULT_COST[self.method]
+
+    @property
+    def search_strategy(self) -> Strategy | None:
+        """The search that is used: `strategy`, or the method's own; None: it searches nothing."""
+        return self.strategy or DEFAULT_STRATEGY.get(self.method)
+
+    def limits_for(self, board: Board, camera: Camera) -> Limits:
+        """The limits that suit the board and the camera, but for those set by hand."""
+        return replace(Limits.for_board(board, camera), **self.limits)
