@@ -23,7 +23,7 @@ from venus3d.sources.sim import Simulation
 
 _PLACES: dict[str, tuple[Any, str]] = {
     "source": (Simulation, "read"),
-    "detector": (BoardTracker, "look"),
+    "detector": (BoardTracker, "track"),
     "drawing": (Viewer, "show"),
     "search": (Work, "run"),
 }
