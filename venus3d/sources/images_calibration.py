@@ -15,6 +15,7 @@ from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.calibration.view_selection import select_views
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
+from venus3d.engine.sentences import listed
 from venus3d.sources.recording import Images, Recording, observe_recording
 
 FEWEST_VIEWS = 3
@@ -95,7 +96,7 @@ def calibrate_recording(
     else:
         missed = [o.name for o in recording.observations if not o.count]
         if missed and seen:
-            warnings.append(f"The board was not found in {_listed(missed)}.")
+            warnings.append(f"The board was not found in {listed(missed, most=5)}.")
     diagnoses = _board_diagnoses(detector, recording)
     _check_count(seen, diagnoses)
     calibration = calibrate(detector.board, seen)
@@ -130,9 +131,3 @@ def _check_count(seen: Sequence[Observation], diagnoses: Sequence[Diagnosis]) ->
             f"Only {len(seen)} {pictures} the board, and a calibration needs at least "
             f"{FEWEST_VIEWS}, better 10 with the board tilted in different directions."
         )
-
-
-def _listed(names: Sequence[str]) -> str:
-    if len(names) > 5:
-        return f"{', '.join(names[:4])} and {len(names) - 4} more"
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

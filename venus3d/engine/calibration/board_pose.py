@@ -1,4 +1,4 @@
-"""Where the board is now: one pose from one observation under a known camera."""
+"""The board's pose from one observation by a known camera (PnP)."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import rms_distance
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
@@ -67,4 +68,4 @@ def _refined(
     )
     pose = Pose.from_rvec_tvec(rvec, tvec)
     error = observation.corners - camera.project(pose.apply(points))
-    return pose, float(np.sqrt((error**2).sum(axis=1).mean()))
+    return pose, rms_distance(error)

@@ -18,6 +18,7 @@ from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.camera import PARAMETERS, planning_camera
 from venus3d.engine.geometry.pose import Array
+from venus3d.engine.sentences import listed
 
 WEAK_ANGLE_DEG = 20.0
 """Views whose normals differ by less, all of them, are near parallel."""
@@ -96,8 +97,7 @@ def _folding(calibration: Calibration) -> Iterator[Diagnosis]:
     camera = calibration.camera
     if planning_camera(camera) is camera:
         return
-    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * (np.array(camera.image_size) - 1.0)
-    farthest = float(np.linalg.norm(corners - [camera.cx, camera.cy], axis=1).max())
+    farthest = float(np.linalg.norm(camera.image_corners - [camera.cx, camera.cy], axis=1).max())
     limit = camera.radius_limit
     if np.isfinite(limit):
         edge = limit * (1 + camera.k1 * limit**2 + camera.k2 * limit**4 + camera.k3 * limit**6)
@@ -125,11 +125,11 @@ def _outlying(calibration: Calibration) -> Iterator[Diagnosis]:
     named = [
         f"{v.number} ({v.observation.name})" if v.observation.name else f"{v.number}" for v in worst
     ]
-    errors = _listed([f"{view.rms_px:.2f}" for view in worst])
+    errors = listed([f"{view.rms_px:.2f}" for view in worst])
     several = len(worst) > 1
     yield Diagnosis(
         "outlying-view",
-        f"View{'s' if several else ''} {_listed(named)} fit{'' if several else 's'} far worse than "
+        f"View{'s' if several else ''} {listed(named)} fit{'' if several else 's'} far worse than "
         f"the others: rms {errors} px against {median:.2f} px.",
         f"Leave {'them' if several else 'it'} out, and take {'them' if several else 'it'} again "
         "with the board flat and held still.",
@@ -143,12 +143,12 @@ def _unseen(calibration: Calibration) -> Iterator[Diagnosis]:
     free = {"left": x.min(), "right": 1 - x.max(), "top": y.min(), "bottom": 1 - y.max()}
     sides = [side for side, share in free.items() if share > UNSEEN_SIDE]
     if sides:
-        shares = _listed([f"{side} {100 * free[side]:.0f} %" for side in sides])
+        shares = listed([f"{side} {100 * free[side]:.0f} %" for side in sides])
         yield Diagnosis(
             "unseen-side",
             f"No corner was ever seen in the picture's {shares}, so the lens is only guessed "
             "there.",
-            f"Add views with the board at the {_listed(sides)} of the picture.",
+            f"Add views with the board at the {listed(sides)} of the picture.",
         )
         return
     places = {
@@ -162,9 +162,9 @@ def _unseen(calibration: Calibration) -> Iterator[Diagnosis]:
         away = 100 * max(places[place] for place in corners)
         yield Diagnosis(
             "unseen-side",
-            f"The board was never in the picture's {_listed(corners)} corner{many} (up to "
+            f"The board was never in the picture's {listed(corners)} corner{many} (up to "
             f"{away:.0f} % of the picture away from it), where the lens bends most.",
-            f"Add views with the board in the {_listed(corners)} corner{many}.",
+            f"Add views with the board in the {listed(corners)} corner{many}.",
         )
 
 
@@ -246,10 +246,6 @@ def _depths(calibration: Calibration) -> Array:
     return np.concatenate(
         [v.pose.apply(points_of(v.observation.ids))[:, 2] for v in calibration.views]
     )
-
-
-def _listed(words: list[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 _CHECKS = (

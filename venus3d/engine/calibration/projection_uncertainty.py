@@ -35,12 +35,12 @@ def projection_weight(camera: Camera) -> Array:
     the expectation of that over d with covariance C is `trace(W C)`, W = J^T P J / n. Both pixel
     axes are summed: the root is the rms distance in the image.
     """
-    left = _moves(camera, grid_pixels(camera.image_size))[1].reshape(-1, 9)
+    left = _pixel_derivatives(camera, grid_pixels(camera.image_size))[1].reshape(-1, 9)
     return 2 * left.T @ left / len(left)
 
 
 @lru_cache(maxsize=16)
-def border_moves(camera: Camera) -> Array:
+def border_derivatives(camera: Camera) -> Array:
     """(n, 2, 9) how the pixels of MaxERE's rays move with the intrinsics, the best turn taken out.
 
     The ray's pixel has the covariance `E_k C E_k^T` for intrinsics of the covariance C.
@@ -48,7 +48,7 @@ def border_moves(camera: Camera) -> Array:
     width, height = camera.image_size
     u, v = np.linspace(0, width - 1, ERE_GRID[0]), np.linspace(0, height - 1, ERE_GRID[1])
     pixels = np.stack([np.tile(u, len(v)), np.repeat(v, len(u))], axis=1).astype(np.float64)
-    return _moves(camera, pixels)[1]
+    return _pixel_derivatives(camera, pixels)[1]
 
 
 def projection_uncertainty_px(camera: Camera, covariance: ArrayLike) -> float:
@@ -63,17 +63,19 @@ def uncertainty_map(camera: Camera, covariance: ArrayLike, grid: tuple[int, int]
     NaN where no ray reaches the pixel. The turn taken out is the one that best undoes the move at
     the pixels of `GRID`: there the mean square of the map is that of `projection_uncertainty_px`.
     """
-    at, moves = _map_moves(camera, grid)
-    variance = np.einsum("nij,jk,nik->n", moves, np.asarray(covariance, np.float64), moves)
+    at, derivatives = _map_derivatives(camera, grid)
+    variance = np.einsum(
+        "nij,jk,nik->n", derivatives, np.asarray(covariance, np.float64), derivatives
+    )
     errors = np.full(grid[0] * grid[1], np.nan)
     errors[at] = np.sqrt(np.maximum(variance, 0.0))
     return errors.reshape(grid[1], grid[0])
 
 
 @lru_cache(maxsize=4)
-def _map_moves(camera: Camera, grid: tuple[int, int]) -> tuple[NDArray[np.intp], Array]:
+def _map_derivatives(camera: Camera, grid: tuple[int, int]) -> tuple[NDArray[np.intp], Array]:
     size = camera.image_size
-    return _moves(camera, grid_pixels(size), grid_pixels(size, grid))
+    return _pixel_derivatives(camera, grid_pixels(size), grid_pixels(size, grid))
 
 
 def projection_diff_px(true: Camera, estimate: Camera, grid: tuple[int, int] = GRID) -> float:
@@ -103,7 +105,7 @@ def grid_pixels(image_size: tuple[int, int], grid: tuple[int, int] = GRID) -> Ar
     return np.stack([np.tile(u, down), np.repeat(v, across)], axis=1)
 
 
-def _moves(
+def _pixel_derivatives(
     camera: Camera, pixels: Array, at: Array | None = None
 ) -> tuple[NDArray[np.intp], Array]:
     """(n, 2, 9) derivatives of pixels' rays by the intrinsics, the turn taken out that best undoes
@@ -137,7 +139,4 @@ def _rays(camera: Camera, pixels: Array) -> tuple[NDArray[np.intp], Array]:
 
 def _unlimited_pixels(camera: Camera, rays: Array) -> Array:
     """Like `Camera.project`, but beyond the radius where the model folds too: finite errors."""
-    return camera.distort(rays[:, :2] / rays[:, 2:]) * [camera.fx, camera.fy] + [
-        camera.cx,
-        camera.cy,
-    ]
+    return camera.distorted_pixels(*(rays[:, :2] / rays[:, 2:]).T).T

@@ -13,6 +13,11 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 
 
+def rms_distance(errors: Array) -> float:
+    """Root mean square length of the vectors (N, 2)."""
+    return float(np.sqrt((errors**2).sum(axis=1).mean()))
+
+
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """A camera with everything the views say about how well it is known."""

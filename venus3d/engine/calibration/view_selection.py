@@ -2,7 +2,7 @@
 
 A video shows nearly the same view many times. Every n-th frame weighs what the board did longest,
 not what says most; here each frame taken is the one that makes the camera best known, given those
-taken before (D-optimal design, greedy). Calibrating itself is left to `calibration`.
+taken before (D-optimal design, greedy). Calibrating itself is left to `adjustment`.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from venus3d.engine.calibration.adjustment import calibrate, determines_homograp
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.information import prior_information, view_information
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.result import rms_distance
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -95,7 +96,7 @@ def _candidates(
             continue
         points = board.points_of(observation.ids)
         error = observation.corners - camera.project(pose.apply(points))
-        rms = float(np.sqrt((error**2).sum(axis=1).mean()))
+        rms = rms_distance(error)
         information = view_information(camera, points, pose.R[None], pose.t[None])[0]
         if np.isfinite(rms) and np.isfinite(information).all():
             found.append(_Candidate(index, observation, information, rms))

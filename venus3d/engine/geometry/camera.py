@@ -97,6 +97,11 @@ class Camera:
             float(np.degrees(2 * np.arctan(self.height / (2 * self.fy)))),
         )
 
+    @property
+    def image_corners(self) -> Array:
+        """(4, 2) centres of the pixels in the image's corners."""
+        return np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * (np.array(self.image_size) - 1.0)
+
     def without_distortion(self) -> Camera:
         """The same pinhole with a perfect lens."""
         return replace(self, k1=0.0, k2=0.0, p1=0.0, p2=0.0, k3=0.0)
@@ -143,7 +148,7 @@ class Camera:
     def distorted_pixels(self, x: Array, y: Array) -> Array:
         """Eqs (4), (5): ideal normalised coordinates, each (...), to pixels (2, ...).
 
-        Without a look at where the model ends: see `radius_limit`.
+        Also beyond `radius_limit`, where the model folds back.
         """
         x2, y2, xy2 = x * x, y * y, 2 * x * y
         r2 = x2 + y2
@@ -256,12 +261,12 @@ class Camera:
 
 
 def planning_camera(camera: Camera) -> Camera:
-    """The camera to plan with: without distortion while its estimate makes no sense yet.
+    """The camera to plan with: without distortion while its estimate folds back in the image.
 
     From two or three views the high orders are nearly free, and the model may fold back within
     the image: then no pose near the border seems possible, just where the next view is needed.
     """
-    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * (np.array(camera.image_size) - 1.0)
+    corners = camera.image_corners
     reach = np.linalg.norm((corners - [camera.cx, camera.cy]) / [camera.fx, camera.fy], axis=1)
     seen = np.isfinite(camera.unproject(corners)).all()
     if camera.radius_limit > 1.02 * reach.max() and seen:

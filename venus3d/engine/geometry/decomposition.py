@@ -84,36 +84,16 @@ def decompose_vector(vector: ArrayLike, camera: Camera, board: Board) -> Steps:
 
 
 def _steps(begin: Pose, target: Pose, angles: Array, camera: Camera, board: Board) -> Steps:
-    translation = target.t - begin.t
-    placed = begin.moved(translation)
-    steps = [
-        Step(
-            1,
-            "move",
-            None,
-            begin,
-            placed,
-            0.0,
-            translation,
-            corners_outside(placed, camera, board),
-        )
-    ]
+    nothing = np.zeros(3)
+    placed = begin.moved(target.t - begin.t)
+    outside = corners_outside(placed, camera, board)
+    steps = [Step(1, "move", None, begin, placed, 0.0, target.t - begin.t, outside)]
     for number, (axis, angle) in enumerate(zip(AXES, angles, strict=True), start=2):
         before = steps[-1].after
         # The last step ends on the target itself, not on the product of three rounded turns.
         after = target if number == 4 else before.turned(axis, float(angle))
-        steps.append(
-            Step(
-                number,
-                "turn",
-                axis,
-                before,
-                after,
-                float(angle),
-                np.zeros(3),
-                corners_outside(after, camera, board),
-            )
-        )
+        outside = corners_outside(after, camera, board)
+        steps.append(Step(number, "turn", axis, before, after, float(angle), nothing, outside))
     return (steps[0], steps[1], steps[2], steps[3])
 
 
@@ -121,7 +101,5 @@ def corners_outside(pose: Pose, camera: Camera, board: Board) -> tuple[int, ...]
     """Ids of the board's inner corners that the camera does not see under this pose."""
     pixels = camera.project(pose.apply(board.corners))
     with np.errstate(invalid="ignore"):
-        inside = ((pixels >= -0.5) & (pixels < np.array([camera.width, camera.height]) - 0.5)).all(
-            axis=1
-        )
+        inside = ((pixels >= -0.5) & (pixels < np.array(camera.image_size) - 0.5)).all(axis=1)
     return tuple(int(i) for i in np.flatnonzero(~inside))

@@ -5,7 +5,7 @@ For teaching. Guidance knows one reading only: the camera's fixed axes, X, Y, Z 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,7 +62,7 @@ def turns(
         direction = np.eye(3)[i] if axes == "fixed" else pose.R @ start.R.T[:, i]
         turn = Turn(number, AXES[i], float(angles[i]), direction, pose, pose)
         pose = turn.pose_at(1.0)
-        made.append(Turn(number, turn.axis, turn.angle_deg, direction, turn.before, pose))
+        made.append(replace(turn, after=pose))
     return (made[0], made[1], made[2])
 
 

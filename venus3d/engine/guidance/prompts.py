@@ -16,6 +16,7 @@ from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Axis
 from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.phase import Phase
+from venus3d.engine.sentences import listed
 
 PARAMETER_DESCRIPTIONS = (
     "focal length, horizontal",
@@ -59,7 +60,7 @@ def translation_prompt(translation: ArrayLike) -> Prompt:
         parts = [part for part in (_part(x, right, left), height, depth) if part]
         if not parts:
             return "The position is right; leave it."
-        return "Move the board " + _listed(parts) + "."
+        return "Move the board " + listed(parts) + "."
 
     return Prompt(
         sentence("to the right", "to the left"), sentence("to your left", "to your right")
@@ -86,10 +87,6 @@ def turn_prompt(axis: Axis, angle_deg: float) -> Prompt:
 
 def _part(mm: float, positive: str, negative: str) -> str:
     return "" if abs(mm) < 0.5 else f"{abs(mm):.0f} mm {positive if mm > 0 else negative}"
-
-
-def _listed(parts: list[str]) -> str:
-    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
 def _both(text: str) -> Prompt:

@@ -58,7 +58,6 @@ class Session:
         self._startup = Startup(board, self._image_size)
         self._phase: Phase = "finished" if self._ending else "startup"
         self._captured = captured or CapturedViews()
-        self._new_view: CapturedView | None = None
         self._next_target = 1
         self._target: Target | None = None
         self._calibration: Calibration | None = None
@@ -72,10 +71,10 @@ class Session:
         self._tracker = PoseTracker(board, self._image_size, self.settings)
         self._keep_going, self._lost, self._number = False, "", 0
 
-    # -- what happens ----------------------------------------------------------------------------
+    # -- frames and commands -----------------------------------------------------------------------
 
     def observe(self, observation: Observation) -> Snapshot:
-        """Take in what was seen in one frame; captures by itself where the settings say so.
+        """Take in the observation of one frame; captures it where the settings say so.
 
         Until the first view is captured, the session goes on with the board as it was read.
 
@@ -110,17 +109,14 @@ class Session:
         if tracker.pose is None or over or self._captured.has(tracker.observation):
             return False
         at_target = tracker.is_at_target and self._phase == "guiding"
-        self._new_view = self._captured.add(
-            tracker.observation, self._target if at_target else None
-        )
+        self._captured.add(tracker.observation, self._target if at_target else None)
         self._keep_going = self._keep_going or self._phase == "converged"
         self._recalibrate()
         return True
 
     def take_new_view(self) -> CapturedView | None:
         """The view captured last, with its picture, once; None if there is none since."""
-        view, self._new_view = self._new_view, None
-        return view
+        return self._captured.take_new()
 
     def skip_target(self) -> bool:
         """Give up the present target for another one elsewhere. False if there is none."""
@@ -168,7 +164,6 @@ class Session:
         index = None if self._ending else self._captured.drop(number)
         if index is None:
             return False
-        self._forget_new_view(number)
         # What was judged with this view among the others does not hold any more.
         self._history = tuple(p for p in self._history if p.views <= index)
         self._go_on()
@@ -210,13 +205,11 @@ class Session:
         return self.snapshot()
 
     def fail(self, work: Work, error: CalibrationError) -> Snapshot:
-        """Take back that `work` could not be done: its last view is dropped and the cause said."""
+        """`work` could not be done: drops its last view and warns why."""
         if work is self.pending:
             self.pending = None
             self._lost = lost = f"The last view was not kept: {error}"
-            number = self._captured.views[-1].number
-            self._captured.drop(number)
-            self._forget_new_view(number)
+            self._captured.drop(self._captured.views[-1].number)
             if not self._go_on():
                 self._warnings = (lost,)
         return self.snapshot()
@@ -234,7 +227,7 @@ class Session:
                 self.fail(work, error)
         return self.snapshot()
 
-    # -- what is known ---------------------------------------------------------------------------
+    # -- the state ---------------------------------------------------------------------------------
 
     @property
     def camera(self) -> Camera:
@@ -249,7 +242,7 @@ class Session:
         return self._phase
 
     def snapshot(self) -> Snapshot:
-        """Everything about this moment."""
+        """The present state as frozen values."""
         tracker, known = self._tracker, self._outcome
         headline, instruction = headline_and_prompt(
             self._phase, tracker.match, tracker.pose is not None, self._ending
@@ -281,7 +274,7 @@ class Session:
             search_trace=known and known.search_trace,
         )
 
-    # -- how it goes on --------------------------------------------------------------------------
+    # -- within ------------------------------------------------------------------------------------
 
     def _use_board(self, board: Board) -> None:
         """Go on with a board whose layout turned out differently; only before the first view."""
@@ -289,7 +282,7 @@ class Session:
             self._restart(board)
 
     def _is_useful(self) -> bool:
-        """Whether this observation tells enough although it is not the target (see settings)."""
+        """Whether the view lowers the uncertainty by `useful_drop`, at the target or not."""
         drop, tracker = self.settings.useful_drop, self._tracker
         if drop is None or tracker.pose is None or not tracker.is_still:
             return False
@@ -305,16 +298,12 @@ class Session:
             self._diagnoses = diagnose(self._calibration, growing=growing)
 
     def _go_on(self) -> bool:
-        """Calibrate the views that are left; begin anew, and return False, if there are none."""
+        """Calibrate the views that are left; start again, and return False, if there are none."""
         if self._captured.views:
             self._recalibrate()
             return True
         self._restart(self.board, self._captured)  # which goes on counting
         return False
-
-    def _forget_new_view(self, number: int) -> None:
-        if self._new_view is not None and self._new_view.number == number:
-            self._new_view = None
 
     def _recalibrate(self) -> None:
         views = self._captured.views

@@ -24,12 +24,17 @@ class CapturedViews:
     def __init__(self) -> None:
         self.views: list[CapturedView] = []
         self._next = 1
+        self._new: CapturedView | None = None
 
-    def add(self, observation: Observation, target: Target | None) -> CapturedView:
-        """Add a view and return it. The list keeps it without its picture."""
-        view = CapturedView(self._next, observation, target)
-        self.views.append(replace(view, observation=observation.without_image()))
+    def add(self, observation: Observation, target: Target | None) -> None:
+        """Add a view. It is kept without its picture, which `take_new` hands over once."""
+        self._new = CapturedView(self._next, observation, target)
+        self.views.append(replace(self._new, observation=observation.without_image()))
         self._next += 1
+
+    def take_new(self) -> CapturedView | None:
+        """The view added last, with its picture, once; None if it was dropped meanwhile."""
+        view, self._new = self._new, None
         return view
 
     def drop(self, number: int) -> int | None:
@@ -38,6 +43,8 @@ class CapturedViews:
         if not places:
             return None
         del self.views[places[0]]
+        if self._new is not None and self._new.number == number:
+            self._new = None
         # What was promised with this view among the others does not hold any more.
         self.views[places[0] :] = [replace(view, target=None) for view in self.views[places[0] :]]
         return places[0]

@@ -13,11 +13,11 @@ import numpy as np
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.observation import Observation, View
-from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.calibration.result import Calibration, rms_distance
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
-from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress, check_convergence
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.forecast import Forecast, forecast
@@ -200,7 +200,7 @@ def provisional(
                 f"View {number} shows no pose of this board; check the board's options."
             )
         errors = observation.corners - camera.project(pose.apply(board.points_of(observation.ids)))
-        views.append(View(number, observation, pose, _rms(errors), errors))
+        views.append(View(number, observation, pose, rms_distance(errors), errors))
     residuals = np.concatenate([view.errors for view in views])
     nothing = (False,) * len(PARAMETERS)
     return Calibration(
@@ -209,10 +209,6 @@ def provisional(
         covariance=np.zeros((9, 9)),
         free=nothing,
         residual_sigma_px=float(residuals.std()),
-        rms_px=_rms(residuals),
+        rms_px=rms_distance(residuals),
         views=tuple(views),
     )
-
-
-def _rms(errors: Array) -> float:
-    return float(np.sqrt((errors**2).sum(axis=1).mean()))

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ellipe
 
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.projection_uncertainty import border_moves, projection_weight
+from venus3d.engine.calibration.projection_uncertainty import border_derivatives, projection_weight
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, rotations_of
@@ -114,7 +114,7 @@ def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
         total = np.sum if name == "sum-iod" else np.max
         return lambda C: np.asarray(total(np.einsum("nii->ni", C) / over, axis=1))
     if name == "max-ere":
-        moves = border_moves(camera)
+        moves = border_derivatives(camera)
         return lambda C: _largest_expected_error(moves, C)
     weight = projection_weight(camera)
     if name == "projection-variance":
@@ -131,7 +131,7 @@ def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
 
 
 def _largest_expected_error(moves: Array, covariances: Array) -> Array:
-    """(N,) largest of the expected distances, pixels, over the rays of `border_moves`."""
+    """(N,) largest of the expected distances, pixels, over the rays of `border_derivatives`."""
     a, b = moves[:, 0], moves[:, 1]
     # Elements of every ray's 2 x 2 covariance as one product with the 81 elements of C.
     pairs = np.stack([np.einsum("ki,kj->kij", p, q) for p, q in ((a, a), (a, b), (b, b))])
