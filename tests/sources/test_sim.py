@@ -153,7 +153,9 @@ def test_the_room_is_untouched_beside_the_board_and_paper_is_not_pure_white(
     )
     image = frame_of(simulation).image
     np.testing.assert_array_equal(image[:, :600], room[:, :600])
-    outline = paper_camera.project(simulation.hand.apply(default_board.outline)).round().astype(int)
+    outline = (
+        paper_camera.project(simulation.board_pose.apply(default_board.outline)).round().astype(int)
+    )
     (left, top), (right, bottom) = outline.min(axis=0) + 3, outline.max(axis=0) - 3
     board = image[top:bottom, left:right]
     assert np.ptp(board, axis=2).max() == 0, "no colour of the room or the key shines through"
@@ -183,7 +185,10 @@ def test_the_hand_brings_the_board_to_the_target(
     simulation = Simulation(fps=5, speed=2.5, offscreen=offscreen)
     simulation.follow(target_of(pose, paper_camera, default_board))
     frames = [frame_of(simulation) for _ in range(40)]
-    assert simulation.hand.distance_to(pose) < 0.006 and simulation.hand.angle_to_deg(pose) < 2.5
+    assert (
+        simulation.board_pose.distance_to(pose) < 0.006
+        and simulation.board_pose.angle_to_deg(pose) < 2.5
+    )
     assert simulation.step == 4
     np.testing.assert_allclose([f.time_s for f in frames], np.arange(40) / 5, atol=1e-9)
     seen = Detector(default_board).detect(frames[-1].image)
@@ -192,9 +197,9 @@ def test_the_hand_brings_the_board_to_the_target(
     assert shift.mean() < 15, "what is seen is where the hand is"
 
     simulation.autopilot_on = False
-    held = simulation.hand
+    held = simulation.board_pose
     frame_of(simulation)
-    assert simulation.hand is held
+    assert simulation.board_pose is held
 
 
 @pytest.mark.parametrize(
@@ -206,16 +211,16 @@ def test_a_dragged_board_stays_before_the_lens(
 ):
     simulation = still(offscreen, paper_camera)
     simulation.move_to(Pose.from_vector(vector))
-    corners = simulation.hand.apply(default_board.outline)
-    assert corners[:, 2].min() > NEAREST - 1e-9 and simulation.hand.t[2] < 3.1
-    assert np.abs(simulation.hand.t[:2]).max() <= simulation.hand.t[2]
-    np.testing.assert_allclose(simulation.hand.R, Pose.from_vector(vector).R)
+    corners = simulation.board_pose.apply(default_board.outline)
+    assert corners[:, 2].min() > NEAREST - 1e-9 and simulation.board_pose.t[2] < 3.1
+    assert np.abs(simulation.board_pose.t[:2]).max() <= simulation.board_pose.t[2]
+    np.testing.assert_allclose(simulation.board_pose.R, Pose.from_vector(vector).R)
 
 
 def test_a_reasonable_drag_is_taken_as_it_is(offscreen: Offscreen, paper_camera: Camera):
     simulation, pose = still(offscreen, paper_camera), Pose.from_vector([30, 20, 10, 0.1, 0, 0.5])
     simulation.move_to(pose)
-    np.testing.assert_array_equal(simulation.hand.matrix, pose.matrix)
+    np.testing.assert_array_equal(simulation.board_pose.matrix, pose.matrix)
 
 
 def test_in_real_time_frames_keep_the_rate_and_a_slow_machine_skips(

@@ -1,8 +1,7 @@
-"""The commands: the only place that knows every room.
+"""The command line: options are parsed, mistakes become one sentence and exit code 2.
 
-Here options are parsed and mistakes become one sentence and exit code 2. What a command does is
-in the module of its name. Heavy rooms are imported by the command that needs them, so that
-`--help` and mistakes answer at once.
+What a command does is in the module of its name, which is imported when it is run, so that `--help`
+and mistakes answer at once.
 """
 
 from __future__ import annotations

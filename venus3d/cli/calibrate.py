@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from venus3d.cli.options import CalibrateOptions
-from venus3d.cli.report import deliver, print_result, tell, write_first
+from venus3d.cli.report import deliver, print_note, print_result, write_first
 from venus3d.engine.errors import VenusError
 from venus3d.sources.images_calibration import FEWEST_VIEWS, calibrate_recording
 from venus3d.storage.folder import prepare
@@ -25,11 +25,11 @@ def calibrate_command(options: CalibrateOptions) -> None:
         board,
         max_frames=options.max_frames,
         every=options.every,
-        on_progress=tell,
+        on_progress=print_note,
     )
     calibration, warnings, diagnoses = found.calibration, found.warnings, found.diagnoses
     summary = summary_of(calibration, warnings=warnings, diagnoses=diagnoses)
-    files = None if options.output is None else ResultFolder(options.output, tell)
+    files = None if options.output is None else ResultFolder(options.output, print_note)
     written = write_first(files, calibration, summary)
     print_result(calibration, warnings, diagnoses=diagnoses)
     deliver(summary, written, as_json=options.json)

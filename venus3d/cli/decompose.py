@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from venus3d.cli.options import DecomposeOptions
-from venus3d.cli.report import tell
+from venus3d.cli.report import print_note
 from venus3d.engine.errors import PoseError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
@@ -38,7 +38,7 @@ def decompose_command(options: DecomposeOptions) -> None:
     steps = decompose(target, camera, board)
     print(_heading(target, board))
     for step in steps:
-        print(_told(step))
+        print(_step_text(step))
     for path in _write_pictures(folder, steps, camera, board):
         print(f"Written: {path}")
 
@@ -73,7 +73,7 @@ def _heading(target: Pose, board: Board) -> str:
     )
 
 
-def _told(step: Step) -> str:
+def _step_text(step: Step) -> str:
     lines = [
         f"\nStep {step.number} of 4",
         f"  camera: {step_prompt(step).camera}",
@@ -88,7 +88,7 @@ def _write_pictures(folder: Path, steps: Steps, camera: Camera, board: Board) ->
     size = (PICTURE_WIDTH, round(PICTURE_WIDTH * camera.height / camera.width))
     with Offscreen() as offscreen:
         if offscreen.note:
-            tell(offscreen.note)
+            print_note(offscreen.note)
         projections = Projections(offscreen)
         pictures = [
             projections.of_step(step, camera, board, size=size, dark=False) for step in steps

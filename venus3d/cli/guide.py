@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from venus3d.cli.report import deliver, print_result, tell, write_first
+from venus3d.cli.report import deliver, print_note, print_result, write_first
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.audience.controls import AudienceControls
@@ -37,7 +37,7 @@ def guide(options: GuideOptions) -> None:
         options = replace(options, output=RESULT_FOLDER)
     if options.output is not None:
         prepare(options.output)
-    files = None if options.output is None else ResultFolder(options.output, tell)
+    files = None if options.output is None else ResultFolder(options.output, print_note)
     result = _guided(options, files)
     snapshot = result.snapshot
     if snapshot.calibration is None:
@@ -115,7 +115,7 @@ def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None
     try:
         camera, complete = files.write(snapshot.calibration, _summary(result), snapshot.history)
     except StorageError as error:
-        tell(f"Not saved: {error}")
+        print_note(f"Not saved: {error}")
         raise
     if is_over(snapshot) and not options.headless:
         _tell_written(files)
@@ -124,7 +124,7 @@ def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None
 
 def _tell_written(files: ResultFolder) -> None:
     for path in files.paths:
-        tell(f"Written: {path}")
+        print_note(f"Written: {path}")
 
 
 def _tell_of_nothing(

@@ -104,7 +104,7 @@ def deliver(summary: Mapping[str, Any], written: Written, *, as_json: bool) -> N
         raise written
 
 
-def tell(text: str) -> None:
+def print_note(text: str) -> None:
     """A remark on how the work goes; to stderr, so that stdout holds results only."""
     with suppress(OSError):  # a terminal that is gone stops no work
         print(text, file=sys.stderr, flush=True)

@@ -13,7 +13,7 @@ from typing import Annotated
 
 from tyro.conf import OmitSubcommandPrefixes, arg, subcommand
 
-from venus3d.cli.report import tell
+from venus3d.cli.report import print_note
 from venus3d.cli.study_tables import (
     Table1Options,
     Table2Options,
@@ -149,7 +149,7 @@ def _figures(options: FiguresOptions) -> None:
     for figure in FIGURES:
         written += draw_figure(rows, figure, folder)
     for path in written:
-        tell(f"Written: {path}")
+        print_note(f"Written: {path}")
 
 
 def _bench(options: BenchOptions) -> None:
@@ -159,6 +159,6 @@ def _bench(options: BenchOptions) -> None:
     folder = prepare(options.output)
     bars = bench(folder / "rows.csv", seed=options.seed, repeats=options.repeats, jobs=options.jobs)
     print(bench_table(bars))
-    tell(f"Written: {folder / 'rows.csv'}")
+    print_note(f"Written: {folder / 'rows.csv'}")
     if options.json:
         print(json.dumps([asdict(bar) for bar in bars]))

@@ -17,7 +17,7 @@ import numpy as np
 from tyro.conf import Positional, arg
 
 from venus3d import __version__
-from venus3d.cli.report import tell
+from venus3d.cli.report import print_note
 from venus3d.engine.errors import VenusError
 from venus3d.options import BoardOptions, Switch, check_range
 from venus3d.storage.folder import prepare, write_bytes
@@ -113,7 +113,7 @@ def table1(options: Table1Options) -> None:
             same = options.same_percent / 100
             pools.append(pool_of(spec, board, same=same, on_count=_tell_count))
         for note in pools[-1].notes:
-            tell(f"{spec}: {note}")
+            print_note(f"{spec}: {note}")
     setup = {
         "table": 1,
         "version": __version__,
@@ -147,7 +147,7 @@ def table2(options: Table2Options) -> None:
     folder = prepare(options.output)
     clip = load_clip(options.source, board, on_count=_tell_count)
     for note in clip.notes:
-        tell(f"{options.source}: {note}")
+        print_note(f"{options.source}: {note}")
     costs = run_table2(clip, options.frames, options.threads, options.seed)
     write_bytes(folder / "rows.csv", _csv(table2_rows(costs)))
     _deliver(table2_text(costs), folder)
@@ -177,13 +177,13 @@ def table3(options: Table3Options) -> None:
 
 
 def _tell_count(count: int) -> None:
-    tell(f"{count} frames looked at ...")
+    print_note(f"{count} frames looked at ...")
 
 
 def _deliver(text: str, folder: Path) -> None:
     print(text)
     for path in (folder / "rows.csv", write_bytes(folder / "table.md", f"{text}\n".encode())):
-        tell(f"Written: {path}")
+        print_note(f"Written: {path}")
 
 
 def _csv(rows: Sequence[Mapping[str, str | int | float]]) -> bytes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from venus3d.cli.report import tell
+from venus3d.cli.report import print_note
 from venus3d.scene.pages.teach.export.files import kind_of
 from venus3d.scene.pages.teach.options import TeachOptions
 from venus3d.scene.pages.teach.run import export_lesson, run_teach
@@ -21,7 +21,7 @@ def teach(options: TeachOptions) -> None:
     prepare(options.export.parent, "--export")
     files, note = export_lesson(options, kind)
     if note:
-        tell(note)
+        print_note(note)
     for path, content in zip(_names(options.export, len(files)), files, strict=True):
         print(f"Written: {write_bytes(path, content)}")
 

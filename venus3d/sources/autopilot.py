@@ -1,4 +1,4 @@
-"""A hand that brings the board to the target as a person does: one step of eq. (15) at a time.
+"""Simulated motion of a board to its target, as a person moves it: one step of eq. (15) at a time.
 
 It is pure: poses and a time step in, a pose out. It squares the board up on the way to its place,
 then turns about X, about Y, about Z. Each motion has the bell-shaped speed of a human arm (minimum
@@ -50,7 +50,7 @@ class _Leg:
 
 
 class Autopilot:
-    """The hand. Used by one thread; a seeded `rng` makes it repeat."""
+    """A person's hand, simulated. Used by one thread; a seeded `rng` makes it repeat."""
 
     def __init__(
         self,

@@ -16,7 +16,7 @@ from venus3d.sources.images import SUFFIXES, read_image, size_of
 class Folder:
     """Images of one size, one after the other; `Frame.time_s` counts them.
 
-    All heads are read at once, so that a file that cannot be used is told before the work starts.
+    The heads of all files are read at once: one that cannot be used raises before the work starts.
     Raises `SourceError` for an empty list, a file that is no image, and images of several sizes.
     """
 
@@ -100,9 +100,9 @@ def _common_size(paths: Sequence[Path]) -> tuple[int, int]:
         return next(iter(by_size))
     # The rarest size first: most often it is the stray one that the user has to remove.
     groups = sorted(by_size.items(), key=lambda item: len(item[1]))
-    told = "; ".join(f"{_named(names)}: {w} x {h} px" for (w, h), names in groups)
+    sizes = "; ".join(f"{_named(names)}: {w} x {h} px" for (w, h), names in groups)
     raise SourceError(
-        f"The images have {len(groups)} sizes ({told}); keep one size, one camera has only one."
+        f"The images have {len(groups)} sizes ({sizes}); keep one size, one camera has only one."
     )
 
 

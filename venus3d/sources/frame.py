@@ -1,4 +1,4 @@
-"""The protocol of every source: the newest frame wins."""
+"""A frame, and the protocol of every source of frames."""
 
 from __future__ import annotations
 

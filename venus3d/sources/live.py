@@ -167,7 +167,7 @@ def _present() -> str:
 
 
 def _check_device(device: str) -> None:
-    """Say what can be known without opening; only Linux shows its cameras as files."""
+    """Raise for a camera that cannot be there; only Linux shows its cameras as files."""
     if not sys.platform.startswith("linux"):
         return
     path = f"/dev/video{device}" if device.isdecimal() else device

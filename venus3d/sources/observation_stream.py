@@ -1,7 +1,7 @@
 """A source watched by two threads: its pictures as they come, and what is seen of the board.
 
     watch   source -> `on_picture` at once, and the frame box
-    look    frame box -> detection -> observation box
+    detect  frame box -> detection -> observation box
 
     stream = ObservationStream(source, BoardTracker(Detector(board)), on_picture=show)
     stream.run(lambda: use(stream.take(timeout=0.05)))   # until stop() or a signal
@@ -79,7 +79,7 @@ class ObservationStream:
         """
         threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
-            for name, loop in (("watch", self._watch), ("look", self._look))
+            for name, loop in (("watch", self._watch), ("detect", self._detect))
         ]
         for thread in threads:
             thread.start()
@@ -136,7 +136,7 @@ class ObservationStream:
         if self._stop.is_set():  # the end has closed the old one
             self.source.close()
 
-    def _look(self) -> None:
+    def _detect(self) -> None:
         frame = self._frames.take(timeout=0.2)
         if frame is not None:
             self._observations.put(self.tracker.track(frame))

@@ -1,8 +1,8 @@
-"""A simulated camera that looks at a simulated board: everything about it is known.
+"""A simulated camera and board, of known parameters and pose.
 
 The board is rendered through the true lens, then gets a background, a dull light, blur and
-noise. Two hands can hold it: an autopilot that walks the four steps, and the user who drags it.
-The renderer is `scene.offscreen`, the hand's motion `autopilot`.
+noise. The board is moved by an autopilot, step by step, or dragged by the user. The renderer is
+`scene.render.offscreen`, the motion `autopilot`.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class Simulation:
         return (self._offscreen.note,) if self._offscreen.note else ()
 
     @property
-    def hand(self) -> Pose:
+    def board_pose(self) -> Pose:
         """The board's true pose, `T_camera_board`."""
         return self._hand
 

@@ -40,7 +40,7 @@ def summary_of(
     """The result in short: what --json prints. Pixels; the board's lengths in millimetres.
 
     Args:
-        diagnoses: told both as sentences among the warnings and taken apart.
+        diagnoses: given both as sentences among the warnings and in parts.
         converged: for a guided calibration; None leaves it out.
         forecast: views it takes until the wanted projection error; None leaves it out.
         truth: the simulated camera; adds `truth` and `projection_diff_px`.

@@ -55,13 +55,13 @@ class ResultFolder:
         """
         camera = camera_yaml(calibration).encode()
         result = result_json(summary, calibration, history).encode()
-        told: list[str] = []
+        kept: list[str] = []
         try:
             self.directory.mkdir(parents=True, exist_ok=True)
             with locked(self.directory):
                 self._follow()
                 contents = dict(zip(self.paths, (camera, result), strict=True))
-                replace_files(contents, before=lambda: told.extend(self._keep_others()))
+                replace_files(contents, before=lambda: kept.extend(self._keep_others()))
                 self._own = contents
         except OSError as error:
             raise StorageError(
@@ -69,9 +69,9 @@ class ResultFolder:
                 f"({reason(error)}); make room there, or put the folder right."
             ) from error
         finally:
-            if told:
+            if kept:
                 self._tell(
-                    f"The earlier result in {self.directory} is kept as {' and '.join(told)}."
+                    f"The earlier result in {self.directory} is kept as {' and '.join(kept)}."
                 )
         return self.paths
 

@@ -57,7 +57,7 @@ def measure_noise(
             if not _all_visible(camera, board, wanted):
                 continue
             simulation.move_to(wanted)
-            pose, frame = simulation.hand, simulation.read()
+            pose, frame = simulation.board_pose, simulation.read()
             assert frame is not None, "the simulation ends only when it is closed"
             seen = detector.detect(frame.image)
             truth = camera.project(pose.apply(board.points_of(seen.ids)))

@@ -1,8 +1,8 @@
-"""Observations to a camera, with everything they say about how well it is known.
+"""Bundle adjustment: observations to a camera and its covariance.
 
 OpenCV finds the optimum (`cv2.calibrateCamera`, Zhang 2000, eq. (9) of the paper); the covariance
-is ours, since OpenCV gives standard deviations only. Which frames to take is left to `selection`,
-the very first estimate from a single moving view to `startup`.
+is ours, since OpenCV gives standard deviations only. Which frames to take is left to
+`view_selection`, the first estimate from a single moving view to `guidance.startup`.
 """
 
 from __future__ import annotations

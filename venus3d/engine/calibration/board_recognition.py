@@ -1,9 +1,9 @@
 """Whether a picture without the board shows another board than the one asked for.
 
 OpenCV finds no corner at all where rows and columns are swapped or the dictionary is another one,
-and gives no reason. Here the markers are asked: of which dictionary are they, and on how many
-columns do they lie? Each such look takes one more detection, so it is had rarely and one dictionary
-at a time. That the layout is the old one is the detector's own finding.
+and gives no reason. The markers tell: of which dictionary are they, and on how many columns do they
+lie? Each try takes one more detection, so tries are rare and of one dictionary at a time. Another
+layout is found by `detection`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.geometry.board import DICTIONARIES, Board
 from venus3d.engine.geometry.pose import Array
 
-# A guided session looks once every few frames, after the board has been missed for a while.
+# Frames without the board before the first try, between tries, and after all were tried.
 _PATIENCE, _EVERY, _PAUSE = 8, 4, 60
 _FEWEST_MARKERS = 4
 """So many different markers of one dictionary are no accident."""
@@ -33,7 +33,7 @@ _NEAR = 0.25
 
 
 class BoardRecognition:
-    """Looks for other boards in pictures in which the board was missed. Used by one thread."""
+    """Finds other boards in pictures in which the board was missed. Used by one thread."""
 
     def __init__(self, board: Board) -> None:
         self._board = board
@@ -44,14 +44,14 @@ class BoardRecognition:
             board.dictionary,
             *(name for name in sorted(named.values(), key=_size) if _family(name) != own),
         )
-        """The dictionaries in the order in which they are tried; the asked one first."""
+        """The dictionaries in the order in which they are tried; the board's own first."""
         self._turn = 0
         self._misses = 0
         self._diagnosis: Diagnosis | None = None
 
     @property
     def diagnosis(self) -> Diagnosis | None:
-        """What the pictures show instead of the board; None while nothing is known."""
+        """What the pictures show instead of the board; None: nothing was found."""
         return self._diagnosis
 
     def found(self) -> None:
@@ -59,7 +59,7 @@ class BoardRecognition:
         self._misses, self._turn, self._diagnosis = 0, 0, None
 
     def missed(self, grey: NDArray[np.uint8]) -> None:
-        """The board was not found in this whole picture (H, W); has a look now and then."""
+        """The board was not found in this whole picture (H, W); tries now and then."""
         self._misses += 1
         if self._misses >= _PATIENCE and self._misses % _EVERY == 0:
             self.try_next(grey)
@@ -75,7 +75,7 @@ class BoardRecognition:
             self._diagnosis = _wrong_dictionary(self._board, name, len(np.unique(ids)))
         else:
             self._diagnosis = _misplaced(self._board, ids, quads)
-        if not seen:  # what was settled is asked again, anything else is not
+        if not seen:  # a dictionary that was found is tried again
             self._turn = (self._turn + 1) % len(self.dictionaries)
         if seen or self._turn == 0:
             self._misses = -_PAUSE

@@ -51,7 +51,7 @@ _LEAST_SPREAD = 0.08
 
 @dataclass(frozen=True)
 class _Check:
-    """One diagnosis: from how many views on it is asked, while views still come and at the end."""
+    """One diagnosis, and from how many views on it is made: while views still come, at the end."""
 
     growing: int
     final: int
@@ -65,7 +65,7 @@ def diagnose(calibration: Calibration, *, growing: bool = False) -> tuple[Diagno
 
     Args:
         growing: more views are still being taken. What every set lacks at its beginning (all of
-            the picture, several depths) is then told later than of a set that is final.
+            the picture, several depths) is then diagnosed later than of a set that is final.
     """
     count, full = len(calibration.views), all(calibration.free)
     found: list[Diagnosis] = []

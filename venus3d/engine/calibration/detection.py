@@ -1,9 +1,8 @@
 """An image to an observation of the board: corners, their ids, how sharp they are.
 
-OpenCV finds the markers and the corners; here its answers get one shape whatever its version, and a
-board that was printed in the other layout or white on black is found out. Sharper corners are left
-to `refinement`, what a picture without the board shows instead to `board_diagnosis`, and which
-frames are worth keeping to `selection`.
+OpenCV finds the markers and the corners; here its results get one shape whatever its version, and
+the board's layout and polarity are determined. Subpixel corners are left to `refinement`, other
+boards in the picture to `board_recognition`, the choice of frames to `view_selection`.
 """
 
 from __future__ import annotations
@@ -39,13 +38,13 @@ Region = tuple[int, int, int, int]
 _FRAMES_TO_SETTLE = 3
 _FRAMES_AT_MOST = 12
 _LEAD = 2.0
-# OpenCV looks for markers under three thresholds in turn (windows of 3, 13 and 23 px). One of 7 px
+# OpenCV searches markers under three thresholds in turn (windows of 3, 13 and 23 px). One of 7 px
 # takes less than half the time, and where a square's narrow side has so many pixels it finds as
 # much: no corner of 5985 was lost on real recordings, none of 2262 on simulated tilted boards
 # (docs/method.md). Smaller squares need all three.
 QUICK_FROM_PX = 40.0
 _QUICK_WINDOW_PX = 7
-# So many of the last whole pictures without the board are kept, to be asked what they show.
+# So many of the last whole pictures without the board are kept for `explain_misses`.
 _KEPT_MISSED = 3
 
 
@@ -73,17 +72,17 @@ class Detector:
 
     @property
     def board(self) -> Board:
-        """The board as it is believed to be printed, by what was seen so far."""
+        """The board with the layout and polarity that the images so far show."""
         return self._board
 
     @property
     def settled(self) -> bool:
-        """Whether enough frames agree on the board's layout; then it is not asked again."""
+        """Whether enough frames agree on the board's layout; it then stays."""
         return self._settled
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was found to differ from the board asked for and is read rightly; sentences."""
+        """Sentences on how the board differs from the one given and is read all the same."""
         if self._board.inverted == self._asked.inverted:
             return ()
         colours = ("white on black", "black on white")[:: 1 if self._board.inverted else -1]
@@ -91,7 +90,7 @@ class Detector:
 
     @property
     def diagnoses(self) -> tuple[Diagnosis, ...]:
-        """What the pictures show instead of the board asked for, and how it differs from it."""
+        """Another board in the pictures, or another layout than the one given."""
         found = () if self._check.diagnosis is None else (self._check.diagnosis,)
         if self._board.legacy == self._asked.legacy:
             return found
@@ -110,7 +109,7 @@ class Detector:
         return () if found is None else (found,)
 
     def settle(self, images: Iterable[Any]) -> Board:
-        """Look at images until the layout is settled; the board as it is believed then."""
+        """Detect in images until the layout is settled; returns the board as it is read then."""
         for image in images:
             if self._settled:
                 break
@@ -130,7 +129,7 @@ class Detector:
 
         Args:
             image: (H, W) grey or (H, W, 3) BGR, 8 or 16 bit.
-            region: where to look; corners are in pixels of the whole image all the same.
+            region: the part to search; corners are in pixels of the whole image.
             quick: under one threshold only; finds as much in a sharp picture whose squares have
                 `QUICK_FROM_PX`, less in a blurred one.
             time_s, name: passed on to the observation.
@@ -213,7 +212,7 @@ class Detector:
     ) -> tuple[NDArray[np.intp], Array, Any]:
         """Ids (N,) ascending, corners (N, 2), and the markers, which another layout can reuse.
 
-        The one place that knows how OpenCV answers: 4 gives (N, 1, 2) and (N, 1), 5 gives (N, 2)
+        OpenCV 4 gives (N, 1, 2) and (N, 1), 5 gives (N, 2)
         and (N,), both give None or empty arrays where nothing is found.
         """
         if (board, quick) not in self._finders:
@@ -235,7 +234,7 @@ class Detector:
 def search_region(
     observation: Observation, image_size: tuple[int, int], *, grow: float = 0.35, least_px: int = 48
 ) -> Region | None:
-    """Where to look for the board in the next frame: around where it was, grown on all sides.
+    """The region to search in the next frame: around the corners, grown on all sides.
 
     Args:
         observation: the last frame's.

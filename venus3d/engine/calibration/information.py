@@ -1,4 +1,4 @@
-"""What a view says about the nine intrinsic parameters, before it is taken.
+"""The Fisher information of a view on the nine intrinsic parameters, before it is taken.
 
 With unit noise, a view's corners have Jacobians Ji by the intrinsics and Je by the view's own pose.
 The pose is unknown and of no interest, so it is eliminated by the Schur complement:
@@ -64,7 +64,7 @@ def covariance_of(information: ArrayLike, sigma_px: float = 1.0) -> Array:
 
 
 def prior_information(camera: Camera, sigma_px: float = 1.0) -> Array:
-    """(9, 9) what is believed of any webcam before a view: wide, so that one good view rules.
+    """(9, 9) a wide prior for any webcam, far weaker than one good view.
 
     It lets the search rank second views while one view alone leaves parameters undetermined.
     Never part of a reported covariance. In the units of `view_information`.

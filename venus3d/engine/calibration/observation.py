@@ -29,9 +29,9 @@ class Observation:
     name: str = ""
     """Where it came from: a file name, a frame number."""
     board: Board | None = None
-    """The board as it was read, with the layout found so far; None: as it was asked for."""
+    """The board as it was read, with the layout found so far; None: as it was given."""
     board_diagnoses: tuple[Diagnosis, ...] = ()
-    """How the board in the pictures so far differs from the one asked for."""
+    """How the board in the pictures so far differs from the one given."""
     image: NDArray[np.uint8] | None = field(default=None, repr=False)
     """(H, W[, 3]) the picture that shows it, where it is kept."""
 

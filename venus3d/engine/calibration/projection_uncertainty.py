@@ -2,7 +2,7 @@
 
 A change of the intrinsics moves the pixel of every ray; a turn of the camera moves them too. Since
 a camera's own orientation is never given, a move that a turn undoes costs nobody anything: it is
-projected out wherever an error is told in pixels. How covariances become costs is left to `costs`.
+projected out of every uncertainty in pixels. How covariances become costs is left to `costs`.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ def rms_distance(errors: Array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """A camera with everything the views say about how well it is known."""
+    """The calibrated camera with its covariance and its views."""
 
     board: Board
     """The board by whose corners the views were calibrated."""

@@ -1,8 +1,8 @@
 """Which frames of a recording to calibrate from: those that carry information.
 
-A video shows nearly the same view many times. Every n-th frame weighs what the board did longest,
-not what says most; here each frame taken is the one that makes the camera best known, given those
-taken before (D-optimal design, greedy). Calibrating itself is left to `adjustment`.
+A video shows nearly the same view many times, and every n-th frame weighs what the board did
+longest. Here each frame taken adds the most information on the camera to those taken before
+(D-optimal design, greedy). Calibrating itself is left to `adjustment`.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ def _first_camera(board: Board, observations: list[Observation]) -> Camera:
     try:
         return calibrate(board, spread).camera
     except CalibrationError:
-        # Which frame says more hangs on where the board is, hardly on the exact camera; whether
-        # the frames determine a camera at all is said by the calibration that follows.
+        # A frame's information depends on the board's pose, hardly on the exact camera; whether the
+        # frames determine a camera at all, the calibration that follows finds out.
         return Camera.guess(observations[0].image_size)
 
 

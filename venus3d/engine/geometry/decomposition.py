@@ -3,8 +3,8 @@
 Step 1 brings the board's centre to its place, steps 2, 3 and 4 turn the board about the camera's
 fixed X, Y and Z axes through that centre. From the frontal, upright board this is eq. (15) to the
 letter. From any other orientation R0 the same reading holds for the turn that is left,
-`R R0^T = Rz Ry Rx`: each step still moves one degree of freedom, and what a step says is what
-remains of it now.
+`R R0^T = Rz Ry Rx`: each step still moves one degree of freedom, by what remains of
+it now.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from venus3d.engine.geometry.pose import AXES, Array, Axis, Pose
 
 StepKind = Literal["move", "turn"]
 HOME_DISTANCE = 0.5
-"""Where a board is held before anything is asked of it: frontal, on the axis, metres away."""
+"""Distance of the frontal board that the steps start from, metres."""
 
 
 @dataclass(frozen=True, eq=False)

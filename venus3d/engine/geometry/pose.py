@@ -197,5 +197,5 @@ def angles_of(R: ArrayLike) -> Array:
 
 
 def _matrix(rotation: Any) -> Array:
-    # scipy ships no types for Rotation; this is the one place that says what comes out.
+    # scipy ships no types for Rotation.
     return np.asarray(rotation.as_matrix(), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Fewer points that say nearly as much as all corners of a board: a quick cost for ranking.
+"""Gauss quadrature over a board's corners: fewer points with nearly the same information.
 
 A view's information is a sum over the corners of functions that vary smoothly over the board. Along
 each direction the corners are equally spaced, and for sums over such points there are Gauss rules

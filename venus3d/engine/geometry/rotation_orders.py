@@ -1,6 +1,6 @@
 """Three turns one after the other: about fixed axes or the board's own, in any order.
 
-For teaching. Guidance knows one reading only: the camera's fixed axes, X, Y, Z (`decomposition`).
+For teaching. Guidance uses one reading only: the camera's fixed axes, X, Y, Z (`decomposition`).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _ALMOST_LOCKED_DEG = 6.0
 
 @dataclass(frozen=True, eq=False)
 class Turn:
-    """One of three turns."""
+    """One of three turns in a row."""
 
     number: int
     """1 ... 3: which comes when."""

@@ -1,7 +1,7 @@
-"""Where the decisive points of a board are under many poses: distances, pixels, sizes of squares.
+"""A board's outline under many poses: distances, pixels, sizes of squares.
 
-Poses run along the last axis here: all that is asked of a board is a largest or smallest of few
-points, and that is quick along a first axis only. What is allowed is said by `limits`.
+Poses run along the last axis: largest and smallest values of few points are quick along a first
+axis only. What is allowed is left to `planning.limits`.
 """
 
 from __future__ import annotations

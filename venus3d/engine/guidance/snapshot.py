@@ -1,4 +1,4 @@
-"""What the session knows at one moment: frozen values that anyone may draw or store.
+"""The state of a guided calibration after one observation, as frozen values.
 
 Nothing in here computes; the session fills it, the scene and the storage read it.
 """

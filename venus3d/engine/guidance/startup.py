@@ -1,4 +1,4 @@
-"""The start of a calibration, when nothing is known of the camera yet (3.1 of the paper).
+"""The first estimate of the focal length, from single views of a moving board (3.1).
 
 Every live frame is calibrated by itself with the start-up model and the best estimate is kept,
 until the user captures a first view. Meanwhile the board moves away from the camera, and the first
@@ -37,7 +37,7 @@ class Startup:
     """The best camera that single views of a moving board have shown. Used by one thread."""
 
     def __init__(self, board: Board, image_size: tuple[int, int]) -> None:
-        """Nothing known yet: `camera` is a guess for images of `image_size` (width, height)."""
+        """No estimate yet: `camera` is a guess for images of `image_size` (width, height)."""
         self._board = board
         self._image_size = image_size
         self._camera = Camera.guess(image_size)
