@@ -47,24 +47,24 @@ def test_play_goes_through_all_steps_once_and_stops_at_the_pose() -> None:
             seen.append(state.step)
     assert seen == [1, 2, 3, 4]
     assert not state.playing and state.at_rest
-    assert later(replace(TeachState(), loop=True).play(True), 5.0 * SECONDS_PER_STEP).way < 4
+    assert later(replace(TeachState(), loop=True).play(True), 5.0 * SECONDS_PER_STEP).progress < 4
     assert later(replace(TeachState(), loop=True).play(True), 40).playing
 
 
 def test_next_lets_one_step_happen_and_previous_goes_back() -> None:
     state = later(TeachState().step_on(), 10)
-    assert (state.way, state.playing, state.step) == (1.0, False, 1)
+    assert (state.progress, state.playing, state.step) == (1.0, False, 1)
     state = later(state.step_on(), 10)
-    assert state.way == 2.0
-    assert state.step_back().way == 1.0
-    assert state.carried_to(0.6).step_back().way == 2.0
-    assert TeachState().carried_to(0.0).step_back().way == 0.0
+    assert state.progress == 2.0
+    assert state.step_back().progress == 1.0
+    assert state.carried_to(0.6).step_back().progress == 2.0
+    assert TeachState().carried_to(0.0).step_back().progress == 0.0
 
 
 def test_an_idle_step_is_passed_quickly() -> None:
     idle = (True, False, False, False)
     state = TeachState().step_on().after(0.35 * SECONDS_PER_STEP / 2, idle)
-    assert state.way == 1.0
+    assert state.progress == 1.0
 
 
 def test_a_slider_shows_its_own_step_and_stops_the_animation() -> None:
@@ -113,8 +113,8 @@ def study(paper_camera: Camera, default_board: Board) -> PoseAnalysis:
 def test_the_board_goes_along_one_degree_of_freedom_at_a_time(study: PoseAnalysis) -> None:
     taught = study(FREE_VECTOR)
     for step, axis in ((2, "x"), (3, "y"), (4, "z")):
-        start = board_pose_at(taught, TeachState(way=step - 1 + 1e-9))
-        half = board_pose_at(taught, TeachState(way=step - 0.5))
+        start = board_pose_at(taught, TeachState(progress=step - 1 + 1e-9))
+        half = board_pose_at(taught, TeachState(progress=step - 0.5))
         wanted = Rotation.from_euler(axis, FREE_VECTOR[step - 2] / 2, degrees=True).as_matrix()
         np.testing.assert_allclose(half.R @ start.R.T, wanted, atol=1e-6)
         np.testing.assert_allclose(half.t, [0.06, -0.03, 0.52], atol=1e-9)
@@ -130,8 +130,8 @@ def test_the_angle_counts_up_and_a_refused_target_says_so(study: PoseAnalysis) -
         shapes = scene_shapes(study(vector), state)
         return next(s.text for s in shapes if isinstance(s, LabelShape) and s.name == name)
 
-    assert text("/steps/2/label", TeachState(way=1.5)) in ("+12°", "+13°")
-    assert text("/steps/3/label", TeachState(way=2.9)) == "−27°"
+    assert text("/steps/2/label", TeachState(progress=1.5)) in ("+12°", "+13°")
+    assert text("/steps/3/label", TeachState(progress=2.9)) == "−27°"
     assert not taught.refusals
     assert "refused" in text("/target/label", TeachState(), REFUSED)
 
@@ -139,15 +139,17 @@ def test_the_angle_counts_up_and_a_refused_target_says_so(study: PoseAnalysis) -
 def test_the_sector_grows_with_the_board(study: PoseAnalysis) -> None:
     taught = study(FREE_VECTOR)
     for draw in (scene_shapes, camera_shapes_at):
-        for way in (1.02, 1.4, 1.8, 2.0):
+        for progress in (1.02, 1.4, 1.8, 2.0):
             (mesh,) = (
                 shape.mesh
-                for shape in draw(taught, TeachState(way=way))
+                for shape in draw(taught, TeachState(progress=progress))
                 if isinstance(shape, MeshShape) and shape.name == "/steps/2/sector"
             )
             rim = mesh.vertices[1:]
             angles = np.degrees(np.arctan2(rim[:, 1], rim[:, 0]))
-            assert np.ptp(angles) == pytest.approx(abs(FREE_VECTOR[0]) * (way - 1), abs=0.51), way
+            assert np.ptp(angles) == pytest.approx(
+                abs(FREE_VECTOR[0]) * (progress - 1), abs=0.51
+            ), progress
 
 
 def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseAnalysis) -> None:
@@ -160,11 +162,11 @@ def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseAnaly
     ):
         apart = np.degrees((other * fixed.inv()).magnitude())
         assert taught.apart_deg(arrangement) == pytest.approx(apart)  # type: ignore[arg-type]
-        state = replace(TeachState(way=2.5), arrangement=arrangement)  # type: ignore[arg-type]
+        state = replace(TeachState(progress=2.5), arrangement=arrangement)  # type: ignore[arg-type]
         names = {shape.name for shape in scene_shapes(taught, state)}
         assert {"/compare/left/board", "/compare/right/board", "/compare/right/arc"} <= names
         # One turn done, the next one not begun: scene and words speak of the same.
-        state = replace(state, way=2.0)
+        state = replace(state, progress=2.0)
         labels = {s.name: s.text for s in scene_shapes(taught, state) if isinstance(s, LabelShape)}
         assert labels["/compare/left/angle"] == f"{angles[0]:+.0f}°"
         assert comparison_words(taught, state).turn == 1
@@ -181,7 +183,9 @@ def test_pictures_mark_what_is_refused_and_frame_the_step(
 
     assert warned(FREE_VECTOR) == 0 and warned(REFUSED) > 2000
     taught = study(FREE_VECTOR)
-    drawn = [pictures.steps_picture(taught, TeachState(way=w), fine=False) for w in (1.0, 2.0, 4.0)]
+    drawn = [
+        pictures.steps_picture(taught, TeachState(progress=w), fine=False) for w in (1.0, 2.0, 4.0)
+    ]
     sheets = [sheet for sheet in drawn if sheet is not None]
     assert [sheet.shape for sheet in sheets] == [sheets[0].shape] * 3
     assert not np.array_equal(sheets[0], sheets[1]) and not np.array_equal(sheets[1], sheets[2])
@@ -204,6 +208,6 @@ def test_a_fine_sheet_gives_way_to_a_hand_and_is_kept_when_there_is_none(
     assert cut_short is None and len(asked) == 3
     quick = pictures.steps_picture(taught, TeachState(), fine=False)
     fine = pictures.steps_picture(taught, TeachState(), fine=True)
-    later = pictures.steps_picture(taught, TeachState(way=1.0), fine=False)
+    later = pictures.steps_picture(taught, TeachState(progress=1.0), fine=False)
     assert quick is not None and fine is not None and later is not None
     assert later.shape == fine.shape > quick.shape, "another frame around the same fine tiles"

@@ -55,13 +55,13 @@ def turning_board_shapes(
     board: Board,
     side: Side,
     turns: TurnSequence,
-    way: float,
+    progress: float,
     *,
     axes: Axes,
     title: str,
     dark: bool,
 ) -> list[Shape]:
-    """One board `way` (0 ... 3) of its three turns on, with its axes.
+    """One board, `progress` (0 ... 3) of its three turns on, with its axes.
 
     Args:
         axes: which axes are drawn: the camera's, or the board's own.
@@ -69,8 +69,8 @@ def turning_board_shapes(
     """
     name, centre, colours = f"/compare/{side}", board_centre(board, side), ground(dark)
     # A turn that has just ended is still the one that the words speak of.
-    index = min(max(ceil(way - 1e-6) - 1, 0), 2)
-    turn, fraction = turns[index], min(way - index, 1.0)
+    index = min(max(ceil(progress - 1e-6) - 1, 0), 2)
+    turn, fraction = turns[index], min(progress - index, 1.0)
 
     def here(pose: Pose) -> Pose:
         return Pose(pose.R, centre)
@@ -84,7 +84,7 @@ def turning_board_shapes(
         LabelShape(f"{name}/label", title, above, colours.text),
         *_axes_shapes(board, name, now, turns[0].before, turn, axes, dark),
     ]
-    if 0 < way < 3 and abs(turn.angle_deg) > 0.5:
+    if 0 < progress < 3 and abs(turn.angle_deg) > 0.5:
         shapes += _arc(board, name, here(turn.before), turn, fraction, dark)
     return shapes
 

@@ -25,7 +25,7 @@ class ComparisonWords:
 
 def comparison_words(taught: TaughtPose, state: TeachState) -> ComparisonWords:
     """What the two boards do at this moment."""
-    step, sweep = state.place
+    step, sweep = state.step_and_share
     others = taught.others(state.arrangement)
     if step == 1:
         return ComparisonWords(texts.COMPARE_START, "", texts.COMPARE_PROMPT)

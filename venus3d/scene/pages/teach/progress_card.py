@@ -29,7 +29,7 @@ def _steps(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
     colour = theme.steps[step.number - 1]
     if state.at_rest:
         now = _now(theme.good, texts.THERE_HEADLINE, "", texts.THERE_SENTENCE, "")
-    elif state.way == 0.0:
+    elif state.progress == 0.0:
         now = _now(theme.good, texts.START_HEADLINE, "", texts.START_SENTENCE, "")
     else:
         headline = texts.STEP.format(number=step.number, title=step_style(step.number).title)
@@ -59,7 +59,7 @@ def _whole(step: Step) -> str:
 def _comparison(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
     words = comparison_words(taught, state)
     if words.turn is None:
-        colour = theme.info if state.way > 1 else theme.good
+        colour = theme.info if state.progress > 1 else theme.good
     else:
         colour = theme.steps[words.axis + 1]
     return _now(colour, words.headline, words.amount, words.sentence, "")

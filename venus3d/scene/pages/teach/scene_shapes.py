@@ -36,7 +36,7 @@ from venus3d.scene.render.viewpoints import SceneCamera, view_abreast, view_from
 
 def board_pose_at(taught: TaughtPose, state: TeachState) -> Pose:
     """Where the board is on its way, `T_camera_board`."""
-    step, sweep = state.place
+    step, sweep = state.step_and_share
     if step == 4 and sweep == 1.0:
         return taught.pose
     return pose_during(taught.steps[step - 1], sweep)
@@ -118,7 +118,7 @@ def amount_text(step: Step, sweep: float) -> str:
 
 
 def _comparison(taught: TaughtPose, state: TeachState) -> list[Shape]:
-    way = min(max(state.way - 1.0, 0.0), 3.0)  # the move is no turn
+    progress = min(max(state.progress - 1.0, 0.0), 3.0)  # the move is no turn
     own = state.arrangement == "axes"
     left, right = texts.COLUMNS[state.arrangement]
     readings: tuple[tuple[TurnSequence, Axes, str], ...] = (
@@ -137,7 +137,7 @@ def _comparison(taught: TaughtPose, state: TeachState) -> list[Shape]:
         shape
         for side, (turns, axes, title) in zip(sides, readings, strict=True)
         for shape in turning_board_shapes(
-            taught.board, side, turns, way, axes=axes, title=title, dark=state.dark
+            taught.board, side, turns, progress, axes=axes, title=title, dark=state.dark
         )
     ]
 

@@ -27,9 +27,9 @@ class TeachState:
 
     vector: Vector = FREE_VECTOR
     """The target's pose."""
-    way: float = 4.0
+    progress: float = 4.0
     """0 ... 4 on the way from the upright board to the target: 1.5 is half of step 2."""
-    until: float | None = None
+    stop_at: float | None = None
     """Where the animation stops; None while it does not play."""
     focus: int | None = None
     """The step whose number was changed last: shown although the board is at the target."""
@@ -54,31 +54,31 @@ class TeachState:
     @property
     def playing(self) -> bool:
         """Whether the animation runs."""
-        return self.until is not None
+        return self.stop_at is not None
 
     @property
-    def place(self) -> tuple[int, float]:
+    def step_and_share(self) -> tuple[int, float]:
         """Where the board is: on which step, 1 ... 4, and how much of it is done, 0 ... 1.
 
         A step that has just ended still counts.
         """
-        step = min(max(ceil(self.way - _EPS), 1), 4)
-        return step, min(max(self.way - (step - 1), 0.0), 1.0)
+        step = min(max(ceil(self.progress - _EPS), 1), 4)
+        return step, min(max(self.progress - (step - 1), 0.0), 1.0)
 
     @property
     def step(self) -> int:
         """1 ... 4: the step that is shown."""
-        return self.place[0] if self.focus is None else self.focus
+        return self.step_and_share[0] if self.focus is None else self.focus
 
     @property
     def sweep(self) -> float:
         """0 ... 1: how much of that step is done."""
-        return self.place[1] if self.focus is None else 1.0
+        return self.step_and_share[1] if self.focus is None else 1.0
 
     @property
     def at_rest(self) -> bool:
         """Whether the board is at its target and nothing else is looked at."""
-        return self.way >= 4.0 - _EPS and self.focus is None
+        return self.progress >= 4.0 - _EPS and self.focus is None
 
     @property
     def compares(self) -> bool:
@@ -110,26 +110,26 @@ class TeachState:
         vector = FREE_VECTOR if page is None else page.pose
         return replace(self._at(4.0), vector=vector, pose_version=self.pose_version + 1)
 
-    def _at(self, way: float, until: float | None = None) -> TeachState:
-        return replace(self, way=way, until=until, focus=None, dragged=False)
+    def _at(self, progress: float, stop_at: float | None = None) -> TeachState:
+        return replace(self, progress=progress, stop_at=stop_at, focus=None, dragged=False)
 
-    # -- the way ----------------------------------------------------------------------------------
+    # -- the animation ---------------------------------------------------------------------------
 
     def play(self, on: bool) -> TeachState:
         """Play to the end, from the start if it is there already; or stop."""
         if not on:
-            return replace(self, until=None)
-        return self._at(0.0 if self.way >= 4.0 - _EPS else self.way, 4.0)
+            return replace(self, stop_at=None)
+        return self._at(0.0 if self.progress >= 4.0 - _EPS else self.progress, 4.0)
 
     def step_on(self) -> TeachState:
         """Let the next step happen, and stop."""
-        if self.way >= 4.0 - _EPS:
+        if self.progress >= 4.0 - _EPS:
             return self._at(0.0, 1.0)
-        return self._at(self.way, float(floor(self.way + _EPS) + 1))
+        return self._at(self.progress, float(floor(self.progress + _EPS) + 1))
 
     def step_back(self) -> TeachState:
         """Before this step; at its beginning, before the one before."""
-        return self._at(float(max(ceil(min(self.way, 4.0) - _EPS) - 1, 0)))
+        return self._at(float(max(ceil(min(self.progress, 4.0) - _EPS) - 1, 0)))
 
     def carried_to(self, share: float) -> TeachState:
         """A `share` (0 ... 1) of the whole way."""
@@ -137,18 +137,20 @@ class TeachState:
 
     def after(self, seconds: float, idle: tuple[bool, ...]) -> TeachState:
         """The animation, `seconds` later. `idle`: which steps have nothing to do."""
-        if self.until is None:
+        if self.stop_at is None:
             return self
-        haste = _IDLE_HASTE if self.way < 4 - _EPS and idle[floor(self.way + _EPS)] else 1.0
-        way = self.way + seconds * self.speed * haste / SECONDS_PER_STEP
-        if self.loop and self.until == 4.0:
+        haste = (
+            _IDLE_HASTE if self.progress < 4 - _EPS and idle[floor(self.progress + _EPS)] else 1.0
+        )
+        progress = self.progress + seconds * self.speed * haste / SECONDS_PER_STEP
+        if self.loop and self.stop_at == 4.0:
             # Beyond 4 the board rests at the target.
-            return replace(self, way=way if way < 4.0 + _HOLD else 0.0)
+            return replace(self, progress=progress if progress < 4.0 + _HOLD else 0.0)
         if haste > 1:
-            way = min(way, floor(self.way + _EPS) + 1.0)
-        if way >= self.until:
-            return replace(self, way=self.until, until=None)
-        return replace(self, way=way)
+            progress = min(progress, floor(self.progress + _EPS) + 1.0)
+        if progress >= self.stop_at:
+            return replace(self, progress=self.stop_at, stop_at=None)
+        return replace(self, progress=progress)
 
     def next_speed(self) -> TeachState:
         """The next speed, round and round."""

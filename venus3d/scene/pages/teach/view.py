@@ -97,7 +97,7 @@ class TeachView:
             self.card.content = card
         for row in self._rows:
             row.show(state)
-        share = round(25 * min(state.way, 4.0))
+        share = round(25 * min(state.progress, 4.0))
         if share != self._share:
             # Not otherwise: where it was put is in the slider before `on_progress` hears of it.
             self._share = share

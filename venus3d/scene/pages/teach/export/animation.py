@@ -45,11 +45,11 @@ def animation_states(page: ExportedPage, fps: float) -> tuple[TeachState, ...]:
     A pose with nothing to do stands still.
     """
     idle = page.taught.idle(page.state.arrangement)
-    start = replace(page.state, way=0.0, focus=None, speed=1.0, loop=False)
+    start = replace(page.state, progress=0.0, focus=None, speed=1.0, loop=False)
     states = [start] * round(_BEFORE_S * fps)
     if not all(idle):
         now = start.play(True)
         while now.playing:
             now = now.after(1 / fps, idle)
             states.append(now)
-    return (*states, *([replace(states[-1], way=4.0, until=None)] * round(_AFTER_S * fps)))
+    return (*states, *([replace(states[-1], progress=4.0, stop_at=None)] * round(_AFTER_S * fps)))

@@ -64,7 +64,7 @@ def _words(taught: TaughtPose, state: TeachState) -> tuple[str, Colour, str, str
         title = ", ".join(part for part in (remark.headline, remark.amount) if part)
         return str(remark.turn), colour, title, remark.sentence
     colour = ground(state.dark).text
-    if state.way <= 1:  # there is nothing to press in a film
+    if state.progress <= 1:  # there is nothing to press in a film
         return texts.ALIKE, colour, remark.headline, ""
     badge = texts.ALIKE if taught.apart_deg(state.arrangement) < 0.5 else texts.DIFFERENT
     return badge, colour, remark.headline, f"{remark.amount.capitalize()}. {remark.sentence}"

@@ -48,7 +48,7 @@ def film(
         waiting: list[Callable[[], Picture]] = []
         for before, state in zip((None, *states[:-1]), states, strict=True):
             # A board at rest is drawn once.
-            same = before is not None and waiting and before.place == state.place
+            same = before is not None and waiting and before.step_and_share == state.step_and_share
             waiting.append(waiting[-1] if same else _picture(page.taught, state, offscreen, size))
             if len(waiting) > _AHEAD:
                 yield _even(waiting.pop(0)())
@@ -76,7 +76,7 @@ def _with_header(picture: Picture, taught: TaughtPose, state: TeachState) -> Pic
     if not busy:
         text = ground(state.dark).text
         return with_header(picture, "0", text, texts.UPRIGHT, texts.UPRIGHT_WHERE, state.dark)
-    if state.way >= 4:
+    if state.progress >= 4:
         # Why a pose is refused is said where the board has come to it.
         picture = with_refusal(picture, taught, state.dark)
     now = shown_step(taught, state)
