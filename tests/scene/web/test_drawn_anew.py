@@ -30,7 +30,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.exercise import practice_texts
+from venus3d.scene.pages.exercise import texts as exercise_texts
 from venus3d.scene.pages.exercise.practice import Practice, PracticeSettings
 from venus3d.scene.pages.exercise.practice_page import PracticePage
 from venus3d.scene.pages.exercise.practice_run import PracticeServer
@@ -374,7 +374,7 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
                 came += str(tab.window(timeout=20))
             # At once again: it stands still and says so, and the others go on.
             fault.due, first.shown = 1, None
-            while practice_texts.BROKEN not in came:
+            while exercise_texts.BROKEN not in came:
                 came += str(tab.window(timeout=20))
             assert practice.tabs == (second,) and loop.is_alive()
     finally:

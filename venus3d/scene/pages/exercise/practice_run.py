@@ -66,6 +66,8 @@ def run_practice(options: PracticeOptions) -> None:
 class PracticeServer(ExerciseServer[PracticeView]):
     """All trainees of one server. `run` returns after `close` was called by another thread."""
 
+    _title = TITLE
+
     def __init__(
         self,
         server: LocalServer,

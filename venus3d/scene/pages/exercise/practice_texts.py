@@ -149,7 +149,5 @@ NUDGES = (
     "farther",
     "nearer",
 )
-STANDS_STILL = "a trainee's page could not be drawn anew; it stands still until it is reloaded"
-BROKEN = "This page met an error and stands still. Reload it to go on."
 GUEST = "guest {number}"
 TARGET_LABEL = "Target"

@@ -24,7 +24,7 @@ import viser
 from venus3d.scene.pages.exercise.exercise import Exercise, View
 from venus3d.scene.pages.exercise.page import ExercisePage
 from venus3d.scene.pages.exercise.picture_turns import PictureTurns
-from venus3d.scene.pages.exercise.practice_texts import BROKEN, STANDS_STILL, TITLE
+from venus3d.scene.pages.exercise.texts import BROKEN, STANDS_STILL
 from venus3d.scene.pages.exercise.view_model import Request
 from venus3d.scene.web.drawing import Failures, tell_tab
 from venus3d.scene.web.server import LocalServer
@@ -59,6 +59,9 @@ class Tab(Generic[View]):
 
 class ExerciseServer(ABC, Generic[View]):
     """All tabs of one server. A tab that goes takes its page along."""
+
+    _title: str
+    """Of what is said to a tab that has no page."""
 
     def __init__(self, server: LocalServer) -> None:
         """Nobody is let in before `_open`; the server is closed by the caller, after this."""
@@ -130,7 +133,7 @@ class ExerciseServer(ABC, Generic[View]):
             page = self._make_page(client, exercise, self._asking(requests))
         except Exception as error:
             self._failures.tell(error, STANDS_STILL)
-            client.add_notification(TITLE, BROKEN, color="red")
+            client.add_notification(self._title, BROKEN, color="red")
             return
         with self._lock:
             self._tabs[number] = Tab(client, exercise, page, requests)

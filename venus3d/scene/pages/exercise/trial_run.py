@@ -22,7 +22,7 @@ from venus3d.scene.pages.exercise.server import ExerciseServer, Tab
 from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_page import TrialPage, layout_of, live_picture
 from venus3d.scene.pages.exercise.trial_plan import Plan, plan_of, targets_of
-from venus3d.scene.pages.exercise.trial_texts import DRAG_HINT, SERVING
+from venus3d.scene.pages.exercise.trial_texts import DRAG_HINT, SERVING, TAB
 from venus3d.scene.pages.exercise.view_model import MoveBoard, Request, TrialView
 from venus3d.scene.render.annotated_picture import LivePicture
 from venus3d.scene.render.offscreen import Offscreen
@@ -60,6 +60,8 @@ class TrialResult:
 
 class TrialServer(ExerciseServer[TrialView]):
     """The trial's page in every tab."""
+
+    _title = TAB
 
     def __init__(
         self,
