@@ -30,7 +30,10 @@ RESULT_FOLDER = Path("venus3d-result")
 
 
 def guide(options: GuideOptions) -> None:
-    """Guide, print, write. Raises `VenusError` for a user's mistake."""
+    """Guide, print, write.
+
+    Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C left no result.
+    """
     options.check()  # a mistake here is told before anything starts
     if options.output is None and not options.headless:
         # Ten minutes of holding a board must not be lost for want of an option.
@@ -142,6 +145,7 @@ def _tell_of_nothing(
             "venus3d calibrate for pictures taken without guidance."
         )
     print("No view was captured, so there is no result.")
+    raise KeyboardInterrupt  # which has ended it, and nothing was saved
 
 
 def _summary(result: GuideResult) -> dict[str, Any]:

@@ -17,13 +17,18 @@ from venus3d.storage.exercise import ExerciseRow
 
 
 def trial(options: TrialOptions) -> None:
-    """Run the trial and print what came of it. Raises `VenusError` for a user's mistake."""
+    """Run the trial and print what came of it.
+
+    Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C came before any time.
+    """
     result = run_trial(options)
     name = result.plan.participant
     if not result.complete:
         print(f"Not finished: go on with --participant {json.dumps(name, ensure_ascii=False)}.")
     if result.rows:
         print(times_table(result.rows))
+    if not any(row.participant == name for row in result.rows):
+        raise KeyboardInterrupt  # which has ended it, and nothing was saved
     print(f"Written: {result.path}")
     if options.json:
         times = {

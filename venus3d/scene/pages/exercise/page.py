@@ -17,9 +17,9 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.scene.pages.exercise.exercise import View
 from venus3d.scene.pages.exercise.view_model import MoveBoard, Request
 from venus3d.scene.web.camera_rig import CameraRig
-from venus3d.scene.web.dressing import Dressing
 from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
+from venus3d.scene.web.panel_style import PanelStyle
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.theme import Theme
 
@@ -39,7 +39,7 @@ class ExercisePage(ABC, Generic[View]):
             ask: called on viser's threads with what a person asks for; must not block.
         """
         self._client, self._gui, self._ask = client, client.gui, ask
-        self._dressing = Dressing(client.gui)
+        self._style = PanelStyle(client.gui)
         self._shown: View | None = None
         self._scene = SceneView(client)
         self._rig = CameraRig(client)
@@ -64,7 +64,7 @@ class ExercisePage(ABC, Generic[View]):
         before, self._shown = self._shown, view
         theme = Theme(view.dark)
         with self._client.atomic():
-            if self._dressing.show(theme):
+            if self._style.show(theme):
                 self._help.show(theme)
             self._put(view, before, theme)
         self._client.flush()

@@ -142,7 +142,7 @@ class PracticePage(ExercisePage[PracticeView]):
         gui, theme = self._gui, Theme(view.dark)
         self._left = gui.add_panel()
         with self._left.add_tab(say.TITLE, viser.Icon.TARGET_ARROW):
-            self._dressing.add()
+            self._style.add()
             self._card, self._bars, self._clock = (gui.add_html("") for _ in range(3))
             self._choices = PracticeChoices(gui, self._ask, view)
             self._results = gui.add_html("")
@@ -157,7 +157,7 @@ class PracticePage(ExercisePage[PracticeView]):
         gui = self._gui
         gui.main_panel.dock_right()
         gui.set_panel_label(say.PICTURE_TITLE)
-        self._dressing.add()
+        self._style.add()
         self._first_card = gui.add_html("", visible=False)
         self._picture = self._make_picture(480, _JPEG_QUALITY)
         self._legend = gui.add_html("")

@@ -46,13 +46,17 @@ _PICTURE_SIZE = (480, 270)
 
 
 def run_practice(options: PracticeOptions) -> None:
-    """Serve the page until Ctrl-C. Raises `VenusError` for whatever the user can mend."""
+    """Serve the page until Ctrl-C.
+
+    Raises `VenusError` for whatever the user can mend, `KeyboardInterrupt` if nothing was written.
+    """
     options.check()
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     path = options.output / FILE
     settings = PracticeSettings.of(camera, options.board.board(), options.seed, str(path))
     with ExitStack() as stack:
         file = stack.enter_context(closing(ExerciseFile(path, "practice")))
+        before = len(file.rows)
         offscreen = stack.enter_context(closing(Offscreen()))
         server, note = start_server(options.host, options.port)
         stack.callback(server.stop)
@@ -60,6 +64,8 @@ def run_practice(options: PracticeOptions) -> None:
         announce_page(TITLE, server.url, note, offscreen.note)
         with suppress(KeyboardInterrupt):
             practice.run()
+    if len(file.rows) == before:
+        raise KeyboardInterrupt
     print(WRITTEN.format(path=path))
 
 

@@ -166,13 +166,13 @@ class TrialPage(ExercisePage[TrialView]):
         gui = self._gui
         self._guidance_panel = gui.add_panel()
         with self._guidance_panel.add_tab(say.GUIDANCE_TAB, viser.Icon.HAND_MOVE):
-            self._dressing.add()
+            self._style.add()
             self._guidance = gui.add_html("")
         self._guidance_panel.dock_left()
         self._guidance_panel.expand()  # on a phone panels are folded at first
         self._left = gui.add_panel()
         with self._left.add_tab(say.TAB, viser.Icon.CLOCK):
-            self._dressing.add()
+            self._style.add()
             self._side = gui.add_html("")
             self._start = gui.add_button(
                 say.START, icon=viser.Icon.PLAYER_PLAY, visible=False, hint=say.START_HINT
@@ -190,7 +190,7 @@ class TrialPage(ExercisePage[TrialView]):
     def _make_right(self, view: TrialView) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
-        self._dressing.add()
+        self._style.add()
         self._card = gui.add_html("")
         self._picture = self._make_picture(_LARGE_PICTURE_WIDTH, _JPEG_QUALITY)
         self._legend = gui.add_html("")

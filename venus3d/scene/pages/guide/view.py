@@ -27,9 +27,9 @@ from venus3d.scene.pages.guide.progress_panel import progress_html
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.web.buttons import ButtonRow
-from venus3d.scene.web.dressing import Dressing
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
+from venus3d.scene.web.panel_style import PanelStyle
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
@@ -64,7 +64,7 @@ class GuideView:
             tour: show a browser that is new here around.
         """
         self._server, self._gui = server, server.gui
-        self._dressing = Dressing(server.gui)
+        self._style = PanelStyle(server.gui)
         self._ask, self._layers, self._simulated = ask, layers, simulated
         theme = Theme(dark)
         self._make_guidance()
@@ -113,7 +113,7 @@ class GuideView:
     def _make_guidance(self) -> None:
         panel = self.guidance_panel = self._gui.add_panel()
         with panel.add_tab(say.GUIDANCE_TAB, viser.Icon.HAND_MOVE):
-            self._dressing.add()
+            self._style.add()
             self.guidance = self._gui.add_html("")
         panel.dock_left()
         panel.set_width(LEFT_WIDTH)
@@ -123,16 +123,16 @@ class GuideView:
         gui = self._gui
         panel = self.left_panel = gui.add_panel()
         with panel.add_tab(say.PROGRESS_TAB, viser.Icon.CHART_LINE):
-            self._dressing.add()
+            self._style.add()
             self.diagnoses = gui.add_html("", visible=False)
             self.progress = gui.add_html("")
             self.alternatives = AlternativesPanel(gui, self._ask)
         with panel.add_tab(say.PARAMETERS_TAB, viser.Icon.CAMERA_COG):
-            self._dressing.add()
+            self._style.add()
             self.parameters = ParametersPanel(gui, theme)
         for layer in self._layers:
             with panel.add_tab(layer.title, layer.icon):
-                self._dressing.add()
+                self._style.add()
                 layer.lay_out(gui)
         panel.dock_below(self.guidance_panel)
 
@@ -140,7 +140,7 @@ class GuideView:
         gui = self._gui
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_RIGHT_WIDTH)
-        self._dressing.add()
+        self._style.add()
         blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
         self._legend = gui.add_html(PICTURE_LEGEND_HTML)
@@ -164,7 +164,7 @@ class GuideView:
             (self.help.toggle if what == "help" else self.tour.start)(client)
 
     def _set_theme(self, theme: Theme) -> None:
-        if self._dressing.show(theme):
+        if self._style.show(theme):
             self._recolour(theme)
 
     def _recolour(self, theme: Theme) -> None:

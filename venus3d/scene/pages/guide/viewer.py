@@ -39,7 +39,7 @@ from venus3d.scene.web.help import Command
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.page import Page
 from venus3d.scene.web.picture_feed import PictureFeed, SeenPicture
-from venus3d.scene.web.projections_panel import Picture, Tiles
+from venus3d.scene.web.projections_panel import Tiles
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.theme import Theme
@@ -51,8 +51,6 @@ Addition = Callable[[LocalServer], Sequence[Command]]
 
 class Viewer(Page[ViewState]):
     """The page of a guided calibration, shared by all tabs that are open on it."""
-
-    _picture_width = PICTURE_WIDTH
 
     def __init__(
         self,
@@ -85,7 +83,9 @@ class Viewer(Page[ViewState]):
         self._projections, self._tiles = projections, Tiles()
         self._additions: list[Addition] = []
         self._draggable, self._tour = draggable_board, tour
-        self.layers = self._make_layers()
+        self.layers: tuple[Layer, ...] = (
+            UncertaintyPanel(lambda number: self._ask(intents.DropView(number)), self.wake),
+        )
         self._pictures = PictureFeed(self._draw_picture)
         self._open(picture=self._pictures.loop)
 
@@ -156,21 +156,6 @@ class Viewer(Page[ViewState]):
             drained.append(self._intents.get())
         return drained
 
-    # -- what a subclass may show otherwise ------------------------------------------------------
-
-    def _make_view(self, *, dark: bool, simulated: bool, tour: bool) -> GuideView:
-        return GuideView(
-            self.server, self._ask, self.layers, dark=dark, simulated=simulated, tour=tour
-        )
-
-    def _make_layers(self) -> tuple[Layer, ...]:
-        return (UncertaintyPanel(lambda number: self._ask(intents.DropView(number)), self.wake),)
-
-    def _draw_on(self, rgb: Picture, snapshot: Snapshot, state: ViewState) -> None:
-        newest = self._pictures.newest
-        seen = None if newest is None else newest.observation
-        annotate(rgb, snapshot, seen, state.step, Theme(True).step_colours[state.step - 1])
-
     # -- what people do; on viser's threads ------------------------------------------------------
 
     def _dragged(self, pose: Pose) -> None:
@@ -187,8 +172,13 @@ class Viewer(Page[ViewState]):
         self._rig = CameraRig(server, wake=self.nudge, tolerance=0.15)
         self._looking_at, view_at_first = guide_view((), 0)
         self._rig.go(view_at_first, at_once=True)
-        self.view = self._make_view(
-            dark=self._state.dark, simulated=self._draggable, tour=self._tour
+        self.view = GuideView(
+            server,
+            self._ask,
+            self.layers,
+            dark=self._state.dark,
+            simulated=self._draggable,
+            tour=self._tour,
         )
         self._gizmo = BoardGizmo(server, self._dragged) if self._draggable else None
         for addition in self._additions:
@@ -293,9 +283,11 @@ class Viewer(Page[ViewState]):
             pictures[-1].add_done_callback(lambda _: self.wake())
 
     def _draw_picture(self, newest: SeenPicture) -> None:
-        rgb, snapshot = small_picture(newest.image, self._picture_width), self._snapshot
+        rgb, snapshot = small_picture(newest.image, PICTURE_WIDTH), self._snapshot
         self._scene.set_picture(rgb)
         if snapshot is not None:
-            self._draw_on(rgb, snapshot, self._state.seeing(snapshot))
+            step = self._state.seeing(snapshot).step
+            colour = Theme(True).step_colours[step - 1]
+            annotate(rgb, snapshot, newest.observation, step, colour)
         self.view.show_picture(rgb)
         self.server.flush()

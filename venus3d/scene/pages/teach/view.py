@@ -33,7 +33,7 @@ from venus3d.scene.pages.teach.state import TeachState, Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.render.projections import Picture
 from venus3d.scene.web.buttons import ButtonRow
-from venus3d.scene.web.dressing import Dressing
+from venus3d.scene.web.panel_style import PanelStyle
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.windows import fit_width
 
@@ -66,11 +66,11 @@ class TeachView:
             aspect: the camera picture's width over its height.
         """
         self._server, self._gui = server, server.gui
-        self._dressing = Dressing(server.gui)
+        self._style = PanelStyle(server.gui)
         self._make_right(act, on_progress, aspect)
         panel = self._left = self._gui.add_panel()
         with panel.add_tab(texts.LESSON_TAB, viser.Icon.SCHOOL):
-            self._dressing.add()
+            self._style.add()
             self.lesson = LessonPanel(self._gui, act, lessons, on_pose, on_lesson)
             for label, row, hint in (
                 (texts.TEMPO, TEMPO_ROW, texts.TEMPO_HINT),
@@ -89,7 +89,7 @@ class TeachView:
     def show(self, taught: TaughtPose, state: TeachState) -> None:
         """Put one pose on the page."""
         theme = Theme(state.dark)
-        self._dressing.show(theme)
+        self._style.show(theme)
         self._help.show(theme)
         self.lesson.show(taught, state, theme)
         card = card_html(taught, state, theme)
@@ -142,7 +142,7 @@ class TeachView:
     def _make_right(self, act: Act, on_progress: Callable[[float], object], aspect: float) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
-        self._dressing.add()
+        self._style.add()
         self._heading(texts.PICTURE_TITLE)
         blank = np.full((round(480 / aspect), 480, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)

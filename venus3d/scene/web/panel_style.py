@@ -1,7 +1,4 @@
-"""What the panels of all pages have in common: style sheet, brightness, a width that suits.
-
-Where panels stand and what is in them is the pages' own.
-"""
+"""The style sheet and the brightness of a page's panels."""
 
 from __future__ import annotations
 
@@ -12,11 +9,11 @@ import viser
 from venus3d.scene.web.theme import Theme
 
 
-class Dressing:
+class PanelStyle:
     """The style sheet in each of a page's panels, and the brightness of viser's own things."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        """Nothing is dressed until `show`."""
+        """Nothing has a style until `show`."""
         self._gui = gui
         self._sheets: list[Any] = []
         self._theme: Theme | None = None
