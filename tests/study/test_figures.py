@@ -18,7 +18,13 @@ from venus3d.study.arms import ARMS, ArmTrial, abs_rms_err_px, run_arm
 from venus3d.study.figures import FIGURES, INDICATORS, judge_figure, verdicts_text
 from venus3d.study.plots import draw_figure
 from venus3d.study.runner import Value
-from venus3d.study.simulated import NOISE_PX, first_pose, observed, points_before, walk
+from venus3d.study.simulated import (
+    NOISE_PX,
+    first_pose,
+    guided_calibrations,
+    observed,
+    points_before,
+)
 
 
 def test_abs_rms_err_is_the_distance_of_opencvs_two_projections() -> None:
@@ -36,7 +42,8 @@ def test_abs_rms_err_is_the_distance_of_opencvs_two_projections() -> None:
 def test_a_walk_starts_as_the_paper_does_and_noise_is_shared_between_methods() -> None:
     board = Board()
     walks = {
-        name: list(walk(ARMS[name].settings, 4, seed=3, repeat=1)) for name in ("random", "global")
+        name: list(guided_calibrations(ARMS[name].settings, 4, seed=3, repeat=1))
+        for name in ("random", "global")
     }
     first, other = (stages[0].outcome.work.observations[0] for stages in walks.values())
     np.testing.assert_array_equal(first.corners, other.corners)

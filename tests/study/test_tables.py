@@ -32,7 +32,7 @@ from venus3d.study.hand import (
 from venus3d.study.pool import (
     FEWEST_TEST,
     FEWEST_TRAINING,
-    Pool,
+    ViewPool,
     asking_limits,
     distance,
     distinct,
@@ -51,7 +51,7 @@ from venus3d.study.table1 import (
     table1_text,
     table1_trials,
 )
-from venus3d.study.table2 import WAYS, run_table2, table2_rows, table2_text
+from venus3d.study.table2 import GUIDANCES, run_table2, table2_rows, table2_text
 from venus3d.study.table3 import (
     PAPER_S,
     reduction,
@@ -77,11 +77,11 @@ def poses(paper_camera: Camera, default_board: Board) -> list[Pose]:
 
 
 @pytest.fixture(scope="module")
-def pool(paper_camera: Camera, default_board: Board, poses: list[Pose]) -> Pool:
+def pool(paper_camera: Camera, default_board: Board, poses: list[Pose]) -> ViewPool:
     """Views at known poses, corners with the paper's noise."""
     rng = np.random.default_rng(4)
     views = tuple(_view(paper_camera, default_board, pose, rng) for pose in poses)
-    return Pool("synthetic", default_board, views, len(views))
+    return ViewPool("synthetic", default_board, views, len(views))
 
 
 def _view(camera: Camera, board: Board, pose: Pose, rng: np.random.Generator) -> Observation:
@@ -94,7 +94,7 @@ def _view(camera: Camera, board: Board, pose: Pose, rng: np.random.Generator) ->
 
 
 def test_nearest_is_the_view_at_that_pose(
-    pool: Pool, poses: list[Pose], paper_camera: Camera
+    pool: ViewPool, poses: list[Pose], paper_camera: Camera
 ) -> None:
     limits = Limits.for_board(pool.board, paper_camera)
     everything = range(len(poses))
@@ -131,7 +131,7 @@ def test_split_holds_views_out(count: int) -> None:
     assert splits[2] == split(count, np.random.default_rng(2))
 
 
-def test_repeats_blur_and_cut_boards_are_left_out(pool: Pool) -> None:
+def test_repeats_blur_and_cut_boards_are_left_out(pool: ViewPool) -> None:
     first, second, *_ = pool.observations
     repeat = replace(first, corners=first.corners + 1.0)
     blurred = replace(pool.observations[2], sharpness=0.1)
@@ -140,7 +140,7 @@ def test_repeats_blur_and_cut_boards_are_left_out(pool: Pool) -> None:
     assert len(kept) == 2 and kept[0] is first and kept[1] is second
 
 
-def test_asking_limits_hold_the_recording(pool: Pool, poses: list[Pose]) -> None:
+def test_asking_limits_hold_the_recording(pool: ViewPool, poses: list[Pose]) -> None:
     asking = asking_limits(pool.board, pool.observations)
     for pose in poses:
         tilt = np.degrees(np.arccos(pose.R[:, 2] @ pose.t / np.linalg.norm(pose.t)))
@@ -150,7 +150,7 @@ def test_asking_limits_hold_the_recording(pool: Pool, poses: list[Pose]) -> None
 
 
 @pytest.mark.parametrize("arm", ARMS)
-def test_held_out_views_are_never_used(pool: Pool, arm: Arm) -> None:
+def test_held_out_views_are_never_used(pool: ViewPool, arm: Arm) -> None:
     training, held_out = split(len(pool.observations), np.random.default_rng(5))
     taken, ending = guide_through(pool, training, arm, seed=5, max_views=7)
     used = [step.index for step in taken]
@@ -162,12 +162,12 @@ def test_held_out_views_are_never_used(pool: Pool, arm: Arm) -> None:
     assert taken[-1].calibration.camera.fx == pytest.approx(1068, abs=25)
 
 
-def test_pool_that_runs_out_is_said(pool: Pool) -> None:
+def test_pool_that_runs_out_is_said(pool: ViewPool) -> None:
     taken, ending = guide_through(pool, (0, 1, 2, 3), "opencv", seed=0)
     assert ending == "pool empty" and len(taken) == 4
 
 
-def test_rms_of_held_out_views_is_opencvs(pool: Pool, paper_camera: Camera) -> None:
+def test_rms_of_held_out_views_is_opencvs(pool: ViewPool, paper_camera: Camera) -> None:
     camera = calibrate(pool.board, pool.observations[:8]).camera
     indices = range(8, 20)
     squares: list[float] = []
@@ -183,7 +183,7 @@ def test_rms_of_held_out_views_is_opencvs(pool: Pool, paper_camera: Camera) -> N
     assert best == pytest.approx(NOISE_PX * np.sqrt(2 * (1 - 6 / 80)), rel=0.08)
 
 
-def test_camera_that_explains_no_view_gets_no_better_for_it(pool: Pool) -> None:
+def test_camera_that_explains_no_view_gets_no_better_for_it(pool: ViewPool) -> None:
     far_off = Camera(1280, 720, 300, 3000, 100, 700)
     assert rms_of_views_px(far_off, pool, range(6)) > 20
 
@@ -217,7 +217,7 @@ def test_simulated_pool_shows_the_camera_that_took_it(
     assert 0 < float(last["true_error_px"]) < 3
 
 
-def test_trials_have_their_own_keys(pool: Pool) -> None:
+def test_trials_have_their_own_keys(pool: ViewPool) -> None:
     trials = table1_trials([pool], 3, 0, 0.3, 40)
     assert len({trial.key for trial in trials}) == len(trials) == 3 * len(ARMS)
     assert isinstance(trials[0], Table1Trial)
@@ -232,10 +232,10 @@ def test_table2_measures_every_way_on_every_frame(shared_data: Path) -> None:
     assert len(clip.images) == 4 and all(image.shape == (720, 1280, 3) for image in clip.images)
     before = [image.copy() for image in clip.images]
     costs = run_table2(clip, frames=5, threads=1, seed=0)
-    assert all((costs.guiding_ms[way][:, 0] > 0).all() for way in WAYS)
+    assert all((costs.guiding_ms[way][:, 0] > 0).all() for way in GUIDANCES)
     assert all(np.array_equal(a, b) for a, b in zip(before, clip.images, strict=True))
     rows = table2_rows(costs)
-    assert len(rows) == 5 * len(WAYS) and {row["way"] for row in rows} == set(WAYS)
+    assert len(rows) == 5 * len(GUIDANCES) and {row["way"] for row in rows} == set(GUIDANCES)
     text = table2_text(costs)
     assert "38.46 ms" in text and "5 measurements" in text
     # The delay in a second is what 25 frames cost.

@@ -91,7 +91,7 @@ class Table3Options:
 
 def table1(options: Table1Options) -> None:
     """Look through the recordings, run all methods, print and write."""
-    from venus3d.study.pool import Pool, pool_of, simulated_pool
+    from venus3d.study.pool import ViewPool, pool_of, simulated_pool
     from venus3d.study.runner import run_trials
     from venus3d.study.table1 import run_table1, table1_text, table1_trials
 
@@ -105,7 +105,7 @@ def table1(options: Table1Options) -> None:
     check_range("--jobs", options.jobs, 1, 1024)
     board = options.board.board()
     folder = prepare(options.output)
-    pools: list[Pool] = []
+    pools: list[ViewPool] = []
     for spec in dict.fromkeys(options.sources):
         if spec == "sim":
             pools.append(simulated_pool(board, np.random.default_rng(options.seed)))

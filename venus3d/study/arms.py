@@ -13,7 +13,7 @@ from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.costs import index_of_dispersion
 from venus3d.study.runner import Value
-from venus3d.study.simulated import points_before, true_error_px, walk
+from venus3d.study.simulated import guided_calibrations, points_before, true_error_px
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,9 @@ class ArmTrial:
 
 def run_arm(trial: ArmTrial) -> Sequence[Mapping[str, Value]]:
     """A row for each number of views."""
-    stages = walk(ARMS[trial.arm].settings, trial.views, seed=trial.seed, repeat=trial.repeat)
+    stages = guided_calibrations(
+        ARMS[trial.arm].settings, trial.views, seed=trial.seed, repeat=trial.repeat
+    )
     return [
         {
             "arm": trial.arm,

@@ -27,7 +27,13 @@ from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search import search
 from venus3d.study.runner import Value, run_trials
-from venus3d.study.simulated import NOISE_PX, observed, true_error_px, true_information, walk
+from venus3d.study.simulated import (
+    NOISE_PX,
+    guided_calibrations,
+    observed,
+    true_error_px,
+    true_information,
+)
 from venus3d.study.text import table
 
 VIEWS = 14
@@ -97,7 +103,7 @@ def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
     rows: list[dict[str, Value]] = []
     promised = before = float("nan")
     settings = Settings(method=cast(Method, trial.kind))
-    for stage in walk(settings, VIEWS, seed=trial.seed, repeat=trial.repeat):
+    for stage in guided_calibrations(settings, VIEWS, seed=trial.seed, repeat=trial.repeat):
         error = stage.outcome.history[-1].uncertainty_px
         rows.append(
             {
@@ -118,7 +124,7 @@ def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
 def state_row(trial: BenchTrial) -> dict[str, Value]:
     """What `global` finds on one state, and the best that long runs of dual annealing find."""
     settings, views = Settings(), trial.repeat + 2
-    *_, last = walk(settings, views, seed=trial.seed, repeat=trial.repeat)
+    *_, last = guided_calibrations(settings, views, seed=trial.seed, repeat=trial.repeat)
     posterior = last.outcome.posterior
     space = Space.of(posterior, settings)
     cost = make_cost("projection-variance", posterior)

@@ -35,7 +35,7 @@ _ALIGNED_DEG = 10.0  # this near to where one meant to be, one thinks to be ther
 
 
 @dataclass(frozen=True, eq=False)
-class HandMotion:
+class ReachResult:
     """How a pose was reached."""
 
     seconds: float
@@ -69,7 +69,7 @@ def reach(
     camera: Camera,
     board: Board,
     rng: np.random.Generator,
-) -> HandMotion:
+) -> ReachResult:
     """Bring the board from `start` to `target` until `matching` says that it is there."""
     reader, pose, seconds, looks = READERS[help_](person, board, rng), start, 0.0, 0
     now = _match(camera, board, pose, target)
@@ -83,7 +83,7 @@ def reach(
             now = _match(camera, board, pose, target)
             if now.reached:
                 break
-    return HandMotion(seconds, looks, now.reached, pose)
+    return ReachResult(seconds, looks, now.reached, pose)
 
 
 def motion_s(person: Assumptions, board: Board, motion: Motion) -> float:

@@ -38,7 +38,7 @@ for `calibrate` (`select_views`)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Pool:
+class ViewPool:
     """The usable views of one recording, in their order."""
 
     name: str
@@ -66,7 +66,7 @@ def pool_of(
     *,
     same: float = SAME,
     on_count: Callable[[int], None] | None = None,
-) -> Pool:
+) -> ViewPool:
     """Look through a recording once and keep the views that can be calibrated from.
 
     Args:
@@ -97,7 +97,7 @@ def pool_of(
         )
     notes = (*recording.notes, *detector.notes)
     asking = asking_limits(detector.board, kept)
-    return Pool(spec, detector.board, tuple(kept), len(recording.observations), notes, asking)
+    return ViewPool(spec, detector.board, tuple(kept), len(recording.observations), notes, asking)
 
 
 def asking_limits(board: Board, observations: Sequence[Observation]) -> dict[str, float]:
@@ -123,7 +123,7 @@ def asking_limits(board: Board, observations: Sequence[Observation]) -> dict[str
     }
 
 
-def simulated_pool(board: Board, rng: np.random.Generator, count: int = 150) -> Pool:
+def simulated_pool(board: Board, rng: np.random.Generator, count: int = 150) -> ViewPool:
     """Pictures of the simulated camera: `count` random poses within the limits. No real recording.
 
     Where no recording at hand is rich enough to show a difference between methods, this one is; the
@@ -142,7 +142,7 @@ def simulated_pool(board: Board, rng: np.random.Generator, count: int = 150) -> 
             seen.append(detector.detect(frame.image, name=f"pose {number + 1}"))
         notes = source.notes
     kept = tuple(distinct(seen, board))
-    return Pool("sim", board, kept, count, notes, truth=PAPER_CAMERA)
+    return ViewPool("sim", board, kept, count, notes, truth=PAPER_CAMERA)
 
 
 def distinct(
@@ -178,7 +178,7 @@ def split(
 
 
 def nearest(
-    wanted: Pose, pool: Pool, indices: Sequence[int], camera: Camera, limits: Limits
+    wanted: Pose, pool: ViewPool, indices: Sequence[int], camera: Camera, limits: Limits
 ) -> tuple[int, Pose] | None:
     """Of the views `indices` the one whose pose under `camera` is nearest, and that pose.
 

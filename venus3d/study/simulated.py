@@ -32,7 +32,7 @@ START_DEG = 45.0
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class SimulatedCalibration:
     """One calibration of a walk."""
 
     outcome: Outcome
@@ -42,7 +42,7 @@ class Stage:
     """Views so far that could not be calibrated with the others and were taken again."""
 
 
-def walk(
+def guided_calibrations(
     settings: Settings,
     views: int,
     *,
@@ -51,7 +51,7 @@ def walk(
     truth: Camera = PAPER_CAMERA,
     board: Board | None = None,
     noise_px: float = NOISE_PX,
-) -> Iterator[Stage]:
+) -> Iterator[SimulatedCalibration]:
     """Calibrations with 1, 2, ... `views` views, each view taken exactly where it was asked for.
 
     The noise depends on the seed, the repeat and the view alone, so that methods can be compared
@@ -84,7 +84,7 @@ def walk(
         else:
             raise CalibrationError(f"View {view + 1} failed ten times with new noise each time.")
         poses.append(pose)
-        yield Stage(outcome, tuple(poses), lost)
+        yield SimulatedCalibration(outcome, tuple(poses), lost)
         work = outcome.work
         if outcome.suggestion is not None:
             work = replace(work, heuristic_state=outcome.suggestion.state)

@@ -26,7 +26,7 @@ from venus3d.engine.guidance.startup import Startup
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.posterior import Posterior
-from venus3d.study.pool import Pool, nearest, split
+from venus3d.study.pool import ViewPool, nearest, split
 from venus3d.study.text import mean_sd, table
 
 Row = dict[str, str | int | float]
@@ -50,7 +50,7 @@ PAPER = {
 class Table1Trial:
     """One method on one pool with one seed. Trials of the same seed share the held-out views."""
 
-    pool: Pool
+    pool: ViewPool
     arm: Arm
     seed: int
     held_out: float = 0.3
@@ -65,7 +65,7 @@ class Table1Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Taken:
+class TakenView:
     """One view that a method took from the pool, and the calibration with it."""
 
     index: int
@@ -117,8 +117,8 @@ def run_table1(trial: Table1Trial) -> list[Row]:
 
 
 def guide_through(
-    pool: Pool, training: Sequence[int], arm: Arm, seed: int, max_views: int = 40
-) -> tuple[list[Taken], Ending]:
+    pool: ViewPool, training: Sequence[int], arm: Arm, seed: int, max_views: int = 40
+) -> tuple[list[TakenView], Ending]:
     """Calibrate from the views `training` of the pool as the method asks for them.
 
     The first view is the one nearest to the start-up pose of 3.1, for "opencv" a random one.
@@ -136,7 +136,7 @@ def guide_through(
     )
     session = Session(pool.board, pool.image_size, settings)
     rng = np.random.default_rng([seed, 1])
-    unused, taken = list(training), list[Taken]()
+    unused, taken = list(training), list[TakenView]()
     wanted: Pose | None = Startup(pool.board, pool.image_size).target
     while unused and session.phase not in ("converged", "finished"):
         chosen = _chosen(pool, unused, arm, wanted, session, rng)
@@ -152,14 +152,14 @@ def guide_through(
         wanted = None if snapshot.target is None else snapshot.target.pose
         if snapshot.calibration is not None:
             uncertainty_px = snapshot.history[-1].uncertainty_px
-            taken.append(Taken(index, off_deg, snapshot.calibration, uncertainty_px))
+            taken.append(TakenView(index, off_deg, snapshot.calibration, uncertainty_px))
     if not taken:
         raise CalibrationError(f"No view of {pool.name} can be calibrated from.")
     return taken, _ending(session, wanted, arm)
 
 
 def _chosen(
-    pool: Pool,
+    pool: ViewPool,
     unused: Sequence[int],
     arm: Arm,
     wanted: Pose | None,
@@ -179,7 +179,7 @@ def _chosen(
     return None if found is None else (found[0], wanted.angle_to_deg(found[1]))
 
 
-def _most_telling(pool: Pool, unused: Sequence[int], calibration: Calibration) -> int:
+def _most_telling(pool: ViewPool, unused: Sequence[int], calibration: Calibration) -> int:
     """The view that would make the expected projection error smallest."""
     posterior = Posterior.of_calibration(calibration, noise=None)
 
@@ -191,7 +191,7 @@ def _most_telling(pool: Pool, unused: Sequence[int], calibration: Calibration) -
     return min(unused, key=uncertainty_px)
 
 
-def _true_error_px(pool: Pool, camera: Camera) -> float:
+def _true_error_px(pool: ViewPool, camera: Camera) -> float:
     return float("nan") if pool.truth is None else projection_diff_px(pool.truth, camera)
 
 
@@ -203,7 +203,7 @@ def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
     return "no pose fits" if wanted is None and arm in _ASKING else "pool empty"
 
 
-def rms_of_views_px(camera: Camera, pool: Pool, indices: Sequence[int]) -> float:
+def rms_of_views_px(camera: Camera, pool: ViewPool, indices: Sequence[int]) -> float:
     """Reprojection error over the views `indices`, each with its best pose under this camera.
 
     Root mean square distance over all corners, pixels; inf if a view has no pose at all, so that a
@@ -221,7 +221,7 @@ def rms_of_views_px(camera: Camera, pool: Pool, indices: Sequence[int]) -> float
 
 
 def table1_trials(
-    pools: Sequence[Pool], repeats: int, seed: int, held_out: float, max_views: int
+    pools: Sequence[ViewPool], repeats: int, seed: int, held_out: float, max_views: int
 ) -> list[Table1Trial]:
     """All methods on all pools, `repeats` seeds each."""
     return [
@@ -232,7 +232,7 @@ def table1_trials(
     ]
 
 
-def table1_text(rows: Sequence[Row], pools: Sequence[Pool]) -> str:
+def table1_text(rows: Sequence[Row], pools: Sequence[ViewPool]) -> str:
     """The table for people, one for each source, the paper's figures beside ours."""
     parts: list[str] = []
     for pool in pools:

@@ -1,6 +1,6 @@
 """Table 2 of the paper: what guiding costs for each frame, with and without live detection.
 
-Real 720p frames, every way of guiding on each of them in turn, in one process:
+Real 720p frames, every kind of guidance of guiding on each of them in turn, in one process:
 
 axes      detect the board, find its pose, draw its axes and the target's (Rojtberg 2018)
 steps     paste the four prepared pictures and draw the prepared outline (the paper, 3.4)
@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import cv2
 import numpy as np
@@ -30,11 +30,11 @@ from venus3d.scene.render.projections import Projections
 from venus3d.study.clip import Clip, Image
 from venus3d.study.text import table
 
-SearchMethod = Literal["axes", "steps", "region"]
-WAYS: tuple[SearchMethod, ...] = ("axes", "steps", "region")
+Guidance = Literal["axes", "steps", "region"]
+GUIDANCES: tuple[Guidance, ...] = get_args(Guidance)
 FRAME_RATE = 25
 """Of the paper's camera, for the delay in a second of video."""
-PAPER_MS: dict[SearchMethod, float] = {"axes": 38.46, "steps": 25.24}
+PAPER_MS: dict[Guidance, float] = {"axes": 38.46, "steps": 25.24}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +53,10 @@ class Costs:
     """Measured times, milliseconds for a frame."""
 
     clip: Clip
-    guiding_ms: dict[SearchMethod, Array]
+    guiding_ms: dict[Guidance, Array]
     """(frames, 2) each: by the clock, and of the processor, which other programs do not change."""
     showing_ms: Array
-    """(frames, 2) to decode a frame and encode it for the screen: what every way needs besides."""
+    """(frames, 2) to decode a frame and encode it for the screen, which all guidance needs."""
     preparing_ms: float
     """To render the four pictures, once for a target."""
     threads: int
@@ -75,34 +75,34 @@ def prepare_steps(clip: Clip, offscreen: Offscreen, rng: np.random.Generator) ->
     return Prepared(pose, (one, two, three, four), outlines)
 
 
-def measure(clip: Clip, prepared: Prepared, frames: int) -> tuple[dict[SearchMethod, Array], Array]:
-    """Guiding and showing times, ms: (frames, 2) for each way, and (frames, 2) for the showing.
+def measure(clip: Clip, prepared: Prepared, frames: int) -> tuple[dict[Guidance, Array], Array]:
+    """Times, ms: (frames, 2) for each kind of guidance, and (frames, 2) for the showing.
 
-    The ways take turns on the same frame, each first in a third of the frames, so that neither a
-    warm cache nor a busy moment of the machine favours one of them.
+    They take turns on the same frame, each first in a third of the frames, so that neither a warm
+    cache nor a busy moment of the machine favours one of them.
     """
     detector = Detector(clip.board, find_layout=False)
-    guides: dict[SearchMethod, Callable[[Image, Region | None], object]] = {
+    guides: dict[Guidance, Callable[[Image, Region | None], object]] = {
         "axes": lambda image, _: draw_axes(image, detector, clip, prepared.target, None),
         "steps": lambda image, _: draw_steps(image, prepared, 0),
         "region": lambda image, region: draw_axes(image, detector, clip, prepared.target, region),
     }
-    times: dict[SearchMethod, list[tuple[float, float]]] = {way: [] for way in WAYS}
+    times: dict[Guidance, list[tuple[float, float]]] = {guidance: [] for guidance in GUIDANCES}
     showing: list[tuple[float, float]] = []
     encoded = [cv2.imencode(".jpg", image)[1] for image in clip.images]
     for number in range(-3, frames):  # three to warm up
         index = number % len(clip.images)
         region = clip.region(index)
-        for turn in range(len(WAYS)):
-            way = WAYS[(number + turn) % len(WAYS)]
+        for turn in range(len(GUIDANCES)):
+            guidance = GUIDANCES[(number + turn) % len(GUIDANCES)]
             image = clip.images[index].copy()
-            took = _ms(lambda w=way, i=image, r=region: guides[w](i, r))
+            took = _ms(lambda w=guidance, i=image, r=region: guides[w](i, r))
             if number >= 0:
-                times[way].append(took)
+                times[guidance].append(took)
         took = _ms(lambda i=index: show(encoded[i]))
         if number >= 0:
             showing.append(took)
-    return {way: np.array(values) for way, values in times.items()}, np.array(showing)
+    return {guidance: np.array(values) for guidance, values in times.items()}, np.array(showing)
 
 
 def draw_axes(
@@ -136,7 +136,7 @@ def draw_steps(image: Image, prepared: Prepared, step: int) -> None:
 
 
 def show(encoded: Any) -> None:
-    """What every way needs besides: read a frame, and send it to a screen."""
+    """What every kind of guidance needs besides: read a frame, and send it to a screen."""
     picture = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_COLOR))
     cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 75])
 
@@ -154,19 +154,19 @@ def run_table2(clip: Clip, frames: int, threads: int, seed: int) -> Costs:
 
 
 def table2_rows(costs: Costs) -> list[dict[str, str | int | float]]:
-    """One row for each frame and way."""
+    """One row for each frame and guidance."""
     return [
         {
             "source": costs.clip.name,
             "frame": frame,
-            "way": way,
-            "guiding_ms": round(float(costs.guiding_ms[way][frame, 0]), 4),
-            "guiding_cpu_ms": round(float(costs.guiding_ms[way][frame, 1]), 4),
+            "way": guidance,
+            "guiding_ms": round(float(costs.guiding_ms[guidance][frame, 0]), 4),
+            "guiding_cpu_ms": round(float(costs.guiding_ms[guidance][frame, 1]), 4),
             "showing_ms": round(float(costs.showing_ms[frame, 0]), 4),
             "showing_cpu_ms": round(float(costs.showing_ms[frame, 1]), 4),
         }
         for frame in range(len(costs.showing_ms))
-        for way in WAYS
+        for guidance in GUIDANCES
     ]
 
 
@@ -175,13 +175,13 @@ def table2_text(costs: Costs) -> str:
     showing, showing_cpu = np.median(costs.showing_ms, axis=0).tolist()
     full_cpu = float(np.median(costs.guiding_ms["axes"][:, 1]))
     lines: list[tuple[str, ...]] = []
-    for way in WAYS:
-        low, middle, high = np.quantile(costs.guiding_ms[way][:, 0], [0.25, 0.5, 0.75])
-        cpu = float(np.median(costs.guiding_ms[way][:, 1]))
-        paper = PAPER_MS.get(way)
+    for guidance in GUIDANCES:
+        low, middle, high = np.quantile(costs.guiding_ms[guidance][:, 0], [0.25, 0.5, 0.75])
+        cpu = float(np.median(costs.guiding_ms[guidance][:, 1]))
+        paper = PAPER_MS.get(guidance)
         lines.append(
             (
-                _SAID[way],
+                _SAID[guidance],
                 f"{middle:.2f} ({low:.2f}-{high:.2f})",
                 f"{cpu:.2f}",
                 f"{middle * FRAME_RATE / 1000:.3f}",
@@ -196,13 +196,13 @@ def table2_text(costs: Costs) -> str:
         f"{clip.name}: {len(clip.images)} frames of {width} x {height} px, "
         f"{len(costs.showing_ms)} measurements, {costs.threads} OpenCV "
         f"thread{'' if costs.threads == 1 else 's'}; showing a frame (JPEG in, JPEG out) takes "
-        f"{showing:.2f} ms more with every way, preparing the four pictures "
+        f"{showing:.2f} ms more with every kind of guidance, preparing the four pictures "
         f"{costs.preparing_ms:.0f} ms once for each target"
     )
     return f"{head}\n\n{table(_HEADINGS, lines)}"
 
 
-_SAID: dict[SearchMethod, str] = {
+_SAID: dict[Guidance, str] = {
     "axes": "live detection and axes",
     "steps": "lazily shown steps",
     "region": "live detection in a region, axes",

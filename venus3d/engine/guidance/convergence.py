@@ -28,7 +28,7 @@ class Convergence:
     """(9,) variance now over variance before; NaN where there is no before."""
     parameters: tuple[bool, ...]
     """(9,) which have converged."""
-    rule: Literal["repaired", "printed"]
+    rule: Rule
 
     @property
     def converged(self) -> bool:

@@ -5,7 +5,7 @@ limits (as near, as tilted, as far into the picture's corner as allowed), where 
 mostly outside; so whatever breaks a limit is brought onto it (`onto_limits`), and steps are
 differences of good poses, which run along the limits that both lie on.
 
-The paper's annealing is in `annealing`, scipy's optimisers as yardsticks in `yardsticks`.
+The paper's annealing is in `annealing`, scipy's optimisers as yardsticks in `scipy_searches`.
 """
 
 from __future__ import annotations
@@ -118,11 +118,11 @@ class _Run:
         vectors = vectors[kept]
         costs = self._rough(vectors)
         self.elites.add(vectors, costs)
-        self._tell(vectors, costs)
+        self._report(vectors, costs)
         return self._space.to_unit(vectors), costs, kept
 
-    def _tell(self, vectors: Array, costs: Array) -> None:
-        """Tell of a batch's best pose; it counts as accepted if it is the best of all."""
+    def _report(self, vectors: Array, costs: Array) -> None:
+        """Report a batch's best pose; it counts as accepted if it is the best of all."""
         if self._on_step is None:
             return
         i, elites = int(np.argmin(costs)), self.elites

@@ -1,4 +1,4 @@
-"""Poses made by rule from the parameter that is known worst (3.2), the paper's and Rojtberg's.
+"""Poses made by rule for the least certain parameter (3.2), the paper's and Rojtberg's.
 
 Both aim at one parameter: for a focal length or the principal point the board is tilted, for a
 distortion coefficient it covers the most distorted part of the image. They differ in the angles:

@@ -100,7 +100,7 @@ class Limits:
         """(8, N) what pose vectors (N, 6) leave of each of the `RULES`; below 0 it is broken.
 
         As a share of what the rule allows; for "outside" of the image's width. 1 or -1 for
-        "behind", and -1 for what cannot be told of a board behind the lens.
+        "behind", and -1 for what cannot be measured of a board behind the lens.
         """
         low, high = (bound[:, None] for bound in self.frame(camera))
         # Behind the lens, or absurdly far away, figures mean nothing and may be without end.

@@ -1,4 +1,4 @@
-"""What is known of a camera now, and what one more view would make of it.
+"""The posterior of the intrinsics after some views, and after one more.
 
 Made once for each calibration and handed to everything that plans ahead: the next target, its
 alternatives, the forecast, the test whether a view is useful. What a pose is worth to a search is

@@ -36,7 +36,7 @@ def served(before: Array, after: Array, first: str | None = None) -> tuple[str, 
 
 
 def reason_for(serves: Sequence[str], pose: Pose, camera: Camera, board: Board) -> str:
-    """One sentence: what about this pose tells most about the parameters it serves."""
+    """One sentence: what about this pose informs most about the parameters it serves."""
     lens = bool(serves) and serves[0] in _LENS
     return f"{_what_it_does(pose, camera, board, lens)} {_what_it_finds(serves)}."
 
@@ -69,8 +69,8 @@ def tilt_deg(pose: Pose) -> float:
 def _edge_in_front(pose: Pose) -> str:
     """The edge or corner, as it lies in the picture, that is nearer than the line of sight makes
     it: the side towards which the normal, pointing away from the camera, does not lean."""
-    sight = pose.t / np.linalg.norm(pose.t)
-    x, y = (pose.R[:, 2] - (pose.R[:, 2] @ sight) * sight)[:2]
+    line = pose.t / np.linalg.norm(pose.t)
+    x, y = (pose.R[:, 2] - (pose.R[:, 2] @ line) * line)[:2]
     across, up = "right" if x > 0 else "left", "top" if y < 0 else "bottom"
     if abs(x) > 2.4 * abs(y):
         return f"{across} edge"
@@ -117,16 +117,16 @@ def _place(pose: Pose, camera: Camera, board: Board) -> str:
 def _what_it_finds(serves: Sequence[str]) -> str:
     """The object of the sentence: the parameters by kind, the most served kind first."""
     focal, centre, lens = (sorted(set(kind) & set(serves)) for kind in (_FOCAL, _CENTRE, _LENS))
-    told: dict[str, str] = {}
+    phrases: dict[str, str] = {}
     if focal:
         kind = "" if len(focal) == 2 else _FOCAL[focal[0]] + " "
-        told |= dict.fromkeys(focal, f"the {kind}focal length ({', '.join(focal)})")
+        phrases |= dict.fromkeys(focal, f"the {kind}focal length ({', '.join(focal)})")
     if centre:
         where = "" if len(centre) == 2 else f", {_CENTRE[centre[0]]}"
-        told |= dict.fromkeys(centre, f"where the lens points{where} ({', '.join(centre)})")
+        phrases |= dict.fromkeys(centre, f"where the lens points{where} ({', '.join(centre)})")
     if lens:
-        told |= dict.fromkeys(lens, f"how the lens bends straight lines ({', '.join(lens)})")
-    parts = list(dict.fromkeys(told[name] for name in serves if name in told))
+        phrases |= dict.fromkeys(lens, f"how the lens bends straight lines ({', '.join(lens)})")
+    parts = list(dict.fromkeys(phrases[name] for name in serves if name in phrases))
     if len(parts) > 1:
         return ", ".join(parts[:-1]) + " and " + parts[-1]
     return parts[0] if parts else "a little of everything"

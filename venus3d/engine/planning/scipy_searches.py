@@ -108,10 +108,10 @@ class _Objective:
         if len(inside):
             costs = self._cost(vectors[inside])
             values[inside] = np.log(costs / self._elites.first_cost)
-            self._tell(vectors[inside], costs)
+            self._report(vectors[inside], costs)
         return values
 
-    def _tell(self, vectors: Array, costs: Array) -> None:
+    def _report(self, vectors: Array, costs: Array) -> None:
         before = self._elites.best_cost
         self._elites.add(vectors, costs)
         if self._on_step is not None:

@@ -5,7 +5,7 @@ global                   ours: the whole pose space within the limits
 dual-annealing           scipy's, a yardstick
 differential-evolution   scipy's, a yardstick (the paper's posterior names evolutionary search)
 
-All take a random generator, end when asked to with the best pose so far, and report their moves so
+All take a random generator, end when asked to with the best pose so far, and report their steps so
 that they can be watched. What a pose costs is `costs`' business, which poses are allowed `space`'s.
 """
 
@@ -66,7 +66,7 @@ def search(
         start: (6,) where the annealing begins, a pose of the space; the others need none.
         budget: about how many poses to look at; None for the strategy's own (`BUDGET`).
         stop: asked again and again; once it says True the best pose so far is returned.
-        on_step: told of every pose looked at, or of the best of every batch.
+        on_step: called with every pose looked at, or with the best of every batch.
         keep_best: let the annealing return the best pose it met, not the one it ends on as printed.
 
     Raises `VenusError` for a strategy that does not exist, an annealing without a start, a budget
@@ -79,7 +79,7 @@ def search(
         raise VenusError(f"A search that looks at {count} poses finds none; allow at least one.")
     if strategy == "annealing":
         if start is None:
-            raise VenusError("The strategy annealing walks from a pose; give it a start.")
+            raise VenusError("The strategy annealing starts from a pose; give it one.")
         return anneal(
             space,
             cost,

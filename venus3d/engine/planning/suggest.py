@@ -1,7 +1,7 @@
 """The next target: the pose that the method finds, what it is for and the steps to it.
 
 random           a valid random pose
-pose-selection   Rojtberg's pose for the parameter known worst
+pose-selection   Rojtberg's pose for the least certain parameter
 venus            the paper's pose for that parameter, then Algorithm 1 (annealing)
 global           a search of the whole pose space within the limits
 """

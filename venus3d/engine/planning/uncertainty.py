@@ -35,13 +35,13 @@ from venus3d.engine.planning.target import Target
 MAP = (36, 24)
 """Cells of the maps across and down: three in each direction for one ray of the mean, which is the
 middle one."""
-# Information whose parameters are tied more strongly than this cannot be told from singular.
+# Information whose parameters are tied more strongly than this is as good as singular.
 _TIED = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
 class Influence:
-    """What would be known without one of the views, to first order."""
+    """The calibration without one of its views, to first order."""
 
     number: int
     """The view's number."""
@@ -66,14 +66,14 @@ class ProjectionUncertainty:
     predicted: tuple[tuple[Pose, Array], ...]
     """The target's pose and its alternatives', each with the map to expect after a view there."""
     influences: tuple[Influence, ...]
-    """For each view, in their order, what would be known without it."""
+    """For each view, in their order, the calibration without it."""
 
     def predicted_at(self, pose: Pose) -> Array | None:
         """The map to expect after a view at this very target's pose; None if it is none of them."""
         return next((map_ for aim, map_ in self.predicted if aim is pose), None)
 
     def without(self, number: int) -> Influence | None:
-        """What would be known without the view of this number; None if there is none."""
+        """The influence of the view of this number; None if there is none."""
         return next((left for left in self.influences if left.number == number), None)
 
 
@@ -105,7 +105,7 @@ def projection_uncertainty(
 
 
 def influences(calibration: Calibration) -> tuple[Influence, ...]:
-    """What would be known without each of the views of a full calibration, in their order."""
+    """A full calibration without each of its views, in their order."""
     camera, views = calibration.camera, calibration.views
     parts = [_information_and_pull(calibration, view) for view in views]
     total = np.sum([information for information, _ in parts], axis=0)
