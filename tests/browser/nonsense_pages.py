@@ -6,17 +6,34 @@ pages. Buttons and entries are therefore found by their places; what they do is 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
+from tests.ports import free_port
 from tests.waiting import wait_until
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.lessons.reading import shipped_lessons
 from venus3d.scene.pages.guide import intents, texts
 from venus3d.scene.pages.guide.control_panel import CONTROLS
 from venus3d.scene.pages.guide.uncertainty.maps import MAP_KINDS
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.pages.teach.actions import Action, Answer, after_action
+from venus3d.scene.pages.teach.controls import (
+    HOTKEYS,
+    LOOK_ROW,
+    MORE_ROW,
+    PAGE_ROW,
+    SHOW_ROW,
+    STEP_ROW,
+    TEMPO_ROW,
+)
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
+from venus3d.scene.pages.teach.viewer import TeachViewer
+from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -164,3 +181,68 @@ def test_uncertainty(viewer: Viewer, open_page: Callable[[], Any], guiding: Snap
     for place in (1, 0):
         entry(page, 0, place, tab)()
         becomes(panel, "view", numbers[place])
+
+
+@pytest.fixture
+def teaching(paper_camera: Camera, default_board: Board) -> Iterator[TeachViewer]:
+    with Offscreen("painter") as offscreen:
+        viewer = TeachViewer(
+            PoseAnalysis(paper_camera, default_board),
+            offscreen,
+            paper_camera,
+            port=free_port(),
+            lessons=shipped_lessons(),
+            save=lambda state, kind: (f"pose.{kind}", b"content"),
+            kinds=("html", "png"),
+        )
+        yield viewer
+        viewer.close()
+
+
+TEACH_LEFT_ROWS = (PAGE_ROW, TEMPO_ROW, MORE_ROW)
+TEACH_RIGHT_ROWS = (STEP_ROW, LOOK_ROW, SHOW_ROW)
+
+
+def test_teach(chromium: Any, teaching: TeachViewer) -> None:
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page.set_default_timeout(60_000)
+    page.goto(teaching.url)
+    page.wait_for_selector(".v-now")
+    left = "[data-dock-leaf]:has([data-block], .mantine-Select-input)"
+    right = "[data-dock-leaf]:has(.v-now)"
+    # A page in the middle of a lesson, with a question.
+    shown = teaching.state.lessons[0].pages
+    asking = next(n for n, one in enumerate(shown) if one.question is not None)
+
+    def does(press: Press, action: Action) -> None:
+        before = teaching.change(lambda state: state.opened(0, asking).carried_to(0.3))
+        page.wait_for_selector(".v-question")
+        wanted = after_action(before, action)
+        press()
+
+        def done() -> bool:
+            now = teaching.state
+            if wanted.playing:  # a single step is soon over
+                return now.playing or now.way > before.way
+            return now == wanted
+
+        wait_until(done, str(action))
+
+    teaching.change(lambda state: state.opened(0, asking))
+    page.wait_for_selector(".v-question")
+    for within, rows in ((left, TEACH_LEFT_ROWS), (right, TEACH_RIGHT_ROWS)):
+        for row, actions in enumerate(rows):
+            for place, action in enumerate(actions):
+                does(button(page, row, place, within), action)
+    known = hotkeys(teaching.server)
+    for action, hotkey in HOTKEYS.items():
+        if action not in (Answer(4), Answer(5)):  # no question has so many
+            does(key(page, hotkey), action)
+            does(command(page, known.index(hotkey)), action)
+    for lesson in (1, 0):
+        entry(page, 0, lesson, left)()
+        becomes(teaching, "lesson", lesson)
+    with page.expect_download() as download:
+        button(page, len(TEACH_LEFT_ROWS), 1, left)()
+    assert download.value.suggested_filename == "pose.png"
+    page.close()
