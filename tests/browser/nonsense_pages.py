@@ -6,17 +6,35 @@ pages. Buttons and entries are therefore found by their places; what they do is 
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.ports import free_port
 from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.exercise import LEVELS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.lessons.reading import shipped_lessons
+from venus3d.scene.pages.exercise.practice import PracticeSettings
+from venus3d.scene.pages.exercise.practice_run import PracticeServer
+from venus3d.scene.pages.exercise.trial import Trial
+from venus3d.scene.pages.exercise.trial_plan import plan_of
+from venus3d.scene.pages.exercise.trial_run import TrialServer
+from venus3d.scene.pages.exercise.view_model import (
+    PRACTICE_HELPS,
+    ChooseHelp,
+    ChooseLevel,
+    Nudge,
+)
+from venus3d.scene.pages.exercise.view_model import Press as Button
 from venus3d.scene.pages.guide import intents, texts
 from venus3d.scene.pages.guide.control_panel import CONTROLS
 from venus3d.scene.pages.guide.uncertainty.maps import MAP_KINDS
@@ -34,6 +52,8 @@ from venus3d.scene.pages.teach.controls import (
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.render.offscreen import Offscreen
+from venus3d.scene.web.server import start_server
+from venus3d.storage.exercise import ExerciseFile
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -53,7 +73,8 @@ def button(page: Any, row: int, place: int, within: str = "") -> Press:
 
 
 def key(page: Any, hotkey: str) -> Press:
-    return lambda: page.keyboard.press(KEYS.get(hotkey, hotkey.lower()))
+    pressed = hotkey if "+" in hotkey else KEYS.get(hotkey, hotkey.lower())
+    return lambda: page.keyboard.press(pressed)
 
 
 def command(page: Any, place: int) -> Press:
@@ -246,3 +267,122 @@ def test_teach(chromium: Any, teaching: TeachViewer) -> None:
         button(page, len(TEACH_LEFT_ROWS), 1, left)()
     assert download.value.suggested_filename == "pose.png"
     page.close()
+
+
+class Asked:
+    """What a tab's exercise has been asked for since the last look."""
+
+    def __init__(self, exercise: Any) -> None:
+        handle, self._came = exercise.handle, list[Any]()
+
+        def recorded(request: Any) -> None:
+            handle(request)
+            self._came.append(request)
+
+        exercise.handle = recorded
+
+    def after(self, press: Press, wanted: object) -> None:
+        """Pressing asks for this and nothing else."""
+        self._came.clear()
+        press()
+        wait_until(lambda: self._came, str(wanted))
+        assert self._came == [wanted]
+
+
+@contextmanager
+def running(step: Callable[[], object]) -> Iterator[None]:
+    """The loop that serves the pages, in a thread of its own."""
+    stop = threading.Event()
+
+    def run() -> None:
+        while not stop.wait(0.02):
+            step()
+
+    loop = threading.Thread(target=run)
+    loop.start()
+    try:
+        yield
+    finally:
+        stop.set()
+        loop.join()
+
+
+PRACTICE_KEYS: dict[str, object] = {
+    "R": Button("start_over"),
+    "V": Button("view"),
+    "B": Button("theme"),
+    "M": ChooseHelp(None),
+    **{str(level): ChooseLevel(level) for level in LEVELS},
+    **dict(zip("LJKIOU", (Nudge(n, sign) for n in (3, 4, 5) for sign in (1, -1)), strict=True)),
+    "Shift+K": Nudge(0, 1),
+    "Shift+I": Nudge(0, -1),
+    "G": Button("give_up"),
+}
+
+
+def test_practice(
+    chromium: Any,
+    paper_camera: Camera,
+    default_board: Board,
+    tmp_path: Path,
+) -> None:
+    settings = PracticeSettings.of(paper_camera, default_board, 0, "practice.csv")
+    server, _ = start_server("127.0.0.1", free_port())
+    with ExitStack() as stack:
+        stack.callback(server.stop)
+        offscreen = stack.enter_context(Offscreen("painter"))
+        file = stack.enter_context(closing(ExerciseFile(tmp_path / "practice.csv", "practice")))
+        practice = stack.enter_context(closing(PracticeServer(server, settings, file, offscreen)))
+        stack.enter_context(running(practice.step))
+        page = chromium.new_page(viewport={"width": 1280, "height": 900})
+        stack.callback(page.close)
+        page.set_default_timeout(60_000)
+        page.goto(server.url)
+        page.wait_for_selector(".v-do")
+        (tab,) = practice.tabs
+        asked, left = Asked(tab.exercise), "[data-dock-leaf]:has(.v-do)"
+        for place in (3, 5, 0):
+            asked.after(entry(page, 0, place, left), ChooseLevel(LEVELS[place]))
+        for place in (1, 2, 3, 0):
+            asked.after(entry(page, 1, place, left), ChooseHelp(PRACTICE_HELPS[place]))
+        for place in (1, 0):
+            asked.after(button(page, 0, place, left), Button("view"))
+            page.wait_for_timeout(500)
+        for place, action in enumerate(("start_over", "give_up")):
+            asked.after(button(page, 1, place, left), Button(action))
+        for hotkey, wanted in PRACTICE_KEYS.items():
+            asked.after(key(page, hotkey), wanted)
+        known = hotkeys(tab.client)
+        for hotkey in "RVBM345G":
+            asked.after(command(page, known.index(hotkey)), PRACTICE_KEYS[hotkey])
+
+
+def test_trial(chromium: Any, paper_camera: Camera, default_board: Board) -> None:
+    targets = tuple(Pose.from_vector([0, 0, 0, 0, 0, z]) for z in (0.5, 0.6))
+    trial = Trial(default_board, paper_camera, plan_of("Anna", []), targets, lambda _: None)
+    server, _ = start_server("127.0.0.1", free_port())
+    with ExitStack() as stack:
+        stack.callback(server.stop)
+        trials = stack.enter_context(closing(TrialServer(server, trial)))
+        trials.show_picture(np.full((360, 640, 3), 90, np.uint8))
+        asked = Asked(trial)
+        stack.enter_context(running(lambda: (trials.obey(), trials.refresh(), trials.step())))
+        page = chromium.new_page(viewport={"width": 1280, "height": 900})
+        stack.callback(page.close)
+        page.set_default_timeout(60_000)
+        page.goto(server.url)
+        page.wait_for_selector(".v-card")
+        (tab,) = trials.tabs
+        known = hotkeys(tab.client)
+        start = page.locator("button:has(.icon-tabler-player-play)").click
+        give_up = page.locator("button:has(.icon-tabler-player-skip-forward)").click
+        skip = Button("give_up")
+        for begin in (start, key(page, "space"), command(page, known.index("space"))):
+            asked.after(begin, Button("next"))
+            page.wait_for_selector(".v-count")
+            asked.after(give_up, skip)
+            asked.after(key(page, "K") if begin is start else command(page, known.index("K")), skip)
+            page.wait_for_selector(".v-count", state="detached")
+        page.wait_for_selector(".v-times")
+        for press in (key(page, "B"), command(page, known.index("B"))):
+            asked.after(press, Button("theme"))
