@@ -17,6 +17,7 @@ import pytest
 
 from tests.ports import free_port
 from tests.waiting import wait_until
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
@@ -365,6 +366,7 @@ def test_trial(chromium: Any, paper_camera: Camera, default_board: Board) -> Non
         stack.callback(server.stop)
         trials = stack.enter_context(closing(TrialServer(server, trial)))
         trials.show_picture(np.full((360, 640, 3), 90, np.uint8))
+        trial.observe(Observation.nothing(paper_camera.image_size))
         asked = Asked(trial)
         stack.enter_context(running(lambda: (trials.obey(), trials.refresh(), trials.step())))
         page = chromium.new_page(viewport={"width": 1280, "height": 900})
