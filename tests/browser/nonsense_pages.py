@@ -38,6 +38,7 @@ from venus3d.scene.pages.exercise.view_model import (
 from venus3d.scene.pages.exercise.view_model import Press as Button
 from venus3d.scene.pages.guide import intents, texts
 from venus3d.scene.pages.guide.control_panel import CONTROLS
+from venus3d.scene.pages.guide.method_panel import OFFERED
 from venus3d.scene.pages.guide.uncertainty.maps import MAP_KINDS
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.actions import Action, Answer, after_action
@@ -179,10 +180,8 @@ def test_method_lists(viewer: Viewer, open_page: Callable[[], Any], guiding: Sna
     page = open_page()
     page.wait_for_selector(".v-chip")
     page.locator(".tabler-icon-chevron-down:visible").last.click()
-    for place, method in enumerate(texts.METHOD_WORDS):
-        if method != guiding.method:
-            does(viewer, entry(page, 0, place), intents.ChangeMethod(method, None))
-    does(viewer, entry(page, 1, 2), intents.ChangeMethod(method, list(texts.COST_WORDS)[2]))
+    for place in (1, 0):
+        does(viewer, entry(page, 0, place), intents.ChangeMethod(OFFERED[place]))
 
 
 def test_uncertainty(viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot) -> None:
@@ -366,9 +365,13 @@ def test_trial(chromium: Any, paper_camera: Camera, default_board: Board) -> Non
         stack.callback(server.stop)
         trials = stack.enter_context(closing(TrialServer(server, trial)))
         trials.show_picture(np.full((360, 640, 3), 90, np.uint8))
-        trial.observe(Observation.nothing(paper_camera.image_size))
         asked = Asked(trial)
-        stack.enter_context(running(lambda: (trials.obey(), trials.refresh(), trials.step())))
+
+        def step() -> None:
+            trial.observe(Observation.nothing(paper_camera.image_size))
+            trials.obey(), trials.refresh(), trials.step()
+
+        stack.enter_context(running(step))
         page = chromium.new_page(viewport={"width": 1280, "height": 900})
         stack.callback(page.close)
         page.set_default_timeout(60_000)
