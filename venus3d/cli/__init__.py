@@ -11,13 +11,14 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Sequence
-from typing import Annotated
+from importlib import import_module
+from typing import Annotated, Any
 
 import tyro
 
 from venus3d import __version__
 from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
-from venus3d.cli.study import StudyOptions, study
+from venus3d.cli.study import StudyOptions
 from venus3d.engine.errors import VenusError
 from venus3d.scene.pages.exercise.options import PracticeOptions, TrialOptions
 from venus3d.scene.pages.guide.options import GuideOptions
@@ -79,6 +80,17 @@ Command = (
     ]
 )
 
+_COMMANDS: dict[type, tuple[str, str]] = {
+    GuideOptions: ("guide", "guide"),
+    TeachOptions: ("teach", "teach"),
+    PracticeOptions: ("practice", "practice"),
+    TrialOptions: ("trial", "trial"),
+    CalibrateOptions: ("calibrate", "calibrate_command"),
+    DecomposeOptions: ("decompose", "decompose_command"),
+    BoardCommand: ("board", "board_command"),
+    StudyOptions: ("study", "study"),
+}
+"""The module and the function of each command, by its options."""
 OK, MISTAKE, INTERRUPTED = 0, 2, 130
 
 
@@ -122,7 +134,7 @@ def _run(given: list[str]) -> int:
         )
         # A plain kill, a closed terminal: what was captured is kept, as with Ctrl-C.
         with on_stop_signal(_interrupt, ctrl_c=False):
-            _command_of(options)()
+            _command_of(options)(options)
     except VenusError as error:
         print(f"venus3d: {error}", file=sys.stderr)
         return MISTAKE
@@ -153,34 +165,7 @@ def _silenced() -> bool:
     return found
 
 
-def _command_of(options: object) -> Callable[[], None]:
-    if isinstance(options, GuideOptions):
-        from venus3d.cli.guide import guide
-
-        return lambda: guide(options)
-    if isinstance(options, TeachOptions):
-        from venus3d.cli.teach import teach
-
-        return lambda: teach(options)
-    if isinstance(options, PracticeOptions):
-        from venus3d.cli.practice import practice
-
-        return lambda: practice(options)
-    if isinstance(options, TrialOptions):
-        from venus3d.cli.trial import trial
-
-        return lambda: trial(options)
-    if isinstance(options, CalibrateOptions):
-        from venus3d.cli.calibrate import calibrate_command
-
-        return lambda: calibrate_command(options)
-    if isinstance(options, DecomposeOptions):
-        from venus3d.cli.decompose import decompose_command
-
-        return lambda: decompose_command(options)
-    if isinstance(options, StudyOptions):
-        return lambda: study(options)
-    assert isinstance(options, BoardCommand)
-    from venus3d.cli.board import board_command
-
-    return lambda: board_command(options)
+def _command_of(options: object) -> Callable[[Any], None]:
+    # Imported only now: what one command draws with, another need not wait for.
+    module, name = _COMMANDS[type(options)]
+    return getattr(import_module(f"venus3d.cli.{module}"), name)
