@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import random
 import socket
+import threading
 from collections.abc import Iterator
 
 _FIRST, _END, _BLOCK = 10_000, 32_000, 50
@@ -45,8 +46,10 @@ def _ports() -> Iterator[int]:
 
 
 _free = _ports()
+_one_at_a_time = threading.Lock()
 
 
 def free_port() -> int:
     """A port of this machine that nobody uses, and that no other test is given."""
-    return next(_free)
+    with _one_at_a_time:
+        return next(_free)
