@@ -31,9 +31,9 @@ from tests.waiting import wait_until
 pytestmark = pytest.mark.slow
 
 PAGES = {
-    "guide": "guide sim --autopilot --speed 4 --no-tour --output {folder} --port {port}",
+    "guide": "guide sim --autopilot --speed 3 --no-tour --output {folder} --port {port}",
     "trial": "trial sim --autopilot --output {folder} --port {port}",
-    "audience": "guide sim --autopilot --speed 4 --output {folder} --port {other}"
+    "audience": "guide sim --autopilot --speed 3 --output {folder} --port {other}"
     " --audience {port}",
     "teach": "teach --port {port}",
     "practice": "practice --output {folder} --port {port}",

@@ -115,7 +115,7 @@ def open_page(chromium: Any, viewer: Viewer) -> Iterator[Callable[[], Any]]:
     def opened() -> Any:
         page = chromium.new_page(viewport={"width": 1280, "height": 720})
         pages.append(page)
-        page.set_default_timeout(30_000)
+        page.set_default_timeout(60_000)
         page.goto(viewer.url)
         page.wait_for_selector(".v-guide")
         return page

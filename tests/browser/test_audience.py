@@ -51,7 +51,7 @@ def frame(paper_camera: Camera, default_board: Board) -> Array:
 
 def opened(chromium: Any, url: str, width: int, height: int) -> Any:
     page = chromium.new_page(viewport={"width": width, "height": height})
-    page.set_default_timeout(30_000)
+    page.set_default_timeout(60_000)
     page.goto(url)
     page.wait_for_selector(".v-say")
     return page

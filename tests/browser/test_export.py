@@ -67,7 +67,7 @@ def page(chromium: Any, file: Path) -> Iterator[tuple[Any, list[str]]]:
             else wrong.append(f"asked for: {request.url[:80]}")
         ),
     )
-    tab.set_default_timeout(30_000)
+    tab.set_default_timeout(60_000)
     tab.goto(file.as_uri())
     yield tab, wrong
     context.close()

@@ -78,7 +78,7 @@ class Watched:
         own = (address, "data:", "blob:")
         self.tab.on("dialog", self._spoke)
         self.tab.on("request", lambda r: r.url.startswith(own) or self.wrong.append(r.url))
-        self.tab.set_default_timeout(30_000)
+        self.tab.set_default_timeout(60_000)
         self.tab.goto(address)
 
     def _spoke(self, dialog: Any) -> None:

@@ -47,7 +47,7 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
 ) -> None:
     """C takes a view and U takes it back; a reload and a second tab show the same."""
     simulated = start(
-        *("guide", "sim", "--autopilot", "--speed", "4", "--port", str(free_port()), "--no-tour"),
+        *("guide", "sim", "--autopilot", "--speed", "3", "--port", str(free_port()), "--no-tour"),
         *("--output", str(tmp_path)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
@@ -154,7 +154,7 @@ def test_whoever_has_only_a_keyboard_calibrates(
     board, the four steps until the view is captured, and Finish from the list of commands. After
     the end nothing is offered that does nothing."""
     program = start(
-        *("guide", "sim", "--speed", "4", "--port", str(free_port()), "--output", str(tmp_path)),
+        *("guide", "sim", "--speed", "3", "--port", str(free_port()), "--output", str(tmp_path)),
     )
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()
@@ -199,7 +199,7 @@ def test_the_operator_is_told_of_what_cannot_be_saved(
     """Guidance goes on meanwhile, and at the end the page says where the result is."""
     folder = tmp_path / "out"
     program = start(
-        *("guide", "sim", "--autopilot", "--speed", "4", "--port", str(free_port()), "--no-tour"),
+        *("guide", "sim", "--autopilot", "--speed", "3", "--port", str(free_port()), "--no-tour"),
         *("--max-views", "4", "--output", str(folder)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})

@@ -51,7 +51,7 @@ def teaching(paper_camera: Camera, default_board: Board) -> Iterator[TeachViewer
 @pytest.fixture(scope="module")
 def page(chromium: Any, teaching: TeachViewer) -> Iterator[Any]:
     tab = chromium.new_page(viewport={"width": 1280, "height": 720})
-    tab.set_default_timeout(30_000)
+    tab.set_default_timeout(60_000)
     tab.goto(teaching.url)
     tab.wait_for_selector(".v-now")
     yield tab

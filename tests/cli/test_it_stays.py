@@ -22,7 +22,8 @@ pytestmark = pytest.mark.slow
 
 Run = Callable[..., Ran]
 Start = Callable[..., Program]
-LIVE = ("guide", "sim", "--autopilot", "--speed", "5", "--no-tour", "--camera-size", "640x360")
+# Faster, and the hand mends by what it saw too long ago where a busy machine shows little.
+LIVE = ("guide", "sim", "--autopilot", "--speed", "3", "--no-tour", "--camera-size", "640x360")
 HEADLESS = ("guide", "sim", "--headless", "--max-views", "12", "--camera-size", "640x360")
 
 
