@@ -79,7 +79,7 @@ def search(
         raise VenusError(f"A search that looks at {count} poses finds none; allow at least one.")
     if strategy == "annealing":
         if start is None:
-            raise VenusError("The strategy annealing starts from a pose; give it one.")
+            raise VenusError("The strategy annealing begins at a pose; give it a start.")
         return anneal(
             space,
             cost,
