@@ -18,7 +18,7 @@ def main(seconds: str = "60") -> None:
     board = venus3d.Board()
     target = venus3d.Pose.from_vector([25, -30, 20, 0.04, -0.02, 0.52])
 
-    viewer = venus3d.Viewer()
+    viewer = venus3d.Viewer(step_pictures=True)
     print(f"Open {viewer.url}", flush=True)
     start = time.monotonic()
     while (now := time.monotonic() - start) < float(seconds):

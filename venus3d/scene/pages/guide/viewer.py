@@ -31,6 +31,7 @@ from venus3d.scene.render.annotated_picture import (
     small_picture,
 )
 from venus3d.scene.render.describe import SceneOptions, describe
+from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.render.projections import Projections
 from venus3d.scene.render.shapes import Shape
 from venus3d.scene.web.camera_rig import CameraRig
@@ -59,6 +60,7 @@ class Viewer(Page[ViewState]):
         *,
         dark: bool = True,
         projections: Projections | None = None,
+        step_pictures: bool = False,
         draggable_board: bool = False,
         autopilot: bool = False,
         tour: bool = False,
@@ -69,6 +71,7 @@ class Viewer(Page[ViewState]):
             host, port: where; if the port is taken, the next free one is used and `notes` says so.
             dark: the page's brightness at the start.
             projections: draws the four steps as the camera sees them; the caller closes it.
+            step_pictures: draw them with a renderer of the viewer's own, which starts OpenGL.
             draggable_board: put a gizmo on the board; for the simulation.
             autopilot: whether the simulation's autopilot is on at the start.
             tour: show a browser that is new here around.
@@ -80,7 +83,9 @@ class Viewer(Page[ViewState]):
         self._snapshot: Snapshot | None = None
         self._moved = False
         self._note, self._note_until, self._saved = "", 0.0, ""
-        self._projections, self._tiles = projections, Tiles()
+        self._offscreen = Offscreen() if step_pictures and projections is None else None
+        own = None if self._offscreen is None else Projections(self._offscreen)
+        self._projections, self._tiles = projections or own, Tiles()
         self._additions: list[Addition] = []
         self._draggable, self._tour = draggable_board, tour
         self.layers: tuple[Layer, ...] = (
@@ -155,6 +160,12 @@ class Viewer(Page[ViewState]):
         while not self._intents.empty():  # one reader, so a thing seen is still there
             drained.append(self._intents.get())
         return drained
+
+    def close(self) -> None:
+        """Stop drawing and serving. May be called twice."""
+        super().close()
+        if self._offscreen is not None:
+            self._offscreen.close()
 
     # -- what people do; on viser's threads ------------------------------------------------------
 
