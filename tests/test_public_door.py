@@ -104,6 +104,7 @@ assert_type(session.snapshot().target, venus3d.Target | None)
 calibration = venus3d.calibrate("pictures", board)
 assert_type(venus3d.calibrate([venus3d.Observation.nothing((9, 9))], board), venus3d.Calibration)
 assert_type(calibration.uncertainty_px, float)
+assert_type(venus3d.suggest(calibration), venus3d.Target)
 try:
     assert_type(venus3d.read_camera_yaml("camera.yaml"), venus3d.Camera)
 except venus3d.VenusError:

@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from venus3d.engine.guidance.settings import Settings
     from venus3d.engine.guidance.snapshot import Snapshot
     from venus3d.engine.planning.limits import Limits
+    from venus3d.engine.planning.settings import PlanningSettings
+    from venus3d.engine.planning.suggest import suggest
     from venus3d.engine.planning.target import Target
     from venus3d.scene.pages.guide.viewer import Viewer
     from venus3d.sources.frame import Frame
@@ -70,7 +72,9 @@ __all__ = [  # noqa: RUF022
     "Diagnosis",
     "diagnose",
     "projection_diff_px",
+    "suggest",
     "Target",
+    "PlanningSettings",
     "Limits",
     "decompose",
     "Step",
@@ -119,6 +123,8 @@ _NAMES_IN = {
     "engine.guidance.settings": ("Settings",),
     "engine.guidance.snapshot": ("Snapshot",),
     "engine.planning.limits": ("Limits",),
+    "engine.planning.settings": ("PlanningSettings",),
+    "engine.planning.suggest": ("suggest",),
     "engine.planning.target": ("Target",),
     "scene.pages.guide.viewer": ("Viewer",),
     "sources.frame": ("Frame",),
