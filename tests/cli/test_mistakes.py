@@ -140,8 +140,8 @@ def test_board_too_coarse(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("pose", "limit"),
     [
-        ((80, 0, 0, 0, 0, 500), "The turn about Z is 80°; more than 70° is hard to hold"),
-        ((0, 62, 0, 0, 0, 700), "The board is tilted by 62° away from the camera's line of sight"),
+        ((0, 0, 80, 0, 0, 500), "The turn about Z is 80°; more than 70° is hard to hold"),
+        ((0, 62, 0, 0, 0, 500), "The board is tilted by 62° away from the camera's line of sight"),
         ((0, 0, 0, 0, 0, 5000), "1200 mm is the farthest"),
         ((0, 0, 0, 0, 0, 120), "leaves the picture"),
         ((0, 0, 0, 400, 0, 500), "leaves the picture on the right"),
