@@ -244,7 +244,7 @@ def test_teach(chromium: Any, teaching: TeachViewer) -> None:
         def done() -> bool:
             now = teaching.state
             if wanted.playing:  # a single step is soon over
-                return now.playing or now.way > before.way
+                return now.playing or now.progress > before.progress
             return now == wanted
 
         wait_until(done, str(action))
