@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 # Before numpy and OpenCV come: workers side by side leave each other a core.
@@ -15,8 +16,12 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from tests.scene.guided import guided_session
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.offscreen import Offscreen
 
 # A busy machine is no failure.
 settings.register_profile("venus3d", deadline=None)
@@ -53,3 +58,34 @@ def default_board() -> Board:
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run."""
     return np.random.default_rng(20200720)
+
+
+@pytest.fixture(scope="session")
+def gl() -> Iterator[Offscreen]:
+    """The OpenGL renderer; tests that need it are skipped where OpenGL cannot be had."""
+    offscreen = Offscreen()
+    if offscreen.backend != "gl":
+        offscreen.close()
+        pytest.skip(offscreen.note)
+    yield offscreen
+    offscreen.close()
+
+
+@pytest.fixture(scope="session")
+def painter() -> Iterator[Offscreen]:
+    """The OpenCV painter."""
+    with Offscreen("painter") as offscreen:
+        yield offscreen
+
+
+@pytest.fixture(params=["gl", "painter"])
+def renderer(request: pytest.FixtureRequest) -> Offscreen:
+    """Either of the two."""
+    offscreen: Offscreen = request.getfixturevalue(request.param)
+    return offscreen
+
+
+@pytest.fixture(scope="session")
+def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
+    """The same, with our own search."""
+    return guided_session(paper_camera, default_board, Settings())

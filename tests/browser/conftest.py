@@ -22,9 +22,9 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.projections import Projections
 
 _FLAGS = (
     "--no-sandbox",

@@ -63,7 +63,7 @@ class _Finder(PathFinder):
     def find_spec(
         cls, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        if not re.fullmatch(r"venus3d\.scene\..*texts", fullname):
+        if not re.fullmatch(r"venus3d\.(scene|render)\..*texts", fullname):
             return None
         spec = PathFinder.find_spec(fullname, path, target)
         loader: Any = spec and spec.loader

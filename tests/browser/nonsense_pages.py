@@ -24,6 +24,7 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.exercise import LEVELS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.lessons.reading import shipped_lessons
+from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.exercise.practice import PracticeSettings
 from venus3d.scene.pages.exercise.practice_run import PracticeServer
 from venus3d.scene.pages.exercise.trial import Trial
@@ -53,7 +54,6 @@ from venus3d.scene.pages.teach.controls import (
 )
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
-from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.web.server import start_server
 from venus3d.storage.exercise import ExerciseFile
 

@@ -16,10 +16,10 @@ import pytest
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
+from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.teach.export.files import export_files
 from venus3d.scene.pages.teach.export.scene_recording import ASPECT
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
-from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = pytest.mark.browser
 

@@ -15,12 +15,12 @@ import pytest
 from tests.ports import free_port
 from tests.waiting import wait_until
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.projections import Projections
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.control_panel import useful_in
 from venus3d.scene.pages.guide.method_panel import OFFERED
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.render.projections import Projections
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

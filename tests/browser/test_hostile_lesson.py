@@ -18,9 +18,9 @@ from tests.ports import free_port
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.reading import read_lesson
+from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.teach.export.files import export_files
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
-from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

@@ -13,13 +13,13 @@ from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.reading import shipped_lessons
+from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import Answer, FileKind, PageAction, after_action
 from venus3d.scene.pages.teach.controls import HOTKEYS
 from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
-from venus3d.scene.render.offscreen import Offscreen
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 

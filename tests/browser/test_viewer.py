@@ -14,9 +14,9 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.annotated_picture import annotate, small_picture
 from venus3d.scene.pages.guide.state import SECONDS_PER_STEP, ViewState
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.render.annotated_picture import annotate, small_picture
 from venus3d.scene.web.server import AddressError, start_server
 
 

@@ -16,8 +16,8 @@ from venus3d.cli import main
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.scene.render.board_mesh import board_shape
-from venus3d.scene.render.offscreen import Offscreen
+from venus3d.render.board_mesh import board_shape
+from venus3d.render.offscreen import Offscreen
 
 
 @dataclass(frozen=True)

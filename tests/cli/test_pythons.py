@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from venus3d.scene.render.offscreen import Offscreen
+from venus3d.render.offscreen import Offscreen
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -15,7 +15,7 @@ PROGRAM = """
 import sys
 from OpenGL.plugins import FormatHandler
 from venus3d.cli import main
-from venus3d.scene.render.offscreen import Offscreen
+from venus3d.render.offscreen import Offscreen
 Offscreen().close()
 for handler in FormatHandler.all():
     handler.check = [name for name in handler.check or () if "CArgObject" not in name]

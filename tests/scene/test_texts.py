@@ -1,6 +1,6 @@
 """All that a page says stands in its module of texts, so that it can be translated there.
 
-The rule: elsewhere no string literal of `venus3d/scene` reads like a label or a sentence.
+The rule: elsewhere no string literal of `scene` and `render` reads like a label or a sentence.
 A literal reads like one if, once HTML tags, entities and style sheets are taken out of it (an
 f-string counts as one literal with holes), two words of letters are left, or one with a capital
 letter; units are no words. Not meant are docstrings, the texts of exceptions, annotations, names of
@@ -18,11 +18,12 @@ from string import Formatter
 
 import pytest
 
-import venus3d.scene
+import venus3d
 
-SCENE = Path(venus3d.scene.__file__).parent
-TEXTS = sorted([*SCENE.rglob("texts.py"), *SCENE.rglob("*_texts.py")])
-FILES = sorted(path for path in set(SCENE.rglob("*.py")) - set(TEXTS))
+PACKAGE = Path(venus3d.__file__).parent
+SEEN = sorted([*(PACKAGE / "scene").rglob("*.py"), *(PACKAGE / "render").rglob("*.py")])
+TEXTS = [path for path in SEEN if path.stem == "texts" or path.stem.endswith("_texts")]
+FILES = [path for path in SEEN if path not in TEXTS]
 # Names of actions, whose buttons have texts of their own, and of a thread.
 NAMES = {"other order", "theme dark", "audience picture"}
 _CSS = re.compile(r"[{}]|--|[a-z-]+:\S|[a-z]-[a-z-]+\(")
@@ -95,7 +96,7 @@ def test_the_rule_tells_texts_from_what_is_none(literal: str, said: bool) -> Non
     assert is_text(literal) == said
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SCENE)))
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_no_text_stands_outside_the_texts(path: Path) -> None:
     found = [
         f"line {line}: {text!r}"
@@ -120,8 +121,8 @@ def test_every_text_says_something_and_its_holes_have_names() -> None:
     """A translator sees what goes into a hole by its name: no "{}", no "{0}"."""
     assert len(TEXTS) > 5
     for path in TEXTS:
-        name = ".".join(path.relative_to(SCENE).with_suffix("").parts)
-        module = importlib.import_module(f"venus3d.scene.{name}")
+        name = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+        module = importlib.import_module(f"venus3d.{name}")
         for constant, value in vars(module).items():
             if not constant.isupper():
                 continue

@@ -16,7 +16,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.scene.render.offscreen import Offscreen
+from venus3d.render.offscreen import Offscreen
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import NEAREST, Simulation, near_pose
 

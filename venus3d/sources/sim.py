@@ -2,7 +2,7 @@
 
 The board is rendered through the true lens, then gets a background, a dull light, blur and
 noise. The board is moved by an autopilot, step by step, or dragged by the user. The renderer is
-`scene.render.offscreen`, the motion `autopilot`.
+`render.offscreen`, the motion `autopilot`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.target import Target
-from venus3d.scene.render.board_mesh import board_shape
-from venus3d.scene.render.offscreen import Offscreen
+from venus3d.render.board_mesh import board_shape
+from venus3d.render.offscreen import Offscreen
 from venus3d.sources.autopilot import Autopilot
 from venus3d.sources.background import interior
 from venus3d.sources.frame import Frame

@@ -25,8 +25,8 @@ from venus3d.engine.geometry.decomposition import Step, decompose
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.projections import Projections
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
 from venus3d.study.clip import Clip, Image
 from venus3d.study.text import table
 

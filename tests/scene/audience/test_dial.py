@@ -17,6 +17,7 @@ from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target
+from venus3d.render.palette import contrast, ground, step_colour
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.dial import (
     RIGHT_ON_DARK,
@@ -28,7 +29,6 @@ from venus3d.scene.pages.audience.dial import (
 )
 from venus3d.scene.pages.audience.glance import glance_html, picture_share
 from venus3d.scene.pages.audience.view_model import achieved, view_model_of
-from venus3d.scene.render.palette import contrast, ground, step_colour
 
 GOAL = Pose.from_vector([10, 5, 0, 0.0, 0.0, 0.5])
 

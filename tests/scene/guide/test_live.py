@@ -17,9 +17,9 @@ from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.annotated_picture import LivePicture
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.render.annotated_picture import LivePicture
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import Simulation

@@ -13,11 +13,11 @@ from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
 from venus3d.scene.pages.guide.uncertainty import panel, texts
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.projections import Projections
 
 MAP = "class='v-map'"
 

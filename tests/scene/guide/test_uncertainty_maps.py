@@ -10,16 +10,7 @@ import pytest
 
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.pages.guide.uncertainty.maps import (
-    MAP_KINDS,
-    error_ticks,
-    figure,
-    map_html,
-    map_of,
-)
-from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html, sparkline
-from venus3d.scene.pages.guide.uncertainty.view_card import verdict, view_html
-from venus3d.scene.render.colour_scale import (
+from venus3d.render.colour_scale import (
     colour_of,
     colour_table,
     colours_of,
@@ -27,7 +18,7 @@ from venus3d.scene.render.colour_scale import (
     round_down,
     round_up,
 )
-from venus3d.scene.render.map_pictures import (
+from venus3d.render.map_pictures import (
     coverage,
     coverage_picture,
     distorted_grid,
@@ -37,7 +28,16 @@ from venus3d.scene.render.map_pictures import (
     residual_magnification,
     residual_picture,
 )
-from venus3d.scene.render.palette import linear
+from venus3d.render.palette import linear
+from venus3d.scene.pages.guide.uncertainty.maps import (
+    MAP_KINDS,
+    error_ticks,
+    figure,
+    map_html,
+    map_of,
+)
+from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html, sparkline
+from venus3d.scene.pages.guide.uncertainty.view_card import verdict, view_html
 
 SIZE = (640, 360)
 

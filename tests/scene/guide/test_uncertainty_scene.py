@@ -9,6 +9,9 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.describe import SceneOptions, describe
+from venus3d.render.palette import contrast, ground
+from venus3d.render.shapes import LineShape, MeshShape, PointShape, Shape
 from venus3d.scene.pages.guide.uncertainty.captured_views import captured_view_shapes, view_of
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.uncertainty.search_shapes import (
@@ -18,9 +21,6 @@ from venus3d.scene.pages.guide.uncertainty.search_shapes import (
     search_shapes,
     shown_after,
 )
-from venus3d.scene.render.describe import SceneOptions, describe
-from venus3d.scene.render.palette import contrast, ground
-from venus3d.scene.render.shapes import LineShape, MeshShape, PointShape, Shape
 
 
 def named(shapes: tuple[Shape, ...]) -> dict[str, Shape]:

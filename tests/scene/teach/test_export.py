@@ -20,13 +20,13 @@ from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage
+from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.teach.export.animation import exported_pages
 from venus3d.scene.pages.teach.export.comparison_picture import comparison_picture
 from venus3d.scene.pages.teach.export.files import export_files, kind_of, lesson_of_pose
 from venus3d.scene.pages.teach.export.sentences import pose_sentence
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
-from venus3d.scene.render.offscreen import Offscreen
 
 _POSE = (0.0, 0.0, 40.0, 0.0, 0.0, 500.0)
 

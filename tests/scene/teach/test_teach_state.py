@@ -12,6 +12,9 @@ from scipy.spatial.transform import Rotation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.palette import ground
+from venus3d.render.shapes import LabelShape, MeshShape
 from venus3d.scene.pages.teach.actions import LookFrom, after_action
 from venus3d.scene.pages.teach.camera_pictures import TeachPictures
 from venus3d.scene.pages.teach.comparison_words import comparison_words
@@ -19,9 +22,6 @@ from venus3d.scene.pages.teach.controls import HOTKEYS
 from venus3d.scene.pages.teach.scene_shapes import board_pose_at, camera_shapes_at, scene_shapes
 from venus3d.scene.pages.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground
-from venus3d.scene.render.shapes import LabelShape, MeshShape
 
 BUSY = (False, False, False, False)
 REFUSED: Vector = (20.0, 10.0, 30.0, 190.0, -60.0, 420.0)

@@ -29,6 +29,8 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.exercise import texts as exercise_texts
 from venus3d.scene.pages.exercise.practice import Practice, PracticeSettings
@@ -42,8 +44,6 @@ from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import PoseAnalysis, TaughtPose
 from venus3d.scene.pages.teach.viewer import TeachViewer
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.projections import Projections
 from venus3d.scene.web import texts as common
 from venus3d.scene.web.server import start_server
 from venus3d.storage.exercise import ExerciseFile

@@ -21,6 +21,7 @@ from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
+from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.exercise.practice import PracticeSettings
 from venus3d.scene.pages.exercise.practice_run import PracticeServer
 from venus3d.scene.pages.exercise.trial import Trial
@@ -29,7 +30,6 @@ from venus3d.scene.pages.exercise.trial_run import TrialServer
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
-from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.web.incoming import is_heard
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.viser_private import widget_of

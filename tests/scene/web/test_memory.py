@@ -24,7 +24,7 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import HOLD_STILL
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target
-from venus3d.scene.render.describe import SceneOptions, describe
+from venus3d.render.describe import SceneOptions, describe
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer, start_server
 

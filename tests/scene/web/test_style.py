@@ -18,8 +18,8 @@ import pytest
 from numpy.typing import NDArray
 
 import venus3d
-from venus3d.scene.render.palette import Ground, contrast, ground, mixed, step_colour, text_on
-from venus3d.scene.render.shapes import Colour
+from venus3d.render.palette import Ground, contrast, ground, mixed, step_colour, text_on
+from venus3d.render.shapes import Colour
 from venus3d.scene.web.theme import Theme, style_sheet
 
 PACKAGE = Path(venus3d.__file__).parent

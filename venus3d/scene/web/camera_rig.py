@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
-from venus3d.scene.render.viewpoints import FLIGHT_SECONDS, SceneCamera, between
+from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera, between
 from venus3d.scene.web.scene_view import Host
 
 View = Callable[[float], SceneCamera]

@@ -13,8 +13,8 @@ from typing import Any, Protocol
 import viser
 
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.render.annotated_picture import LivePicture
-from venus3d.scene.render.shapes import Shape
+from venus3d.render.annotated_picture import LivePicture
+from venus3d.render.shapes import Shape
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.theme import Theme

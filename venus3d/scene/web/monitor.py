@@ -6,7 +6,7 @@ from typing import Protocol
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.render.annotated_picture import LivePicture
+from venus3d.render.annotated_picture import LivePicture
 
 
 class Monitor(Protocol):

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from venus3d.engine.calibration.observation import Observation
-from venus3d.scene.render.annotated_picture import LivePicture
+from venus3d.render.annotated_picture import LivePicture
 
 PICTURE_PERIOD_S = 1 / 15
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.guidance.prompts import step_prompt
-from venus3d.scene.render.palette import step_style
+from venus3d.render.palette import step_style
 from venus3d.scene.web import texts as say
 from venus3d.scene.web.drawing import Failures
 from venus3d.scene.web.texts import STEPS_FAILED

@@ -17,8 +17,8 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.scene.render.palette import ground
-from venus3d.scene.render.shapes import (
+from venus3d.render.palette import ground
+from venus3d.render.shapes import (
     FrustumShape,
     LabelShape,
     LineShape,

@@ -10,8 +10,8 @@ from html import escape
 from venus3d.engine.geometry.decomposition import Steps
 from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.prompts import HOLD_STILL, STEP_RIGHT, step_prompt
-from venus3d.scene.render.amounts import degrees
-from venus3d.scene.render.palette import STEP_STYLES, step_style
+from venus3d.render.amounts import degrees
+from venus3d.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.theme import Theme
 

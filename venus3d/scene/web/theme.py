@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from venus3d.scene.render.palette import ground, hex_of, mixed, step_colour
-from venus3d.scene.render.shapes import Colour
+from venus3d.render.palette import ground, hex_of, mixed, step_colour
+from venus3d.render.shapes import Colour
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.annotated_picture import LivePicture, annotate, small_picture
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.lens import plain_plane, undistortion
 from venus3d.scene.pages.audience.lens_overlay import LensOverlay
@@ -24,7 +25,6 @@ from venus3d.scene.pages.audience.view_model import (
     achieved,
     view_model_of,
 )
-from venus3d.scene.render.annotated_picture import LivePicture, annotate, small_picture
 from venus3d.scene.web.page import Page
 from venus3d.scene.web.picture_feed import PICTURE_PERIOD_S, PictureFeed, SeenPicture
 from venus3d.scene.web.scene_view import SceneView

@@ -13,10 +13,10 @@ from html import escape
 import numpy as np
 
 from venus3d.engine.guidance.matching import Match
+from venus3d.render.amounts import degrees
+from venus3d.render.palette import DARK, LIGHT, hex_of
+from venus3d.render.shapes import Colour
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.render.amounts import degrees
-from venus3d.scene.render.palette import DARK, LIGHT, hex_of
-from venus3d.scene.render.shapes import Colour
 
 RIGHT_ON_DARK: Colour = DARK.reached
 RIGHT_ON_LIGHT: Colour = LIGHT.reached

@@ -13,11 +13,11 @@ from html import escape
 import numpy as np
 
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.palette import ground, hex_of, step_colour
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.dial import dial_html, right_colour, tick_html
 from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view_model import AudienceViewModel
-from venus3d.scene.render.palette import ground, hex_of, step_colour
 from venus3d.scene.web.theme import Theme, style_sheet
 
 _SCREEN, _HALF = 16 / 9, 0.505

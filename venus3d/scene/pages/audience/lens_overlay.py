@@ -13,12 +13,12 @@ from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.annotated_picture import CASING
+from venus3d.render.board_mesh import board_ghost, board_outline
+from venus3d.render.palette import ground, step_colour
+from venus3d.render.shapes import LabelShape, LineShape, Shape
+from venus3d.render.step_shapes import instruction_shapes
 from venus3d.scene.pages.audience.state import AudienceState
-from venus3d.scene.render.annotated_picture import CASING
-from venus3d.scene.render.board_mesh import board_ghost, board_outline
-from venus3d.scene.render.palette import ground, step_colour
-from venus3d.scene.render.shapes import LabelShape, LineShape, Shape
-from venus3d.scene.render.step_shapes import instruction_shapes
 
 _GHOST_OPACITY = 0.25
 """The board in the picture shows through."""

@@ -12,10 +12,10 @@ import numpy as np
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.exercise import detour
 from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.render.amounts import degrees
+from venus3d.render.palette import STEP_STYLES
 from venus3d.scene.pages.exercise import practice_texts as say
 from venus3d.scene.pages.exercise.view_model import PracticeView
-from venus3d.scene.render.amounts import degrees
-from venus3d.scene.render.palette import STEP_STYLES
 from venus3d.scene.web.theme import Theme
 from venus3d.storage.exercise import REACHED, ExerciseRow
 

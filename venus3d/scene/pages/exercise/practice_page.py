@@ -15,6 +15,8 @@ import viser
 
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.exercise import Reach
+from venus3d.render.frustum import AXIS_LENGTH
+from venus3d.render.viewpoints import view_from
 from venus3d.scene.pages.exercise import practice_html as html
 from venus3d.scene.pages.exercise import practice_texts as say
 from venus3d.scene.pages.exercise.board_drag import BoardDrag
@@ -23,8 +25,6 @@ from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
 from venus3d.scene.pages.exercise.practice_choices import PracticeChoices
 from venus3d.scene.pages.exercise.practice_shapes import scene_shapes
 from venus3d.scene.pages.exercise.view_model import PracticeView, Request
-from venus3d.scene.render.frustum import AXIS_LENGTH
-from venus3d.scene.render.viewpoints import view_from
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.pose_panel import PosePanel
 from venus3d.scene.web.theme import Theme

@@ -17,6 +17,8 @@ import viser
 
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.camera import PAPER_CAMERA
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.shapes import Shape
 from venus3d.scene.pages.exercise.exercise import Exercise
 from venus3d.scene.pages.exercise.options import PracticeOptions
 from venus3d.scene.pages.exercise.page import Picture
@@ -32,8 +34,6 @@ from venus3d.scene.pages.exercise.practice_shapes import (
 from venus3d.scene.pages.exercise.practice_texts import TITLE, WRITTEN
 from venus3d.scene.pages.exercise.server import ExerciseServer, Tab
 from venus3d.scene.pages.exercise.view_model import PracticeView, Request
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.shapes import Shape
 from venus3d.scene.web.page import announce_page
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.storage.camera_yaml import read_camera_yaml

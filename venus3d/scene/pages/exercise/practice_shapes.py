@@ -15,15 +15,15 @@ import numpy as np
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import AXES, Pose
+from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
+from venus3d.render.frustum import camera_shapes
+from venus3d.render.overlay import AXIS_COLOURS, draw_axes, draw_outline
+from venus3d.render.palette import ground, mixed, step_colour
+from venus3d.render.shapes import Colour, LabelShape, LineShape, Shape
+from venus3d.render.step_shapes import instruction_shapes
 from venus3d.scene.pages.exercise.practice_texts import TARGET_LABEL
 from venus3d.scene.pages.exercise.step_overlay import draw_step
 from venus3d.scene.pages.exercise.view_model import PracticeView
-from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_shape
-from venus3d.scene.render.frustum import camera_shapes
-from venus3d.scene.render.overlay import AXIS_COLOURS, draw_axes, draw_outline
-from venus3d.scene.render.palette import ground, mixed, step_colour
-from venus3d.scene.render.shapes import Colour, LabelShape, LineShape, Shape
-from venus3d.scene.render.step_shapes import instruction_shapes
 
 ORANGE: dict[bool, Colour] = {True: (255, 140, 0), False: (190, 90, 0)}
 """The target's outline in space, on dark and on light ground."""

@@ -14,13 +14,13 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.scene.render.annotated_picture import CASING, draw_line, mark_top, outline_of
-from venus3d.scene.render.arrows import arc_point
-from venus3d.scene.render.board_mesh import outline_segments
-from venus3d.scene.render.palette import ground, step_colour
-from venus3d.scene.render.shapes import Colour, LabelShape, LineShape
-from venus3d.scene.render.step_shapes import arc_ends, instruction_shapes, protractor
-from venus3d.scene.render.text_drawing import paint_labels
+from venus3d.render.annotated_picture import CASING, draw_line, mark_top, outline_of
+from venus3d.render.arrows import arc_point
+from venus3d.render.board_mesh import outline_segments
+from venus3d.render.palette import ground, step_colour
+from venus3d.render.shapes import Colour, LabelShape, LineShape
+from venus3d.render.step_shapes import arc_ends, instruction_shapes, protractor
+from venus3d.render.text_drawing import paint_labels
 
 Picture = NDArray[np.uint8]
 _POINTS = 25  # along an arrow: an arc, and behind a lens a curve anyway

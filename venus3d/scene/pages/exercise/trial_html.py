@@ -11,11 +11,11 @@ import numpy as np
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN
+from venus3d.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
+from venus3d.render.palette import hex_of
 from venus3d.scene.pages.exercise import trial_texts as say
 from venus3d.scene.pages.exercise.trial_plan import HelpTimes, times_of
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, TrialView
-from venus3d.scene.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
-from venus3d.scene.render.palette import hex_of
 from venus3d.scene.web.step_card import guide_card, hold_card, step_card, step_chips
 from venus3d.scene.web.theme import Theme
 

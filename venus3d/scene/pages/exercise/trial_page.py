@@ -20,22 +20,22 @@ from typing import Literal
 import numpy as np
 import viser
 
+from venus3d.render.annotated_picture import (
+    PICTURE_WIDTH,
+    LivePicture,
+    annotate,
+    small_picture,
+)
+from venus3d.render.describe import SceneOptions, describe
+from venus3d.render.overlay import draw_axes, draw_outline
+from venus3d.render.shapes import Shape
+from venus3d.render.viewpoints import guiding_view, steps_back, view_kept_wide
 from venus3d.scene.pages.exercise import trial_html as html
 from venus3d.scene.pages.exercise import trial_texts as say
 from venus3d.scene.pages.exercise.commands import trial_commands
 from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
 from venus3d.scene.pages.exercise.trial_plan import times_of
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press, Request, TrialView
-from venus3d.scene.render.annotated_picture import (
-    PICTURE_WIDTH,
-    LivePicture,
-    annotate,
-    small_picture,
-)
-from venus3d.scene.render.describe import SceneOptions, describe
-from venus3d.scene.render.overlay import draw_axes, draw_outline
-from venus3d.scene.render.shapes import Shape
-from venus3d.scene.render.viewpoints import guiding_view, steps_back, view_kept_wide
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML

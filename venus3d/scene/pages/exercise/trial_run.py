@@ -15,6 +15,9 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.limits import Limits
+from venus3d.render.annotated_picture import LivePicture
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
 from venus3d.scene.pages.exercise.exercise import Exercise
 from venus3d.scene.pages.exercise.options import TrialOptions
 from venus3d.scene.pages.exercise.page import Picture
@@ -24,9 +27,6 @@ from venus3d.scene.pages.exercise.trial_page import TrialPage, layout_of, live_p
 from venus3d.scene.pages.exercise.trial_plan import Plan, plan_of, targets_of
 from venus3d.scene.pages.exercise.trial_texts import DRAG_HINT, SERVING, TAB
 from venus3d.scene.pages.exercise.view_model import MoveBoard, Request, TrialView
-from venus3d.scene.render.annotated_picture import LivePicture
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.projections import Projections
 from venus3d.scene.web.page import announce_page
 from venus3d.scene.web.projections_panel import Tiles
 from venus3d.scene.web.server import LocalServer, start_server

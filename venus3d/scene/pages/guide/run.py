@@ -15,14 +15,14 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
 from venus3d.scene.pages.guide import texts
 from venus3d.scene.pages.guide.headless import run_headless
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.result_saver import ResultSaver
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.projections import Projections
 from venus3d.scene.web.monitor import Monitor
 from venus3d.scene.web.page import announce_page
 from venus3d.sources.board_tracker import BoardTracker

@@ -15,6 +15,7 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.alternatives_panel import AlternativesPanel
 from venus3d.scene.pages.guide.control_panel import ControlPanel
@@ -25,7 +26,6 @@ from venus3d.scene.pages.guide.method_panel import MethodPanel
 from venus3d.scene.pages.guide.parameters_panel import ParametersPanel
 from venus3d.scene.pages.guide.progress_panel import progress_html
 from venus3d.scene.pages.guide.state import ViewState
-from venus3d.scene.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer

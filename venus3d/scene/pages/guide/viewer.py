@@ -19,21 +19,21 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.pose_snapshot import pose_snapshot
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target
-from venus3d.scene.pages.guide import intents
-from venus3d.scene.pages.guide.state import ViewState
-from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
-from venus3d.scene.pages.guide.view import GuideView
-from venus3d.scene.pages.guide.viewpoint import guide_view
-from venus3d.scene.render.annotated_picture import (
+from venus3d.render.annotated_picture import (
     PICTURE_WIDTH,
     LivePicture,
     annotate,
     small_picture,
 )
-from venus3d.scene.render.describe import SceneOptions, describe
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.projections import Projections
-from venus3d.scene.render.shapes import Shape
+from venus3d.render.describe import SceneOptions, describe
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
+from venus3d.render.shapes import Shape
+from venus3d.scene.pages.guide import intents
+from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
+from venus3d.scene.pages.guide.view import GuideView
+from venus3d.scene.pages.guide.viewpoint import guide_view
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command

@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.scene.render.shapes import LineShape, Shape
-from venus3d.scene.render.strip import STRIP_CENTRE, bounds_of
-from venus3d.scene.render.viewpoints import FOV_RAD, guiding_view, steps_back, view_kept_wide
+from venus3d.render.shapes import LineShape, Shape
+from venus3d.render.strip import STRIP_CENTRE, bounds_of
+from venus3d.render.viewpoints import FOV_RAD, guiding_view, steps_back, view_kept_wide
 from venus3d.scene.web.camera_rig import View
 
 

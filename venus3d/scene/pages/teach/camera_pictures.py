@@ -13,15 +13,15 @@ from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array
+from venus3d.render.annotated_picture import draw_line
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.palette import ground, picture_background, step_colour, text_on
+from venus3d.render.projections import Picture, Projections
+from venus3d.render.shapes import Colour
+from venus3d.render.text_drawing import font, wrapped_lines
 from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.annotated_picture import draw_line
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, picture_background, step_colour, text_on
-from venus3d.scene.render.projections import Picture, Projections
-from venus3d.scene.render.shapes import Colour
-from venus3d.scene.render.text_drawing import font, wrapped_lines
 
 _QUICK, _FINE = (400, 1), (640, 2)  # width of the camera picture, supersampling
 _QUICK_TILE, _FINE_TILE = (240, 1), (480, 2)

@@ -16,17 +16,17 @@ import numpy as np
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import AXES, Array, Axes, Pose
 from venus3d.engine.geometry.rotation_orders import Turn, TurnSequence
-from venus3d.scene.render.amounts import degrees
-from venus3d.scene.render.arrows import (
+from venus3d.render.amounts import degrees
+from venus3d.render.arrows import (
     arc_arrow,
     arc_point,
     frame_along,
     straight_arrow,
     turn_frame,
 )
-from venus3d.scene.render.board_mesh import board_outline, board_shape
-from venus3d.scene.render.palette import ground, mixed, step_colour
-from venus3d.scene.render.shapes import LabelShape, MeshShape, Shape
+from venus3d.render.board_mesh import board_outline, board_shape
+from venus3d.render.palette import ground, mixed, step_colour
+from venus3d.render.shapes import LabelShape, MeshShape, Shape
 
 Side = Literal["left", "right"]
 CENTRES: dict[Side, Array] = {

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from venus3d.render.amounts import degrees
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.amounts import degrees
 
 
 @dataclass(frozen=True)

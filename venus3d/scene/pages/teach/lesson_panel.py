@@ -12,6 +12,12 @@ import viser
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import Lesson
+from venus3d.render.map_pictures import (
+    distortion_magnification,
+    distortion_picture,
+    largest_shift_px,
+)
+from venus3d.render.projections import Picture
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import Answer
 from venus3d.scene.pages.teach.controls import PAGE_ROW, Act, StateButtons
@@ -25,12 +31,6 @@ from venus3d.scene.pages.teach.lesson_html import (
 )
 from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState, Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.map_pictures import (
-    distortion_magnification,
-    distortion_picture,
-    largest_shift_px,
-)
-from venus3d.scene.render.projections import Picture
 from venus3d.scene.web.buttons import ChoiceList
 from venus3d.scene.web.pose_panel import PosePanel
 from venus3d.scene.web.theme import Theme

@@ -6,12 +6,12 @@ from html import escape
 
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.render.palette import STEP_STYLES, step_style
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.comparison_words import comparison_words
 from venus3d.scene.pages.teach.scene_shapes import amount_text
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web.theme import Theme
 
 

@@ -8,6 +8,7 @@ from functools import partial
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.lessons.lesson import Lesson
 from venus3d.lessons.reading import lesson_of, shipped_lessons
+from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import FILE_KINDS, FileKind
 from venus3d.scene.pages.teach.export.files import export_files, lesson_of_pose
@@ -15,7 +16,6 @@ from venus3d.scene.pages.teach.options import TeachOptions
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import AnalysePose, PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
-from venus3d.scene.render.offscreen import Offscreen
 from venus3d.scene.web.page import announce_page
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.threads.latency import low_latency

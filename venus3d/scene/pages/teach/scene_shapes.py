@@ -15,6 +15,15 @@ from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
 from venus3d.engine.geometry.pose import Array, Axes, Pose
 from venus3d.engine.geometry.rotation_orders import TurnSequence
 from venus3d.lessons.lesson import Arrangement
+from venus3d.render.amounts import degrees
+from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
+from venus3d.render.describe import SceneOptions, static_shapes
+from venus3d.render.frustum import AXIS_LENGTH, border_segments
+from venus3d.render.palette import ground
+from venus3d.render.shapes import LabelShape, LineShape, Shape
+from venus3d.render.step_shapes import instruction_shapes, pose_during
+from venus3d.render.strip import bounds_of, strip_shapes
+from venus3d.render.viewpoints import SceneCamera, view_abreast, view_from
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.comparison_shapes import (
     Side,
@@ -23,15 +32,6 @@ from venus3d.scene.pages.teach.comparison_shapes import (
 )
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.amounts import degrees
-from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_shape
-from venus3d.scene.render.describe import SceneOptions, static_shapes
-from venus3d.scene.render.frustum import AXIS_LENGTH, border_segments
-from venus3d.scene.render.palette import ground
-from venus3d.scene.render.shapes import LabelShape, LineShape, Shape
-from venus3d.scene.render.step_shapes import instruction_shapes, pose_during
-from venus3d.scene.render.strip import bounds_of, strip_shapes
-from venus3d.scene.render.viewpoints import SceneCamera, view_abreast, view_from
 
 
 def board_pose_at(taught: TaughtPose, state: TeachState) -> Pose:

@@ -15,6 +15,7 @@ import numpy as np
 import viser
 
 from venus3d.lessons.lesson import Lesson
+from venus3d.render.projections import Picture
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import FileKind, Save
 from venus3d.scene.pages.teach.controls import (
@@ -31,7 +32,6 @@ from venus3d.scene.pages.teach.lesson_panel import LessonPanel
 from venus3d.scene.pages.teach.progress_card import card_html
 from venus3d.scene.pages.teach.state import TeachState, Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.projections import Picture
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.panel_style import PanelStyle
 from venus3d.scene.web.theme import Theme

@@ -16,6 +16,8 @@ import viser
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.shapes import Shape
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import Action, FileKind, Save, after_action
 from venus3d.scene.pages.teach.camera_pictures import TeachPictures
@@ -23,8 +25,6 @@ from venus3d.scene.pages.teach.scene_shapes import scene_shapes, scene_view_of
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view import TeachView
 from venus3d.scene.pages.teach.view_model import AnalysePose, TaughtPose
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.shapes import Shape
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.page import Page
 from venus3d.scene.web.scene_view import SceneView

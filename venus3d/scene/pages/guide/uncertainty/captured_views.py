@@ -9,11 +9,11 @@ from functools import lru_cache
 
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.geometry.board import Board
+from venus3d.render.board_mesh import board_ghost, board_outline
+from venus3d.render.colour_scale import colour_of, round_up
+from venus3d.render.palette import ground
+from venus3d.render.shapes import LabelShape, Shape
 from venus3d.scene.pages.guide.uncertainty import texts
-from venus3d.scene.render.board_mesh import board_ghost, board_outline
-from venus3d.scene.render.colour_scale import colour_of, round_up
-from venus3d.scene.render.palette import ground
-from venus3d.scene.render.shapes import LabelShape, Shape
 
 _OPACITY, _CHOSEN_OPACITY = 0.28, 0.75
 

@@ -1,6 +1,6 @@
 """The maps of the camera's uncertainty, one at a time: title, picture, figures on it, legend.
 
-The pictures are drawn by `scene.render.map_pictures`; which one is shown is the panel's.
+The pictures are drawn by `render.map_pictures`; which one is shown is the panel's.
 """
 
 from __future__ import annotations
@@ -13,10 +13,8 @@ import numpy as np
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.uncertainty import ProjectionUncertainty
-from venus3d.scene.pages.guide.uncertainty import texts
-from venus3d.scene.pages.guide.uncertainty.texts import MapKind
-from venus3d.scene.render.colour_scale import gradient_css, round_down, round_up
-from venus3d.scene.render.map_pictures import (
+from venus3d.render.colour_scale import gradient_css, round_down, round_up
+from venus3d.render.map_pictures import (
     Picture,
     coverage,
     coverage_picture,
@@ -27,6 +25,8 @@ from venus3d.scene.render.map_pictures import (
     residual_picture,
     uncertainty_picture,
 )
+from venus3d.scene.pages.guide.uncertainty import texts
+from venus3d.scene.pages.guide.uncertainty.texts import MapKind
 from venus3d.scene.web.projections_panel import encoded
 
 MAP_KINDS: tuple[MapKind, ...] = tuple(texts.MAPS)

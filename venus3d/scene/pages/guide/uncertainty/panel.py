@@ -15,6 +15,8 @@ from typing import Any, Literal
 import viser
 
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.annotated_picture import LivePicture, small_picture
+from venus3d.render.shapes import Shape
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.captured_views import (
     captured_view_shapes,
@@ -33,8 +35,6 @@ from venus3d.scene.pages.guide.uncertainty.maps import (
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.uncertainty.view_card import view_html
 from venus3d.scene.pages.guide.uncertainty.view_window import ViewWindow
-from venus3d.scene.render.annotated_picture import LivePicture, small_picture
-from venus3d.scene.render.shapes import Shape
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.projections_panel import encoded

@@ -10,6 +10,9 @@ from collections.abc import Callable
 
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.search_trace import SearchTrace
+from venus3d.render.board_mesh import board_outline
+from venus3d.render.palette import ground
+from venus3d.render.shapes import Shape
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.search_shapes import (
     REST_SECONDS,
@@ -18,9 +21,6 @@ from venus3d.scene.pages.guide.uncertainty.search_shapes import (
     search_shapes,
     shown_after,
 )
-from venus3d.scene.render.board_mesh import board_outline
-from venus3d.scene.render.palette import ground
-from venus3d.scene.render.shapes import Shape
 
 _WHOLE = SECONDS + REST_SECONDS
 _KEPT = "/camera/"

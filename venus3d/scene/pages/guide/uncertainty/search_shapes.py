@@ -27,13 +27,13 @@ from numpy.typing import NDArray
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.search_trace import SearchTrace
+from venus3d.render.board_mesh import board_ghost, board_outline, outline_segments
+from venus3d.render.colour_scale import colours_of
+from venus3d.render.palette import ground, mixed, step_colour
+from venus3d.render.shapes import LabelShape, LineShape, PointShape, Shape
+from venus3d.render.viewpoints import steps_back
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.maps import figure
-from venus3d.scene.render.board_mesh import board_ghost, board_outline, outline_segments
-from venus3d.scene.render.colour_scale import colours_of
-from venus3d.scene.render.palette import ground, mixed, step_colour
-from venus3d.scene.render.shapes import LabelShape, LineShape, PointShape, Shape
-from venus3d.scene.render.viewpoints import steps_back
 
 SECONDS, REST_SECONDS = 13.0, 4.0
 """How long the search takes to be shown, and how long its end stays."""

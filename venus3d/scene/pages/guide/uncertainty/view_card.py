@@ -15,9 +15,9 @@ from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.reasons import held_in_words
 from venus3d.engine.planning.uncertainty import Influence
+from venus3d.render.amounts import signed
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.maps import figure
-from venus3d.scene.render.amounts import signed
 
 _FX, _FY = PARAMETERS.index("fx"), PARAMETERS.index("fy")
 # Errors that differ by less are the same to a person.

@@ -16,19 +16,19 @@ from PIL import Image, ImageDraw
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.palette import ground, picture_background, step_colour
+from venus3d.render.projections import Picture, with_header
+from venus3d.render.shapes import Colour, LabelShape, Shape
+from venus3d.render.strip import moved_shape
+from venus3d.render.text_drawing import font
+from venus3d.render.viewpoints import FOV_RAD, SceneCamera
 from venus3d.scene.pages.teach.comparison_shapes import Side, board_centre
 from venus3d.scene.pages.teach.comparison_words import comparison_words
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.scene_shapes import scene_shapes
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, picture_background, step_colour
-from venus3d.scene.render.projections import Picture, with_header
-from venus3d.scene.render.shapes import Colour, LabelShape, Shape
-from venus3d.scene.render.strip import moved_shape
-from venus3d.scene.render.text_drawing import font
-from venus3d.scene.render.viewpoints import FOV_RAD, SceneCamera
 
 _DIRECTION = (0.3, 0.42, 1.0)
 """Into the picture, from the camera's side, from above and from the left: all axes are seen."""

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from venus3d.engine.errors import StorageError
 from venus3d.lessons.lesson import Lesson, LessonPage
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
 from venus3d.scene.pages.teach.actions import FILE_KINDS, FileKind
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.export.animation import ExportedPage, exported_pages
@@ -26,8 +28,6 @@ from venus3d.scene.pages.teach.export.scene_recording import player, recording_o
 from venus3d.scene.pages.teach.export.sheet import sheet
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import AnalysePose
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.projections import Projections
 from venus3d.scene.web.server import start_server
 
 _PICTURE_SIZE_PX = 640

@@ -16,6 +16,10 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from venus3d.lessons.lesson import Lesson
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.palette import ground, picture_background
+from venus3d.render.projections import Picture, with_header, with_step_header
+from venus3d.render.text_drawing import font, wrapped_lines
 from venus3d.scene.pages.teach.camera_pictures import with_refusal
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.export.animation import ExportedPage, animation_states
@@ -23,10 +27,6 @@ from venus3d.scene.pages.teach.export.comparison_picture import comparison_pictu
 from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at, shown_step
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, picture_background
-from venus3d.scene.render.projections import Picture, with_header, with_step_header
-from venus3d.scene.render.text_drawing import font, wrapped_lines
 
 MP4_FPS, GIF_FPS = 25, 10
 MP4_WIDTH, GIF_WIDTH = 1280, 640

@@ -19,6 +19,13 @@ from html import escape
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.lessons.lesson import Lesson, Question
+from venus3d.render.map_pictures import (
+    distortion_magnification,
+    distortion_picture,
+    largest_shift_px,
+)
+from venus3d.render.palette import hex_of, step_style, text_on
+from venus3d.render.projections import Picture
 from venus3d.scene.pages.teach import texts as teach_texts
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.export.animation import ExportedPage
@@ -30,13 +37,6 @@ from venus3d.scene.pages.teach.lesson_html import (
     focal_uncertainty_html,
     lens_legend_html,
 )
-from venus3d.scene.render.map_pictures import (
-    distortion_magnification,
-    distortion_picture,
-    largest_shift_px,
-)
-from venus3d.scene.render.palette import hex_of, step_style, text_on
-from venus3d.scene.render.projections import Picture
 from venus3d.scene.web.lesson_text import lesson_text_html
 from venus3d.scene.web.projections_panel import encoded
 from venus3d.scene.web.theme import Theme, style_sheet

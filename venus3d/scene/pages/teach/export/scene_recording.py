@@ -14,9 +14,9 @@ from pathlib import Path
 
 import zstandard
 
+from venus3d.render.viewpoints import SceneCamera
 from venus3d.scene.pages.teach.export.animation import ExportedPage, animation_states
 from venus3d.scene.pages.teach.scene_shapes import scene_shapes, scene_view_of
-from venus3d.scene.render.viewpoints import SceneCamera
 from venus3d.scene.web.camera_rig import FAR, NEAR
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer

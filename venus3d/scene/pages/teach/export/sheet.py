@@ -9,14 +9,14 @@ from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
 from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.palette import ground, step_style, text_on
+from venus3d.render.projections import Picture, Projections
+from venus3d.render.text_drawing import fitting_font, font, wrapped_lines
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.export.sentences import holder_sentence, pose_sentence
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, step_style, text_on
-from venus3d.scene.render.projections import Picture, Projections
-from venus3d.scene.render.text_drawing import fitting_font, font, wrapped_lines
 
 DPI = 300
 SIZE_PX = (3508, 2480)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.scene.render.lens import lens_for
+from venus3d.render.lens import lens_for
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (960, 540)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from venus3d.scene.render.amounts import degrees
+from venus3d.render.amounts import degrees
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from venus3d.scene.render.arrows import arc_arrow, arc_point, straight_arrow
+from venus3d.render.arrows import arc_arrow, arc_point, straight_arrow
 
 
 @pytest.mark.parametrize("length", [0.01, 0.3])

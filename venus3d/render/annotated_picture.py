@@ -11,7 +11,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.render.shapes import Colour
+from venus3d.render.shapes import Colour
 
 LivePicture = NDArray[np.uint8] | NDArray[np.uint16]
 """(H, W, 3) BGR or (H, W) grey."""

@@ -20,12 +20,12 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.planning.target import Target
-from venus3d.scene.render.describe import describe_step
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, picture_background, step_style, text_on
-from venus3d.scene.render.shapes import Colour
-from venus3d.scene.render.text_drawing import fitting_font, font, wrapped_lines
-from venus3d.scene.render.texts import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
+from venus3d.render.describe import describe_step
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.palette import ground, picture_background, step_style, text_on
+from venus3d.render.shapes import Colour
+from venus3d.render.text_drawing import fitting_font, font, wrapped_lines
+from venus3d.render.texts import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
 
 Picture = NDArray[np.uint8]
 Pictures = tuple[Future[Picture], Future[Picture], Future[Picture], Future[Picture]]

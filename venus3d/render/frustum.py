@@ -8,9 +8,9 @@ import numpy as np
 
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import AXES, Array, Pose
-from venus3d.scene.render.arrows import frame_along, straight_arrow
-from venus3d.scene.render.palette import ground, mixed, step_colour
-from venus3d.scene.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+from venus3d.render.arrows import frame_along, straight_arrow
+from venus3d.render.palette import ground, mixed, step_colour
+from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
 
 DEPTH = 0.14
 """How far in front of the lens the frustum's picture stands, metres."""

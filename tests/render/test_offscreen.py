@@ -15,9 +15,9 @@ import pytest
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_shape
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.shapes import LabelShape, Shape
+from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.shapes import LabelShape, Shape
 
 GREY = (90, 100, 110)
 
@@ -167,7 +167,7 @@ def test_a_machine_without_opengl_gets_the_painter_and_is_told(
     def missing(_: bool) -> None:
         raise ImportError("no EGL")
 
-    monkeypatch.setattr("venus3d.scene.render.offscreen._open_gl", missing)
+    monkeypatch.setattr("venus3d.render.offscreen._open_gl", missing)
     with Offscreen() as offscreen:
         assert offscreen.backend == "painter"
         for package in ("libegl1", "libgl1", "libgl1-mesa-dri"):

@@ -10,10 +10,10 @@ import numpy as np
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.scene.render.amounts import degrees
-from venus3d.scene.render.board_mesh import board_outline, board_shape
-from venus3d.scene.render.palette import ground, step_colour, step_style
-from venus3d.scene.render.shapes import (
+from venus3d.render.amounts import degrees
+from venus3d.render.board_mesh import board_outline, board_shape
+from venus3d.render.palette import ground, step_colour, step_style
+from venus3d.render.shapes import (
     FrustumShape,
     LabelShape,
     LineShape,
@@ -21,7 +21,7 @@ from venus3d.scene.render.shapes import (
     PointShape,
     Shape,
 )
-from venus3d.scene.render.step_shapes import instruction_shapes, pose_during
+from venus3d.render.step_shapes import instruction_shapes, pose_during
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres: above everything that is drawn in place."""

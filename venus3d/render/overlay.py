@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.scene.render.annotated_picture import (
+from venus3d.render.annotated_picture import (
     CASING,
     draw_dashes,
     draw_line,
     mark_top,
     outline_of,
 )
-from venus3d.scene.render.palette import mixed
-from venus3d.scene.render.shapes import Colour
+from venus3d.render.palette import mixed
+from venus3d.render.shapes import Colour
 
 Picture = NDArray[np.uint8]
 AXIS_COLOURS: tuple[Colour, Colour, Colour] = ((235, 70, 55), (60, 200, 90), (70, 130, 255))

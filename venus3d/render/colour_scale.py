@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.render.palette import hex_of
-from venus3d.scene.render.shapes import Colour
+from venus3d.render.palette import hex_of
+from venus3d.render.shapes import Colour
 
 STOPS = 9
 """Colours named in a legend's gradient."""

@@ -9,7 +9,7 @@ import pytest
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import VIEWPOINTS, Viewpoint
-from venus3d.scene.render.viewpoints import SceneCamera, between, view_abreast, view_from
+from venus3d.render.viewpoints import SceneCamera, between, view_abreast, view_from
 
 
 def in_window(view: SceneCamera, points: Array, aspect: float) -> Array:

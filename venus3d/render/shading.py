@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.render.shapes import MeshShape
+from venus3d.render.shapes import MeshShape
 
 _TO_LAMP = np.array([-0.35, -0.75, -0.56]) / np.linalg.norm([-0.35, -0.75, -0.56])
 _AMBIENT = 0.62

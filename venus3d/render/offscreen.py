@@ -21,11 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.scene.render.lens import lens_for
-from venus3d.scene.render.painter import Painter
-from venus3d.scene.render.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
-from venus3d.scene.render.text_drawing import paint_labels
-from venus3d.scene.render.texts import NO_OPENGL, OPENGL_FAILED
+from venus3d.render.lens import lens_for
+from venus3d.render.painter import Painter
+from venus3d.render.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
+from venus3d.render.text_drawing import paint_labels
+from venus3d.render.texts import NO_OPENGL, OPENGL_FAILED
 
 Image = NDArray[np.uint8]
 Backend = Literal["gl", "painter"]
@@ -201,6 +201,6 @@ def _open_gl(smooth: bool) -> Renderer:
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
         # pyrender brings a window along, whose pyglet looks for X otherwise, screen or not.
         os.environ.setdefault("PYGLET_HEADLESS", "true")
-    from venus3d.scene.render.gl_renderer import GlRenderer
+    from venus3d.render.gl_renderer import GlRenderer
 
     return GlRenderer(smooth=smooth)

@@ -13,9 +13,9 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.target import Target
-from venus3d.scene.render.offscreen import Offscreen
-from venus3d.scene.render.palette import ground, step_colour
-from venus3d.scene.render.projections import KEPT_TARGETS, Projections
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.palette import ground, step_colour
+from venus3d.render.projections import KEPT_TARGETS, Projections
 
 
 class Counting(Offscreen):

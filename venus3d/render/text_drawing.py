@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.scene.render.palette import text_on
-from venus3d.scene.render.shapes import LabelShape
+from venus3d.render.palette import text_on
+from venus3d.render.shapes import LabelShape
 
 
 @lru_cache(maxsize=32)

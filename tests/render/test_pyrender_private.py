@@ -7,12 +7,12 @@ import inspect
 
 import pytest
 
-from venus3d.scene.render.offscreen import Offscreen
+from venus3d.render.offscreen import Offscreen
 
 
 def test_pyrender_has_all_that_is_overridden(gl: Offscreen) -> None:
     assert gl.backend == "gl"
-    from venus3d.scene.render import gl_renderer
+    from venus3d.render import gl_renderer
 
     for owner, names in gl_renderer.PRIVATE.items():
         source = inspect.getsource(owner)

@@ -16,7 +16,7 @@ from PIL import Image
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.scene.render.shapes import Colour, LineShape, MeshShape
+from venus3d.render.shapes import Colour, LineShape, MeshShape
 
 RIM = 0.3
 """Width of the unprinted rim around the squares, in squares."""

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.render.shapes import Colour
-from venus3d.scene.render.texts import STEP_TITLES
+from venus3d.render.shapes import Colour
+from venus3d.render.texts import STEP_TITLES
 
 
 @dataclass(frozen=True)

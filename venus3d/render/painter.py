@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.render.line_mesh import line_mesh
-from venus3d.scene.render.shading import shaded_colours
-from venus3d.scene.render.shapes import Colour, LineShape, MeshShape
+from venus3d.render.line_mesh import line_mesh
+from venus3d.render.shading import shaded_colours
+from venus3d.render.shapes import Colour, LineShape, MeshShape
 
 _NEAR = 0.01
 _SUBPIXEL_BITS = 6

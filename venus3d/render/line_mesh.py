@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.render.shapes import LineShape
+from venus3d.render.shapes import LineShape
 
 _NEAR = 0.01
 

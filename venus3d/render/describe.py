@@ -28,13 +28,13 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.render.board_mesh import board_ghost, board_outline, board_shape
-from venus3d.scene.render.frustum import camera_shapes
-from venus3d.scene.render.palette import ground, mixed, step_colour
-from venus3d.scene.render.shapes import LabelShape, Shape
-from venus3d.scene.render.step_shapes import instruction_shapes, pose_during
-from venus3d.scene.render.strip import strip_shapes
-from venus3d.scene.render.texts import IN_ALL, TARGET_LABEL
+from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
+from venus3d.render.frustum import camera_shapes
+from venus3d.render.palette import ground, mixed, step_colour
+from venus3d.render.shapes import LabelShape, Shape
+from venus3d.render.step_shapes import instruction_shapes, pose_during
+from venus3d.render.strip import strip_shapes
+from venus3d.render.texts import IN_ALL, TARGET_LABEL
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import AXES, Array, Pose, interpolate
-from venus3d.scene.render.amounts import degrees
-from venus3d.scene.render.arrows import (
+from venus3d.render.amounts import degrees
+from venus3d.render.arrows import (
     arc_arrow,
     arc_point,
     frame_along,
@@ -24,9 +24,9 @@ from venus3d.scene.render.arrows import (
     straight_arrow,
     turn_frame,
 )
-from venus3d.scene.render.board_mesh import outline_segments
-from venus3d.scene.render.palette import step_colour
-from venus3d.scene.render.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
+from venus3d.render.board_mesh import outline_segments
+from venus3d.render.palette import step_colour
+from venus3d.render.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
 
 GAP = 0.12
 """Distance of a protractor from the board's side, in board widths."""

@@ -27,9 +27,9 @@ from pyrender.platforms.egl import EGLPlatform, get_device_by_index
 from pyrender.renderer import Renderer
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.scene.render.line_mesh import line_mesh
-from venus3d.scene.render.shading import shaded_colours
-from venus3d.scene.render.shapes import Colour, LineShape, MeshShape
+from venus3d.render.line_mesh import line_mesh
+from venus3d.render.shading import shaded_colours
+from venus3d.render.shapes import Colour, LineShape, MeshShape
 
 # What `ctypes.byref` makes is called `builtins.CArgObject` up to Python 3.11 and
 # `_ctypes.CArgObject` from 3.12 on. PyOpenGL 3.1.0 finds the handler of an argument by that name,

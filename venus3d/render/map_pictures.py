@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.render.colour_scale import colours_of, magnification, round_up
-from venus3d.scene.render.palette import ground, mixed
-from venus3d.scene.render.shapes import Colour
+from venus3d.render.colour_scale import colours_of, magnification, round_up
+from venus3d.render.palette import ground, mixed
+from venus3d.render.shapes import Colour
 
 Picture = NDArray[np.uint8]
 CELLS = (12, 8)

@@ -14,8 +14,8 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Steps, decompose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.render.describe import SceneOptions, describe, describe_step
-from venus3d.scene.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+from venus3d.render.describe import SceneOptions, describe, describe_step
+from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
 
 TARGETS = {
     "moderate": [20, -30, 15, 0.06, -0.03, 0.55],

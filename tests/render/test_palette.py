@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from venus3d.scene.render.palette import (
+from venus3d.render.palette import (
     STEP_STYLES,
     contrast,
     ground,
