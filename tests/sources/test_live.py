@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from venus3d.engine.errors import SourceError
 from venus3d.sources import live
 from venus3d.sources.live import Live
-from venus3d.sources.open_source import open_source
+from venus3d.sources.open_frame_source import open_frame_source
 
 
 class ScriptedCapture:
@@ -109,7 +109,7 @@ def test_a_picture_that_changes_its_size(capture: ScriptedCapture):
 def test_cameras_that_are_not_there(capfd: pytest.CaptureFixture[str]):
     for spec in ("97", "/dev/video97"):
         with pytest.raises(SourceError) as caught:
-            open_source(spec)
+            open_frame_source(spec)
         assert f"amera {spec}" in str(caught.value) and "choose another" in str(caught.value)
     assert capfd.readouterr().err == ""
 
@@ -147,7 +147,7 @@ def server() -> Iterator[http.server.ThreadingHTTPServer]:
 
 
 def test_a_network_camera_from_opening_to_breaking(server: http.server.ThreadingHTTPServer):
-    source = open_source(f"http://127.0.0.1:{server.server_port}/stream.mjpg")
+    source = open_frame_source(f"http://127.0.0.1:{server.server_port}/stream.mjpg")
     assert isinstance(source, Live) and source.image_size == (64, 48)
     frames = [source.read() for _ in range(3)]
     assert all(f is not None and abs(f.image.mean() - 120) < 2 for f in frames)
@@ -164,7 +164,7 @@ def test_streams_that_do_not_answer(
 ):
     monkeypatch.setattr(live, "OPEN_TIMEOUT_S", 1.0)
     with pytest.raises(SourceError) as caught:
-        open_source(address)
+        open_frame_source(address)
     assert str(caught.value) == (
         f"No stream can be opened at {address}; check the address, and that the sender runs and "
         "can be reached from this machine."
@@ -177,4 +177,4 @@ def test_a_file_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     path.write_bytes(b"x")
     monkeypatch.setattr("os.access", lambda *_: False)  # root may read everything
     with pytest.raises(SourceError, match="may not be read by you; check its permissions"):
-        open_source(str(path))
+        open_frame_source(str(path))

@@ -13,7 +13,7 @@ from venus3d.engine.errors import SourceError
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame
 from venus3d.sources.live import Live
-from venus3d.sources.open_source import open_source
+from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.video import Video
 
 
@@ -43,7 +43,7 @@ def all_frames(source: Folder | Video | Live) -> list[Frame]:
 def sentence(spec: object) -> str:
     """What a user reads: one line, one sentence."""
     with pytest.raises(SourceError) as caught:
-        all_frames(open_source(str(spec)))
+        all_frames(open_frame_source(str(spec)))
     text = str(caught.value)
     assert "\n" not in text and text.endswith(".")
     return text
@@ -57,7 +57,7 @@ def test_a_folder_is_read_in_the_order_people_count(tmp_path: Path):
         cv2.imwrite(str(tmp_path / f"shot{number}.png"), picture(number))
     (tmp_path / "notes.txt").write_text("no image, and not named like one")
     (tmp_path / ".hidden.png").write_bytes(b"")
-    source = open_source(str(tmp_path))
+    source = open_frame_source(str(tmp_path))
     assert source.image_size == (64, 48) and not source.is_live
     frames = all_frames(source)
     assert [f.name for f in frames] == ["shot1.png", "shot2.png", "shot10.png"]
@@ -68,16 +68,21 @@ def test_a_folder_is_read_in_the_order_people_count(tmp_path: Path):
 def test_a_pattern_and_a_single_image(tmp_path: Path):
     for name in ("a1.png", "a2.png", "b1.png"):
         cv2.imwrite(str(tmp_path / name), picture())
-    assert [f.name for f in all_frames(open_source(f"{tmp_path}/a*.png"))] == ["a1.png", "a2.png"]
-    assert [f.name for f in all_frames(open_source(f"{tmp_path}/b1.png"))] == ["b1.png"]
-    assert [f.name for f in all_frames(open_source(f"file://{tmp_path}/b1.png"))] == ["b1.png"]
+    assert [f.name for f in all_frames(open_frame_source(f"{tmp_path}/a*.png"))] == [
+        "a1.png",
+        "a2.png",
+    ]
+    assert [f.name for f in all_frames(open_frame_source(f"{tmp_path}/b1.png"))] == ["b1.png"]
+    assert [f.name for f in all_frames(open_frame_source(f"file://{tmp_path}/b1.png"))] == [
+        "b1.png"
+    ]
 
 
 @pytest.mark.parametrize("suffix", [".png", ".tif", ".pgm"])
 def test_grey_and_sixteen_bits_are_kept(tmp_path: Path, suffix: str):
     deep = np.random.default_rng(0).integers(0, 65535, (48, 64), np.uint16)
     cv2.imwrite(str(tmp_path / f"deep{suffix}"), deep)
-    (frame,) = all_frames(open_source(str(tmp_path / f"deep{suffix}")))
+    (frame,) = all_frames(open_frame_source(str(tmp_path / f"deep{suffix}")))
     assert frame.image.dtype == np.uint16
     np.testing.assert_array_equal(frame.image, deep)
 
@@ -85,7 +90,7 @@ def test_grey_and_sixteen_bits_are_kept(tmp_path: Path, suffix: str):
 def test_sixteen_bit_colour_keeps_its_depth_as_grey(tmp_path: Path):
     deep = np.random.default_rng(0).integers(0, 65535, (48, 64, 3), np.uint16)
     cv2.imwrite(str(tmp_path / "deep.png"), deep)
-    (frame,) = all_frames(open_source(str(tmp_path / "deep.png")))
+    (frame,) = all_frames(open_frame_source(str(tmp_path / "deep.png")))
     grey = deep @ np.array([0.114, 0.587, 0.299])
     assert frame.image.dtype == np.uint16 and frame.image.ndim == 2
     assert np.abs(frame.image - grey).max() < 4
@@ -96,7 +101,7 @@ def test_the_orientation_tag_does_not_turn_the_sensor(tmp_path: Path):
     exif = Image.Exif()
     exif[0x0112] = 6
     Image.fromarray(picture()[..., ::-1]).save(tmp_path / "portrait.jpg", exif=exif, quality=95)
-    source = open_source(str(tmp_path / "portrait.jpg"))
+    source = open_frame_source(str(tmp_path / "portrait.jpg"))
     assert source.image_size == (64, 48)
     assert all_frames(source)[0].image_size == (64, 48)
 
@@ -154,7 +159,7 @@ def test_nothing_there(tmp_path: Path):
 
 
 def test_real_stills(shared_data: Path):
-    source = open_source(str(shared_data / "lifecam-charuco-8x8"))
+    source = open_frame_source(str(shared_data / "lifecam-charuco-8x8"))
     frames = all_frames(source)
     assert source.image_size == (1280, 720)
     assert [f.name for f in frames] == [f"{n:02d}.jpg" for n in range(1, 17)]
@@ -166,7 +171,7 @@ def test_real_stills(shared_data: Path):
 
 @pytest.mark.parametrize(("codec", "suffix"), [("mp4v", ".mp4"), ("MJPG", ".avi")])
 def test_every_frame_comes_once_with_the_video_s_own_time(tmp_path: Path, codec: str, suffix: str):
-    source = open_source(str(write_video(tmp_path / f"m{suffix}", codec)))
+    source = open_frame_source(str(write_video(tmp_path / f"m{suffix}", codec)))
     frames = all_frames(source)
     assert isinstance(source, Video) and source.image_size == (320, 240) and not source.notes
     assert len(frames) == 20
@@ -201,7 +206,7 @@ def test_a_video_that_breaks_off_says_how_much_was_readable(tmp_path: Path):
         writer.write(picture(number, (320, 240)))
     writer.release()
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    source = open_source(str(path))
+    source = open_frame_source(str(path))
     count = len(all_frames(source))
     assert 10 < count < 30
     assert source.notes == (f"{path} breaks off early: {count} of 40 frames could be read.",)
@@ -221,7 +226,7 @@ def test_videos_that_cannot_be_played(tmp_path: Path, capfd: pytest.CaptureFixtu
 
 
 def test_the_real_video(shared_data: Path):
-    source = open_source(str(shared_data / "wpilib-charuco-12x8.mp4"))
+    source = open_frame_source(str(shared_data / "wpilib-charuco-12x8.mp4"))
     times = [frame.time_s for frame in all_frames(source)]
     assert source.image_size == (1920, 1080) and not source.notes
     np.testing.assert_allclose(times, np.arange(161) / 30, atol=1e-3)

@@ -6,7 +6,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.geometry.pose import Pose
 from venus3d.sources.frame import Source
-from venus3d.sources.open_source import open_source
+from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.sim import Simulation
 from venus3d.threads.latency import limit_gl_threads
 
@@ -40,7 +40,7 @@ def open_interactive(
     if not headless:
         limit_gl_threads()
     if spec != SIMULATED:
-        return open_source(spec, size=size, realtime=not headless)
+        return open_frame_source(spec, size=size, realtime=not headless)
     return Simulation(
         PAPER_CAMERA if size is None else PAPER_CAMERA.scaled(size),
         board,

@@ -21,7 +21,7 @@ READ_TIMEOUT_S = 5.0
 _FAILURES_ALLOWED = 30  # reads in a row: a camera that wakes up drops a few frames
 
 
-class Capture(Protocol):
+class CaptureDevice(Protocol):
     """The part of `cv2.VideoCapture` that is used here."""
 
     def read(self) -> tuple[bool, Any]:
@@ -38,7 +38,9 @@ class Live:
 
     is_live = True
 
-    def __init__(self, capture: Capture, name: str, *, timeout_s: float = READ_TIMEOUT_S) -> None:
+    def __init__(
+        self, capture: CaptureDevice, name: str, *, timeout_s: float = READ_TIMEOUT_S
+    ) -> None:
         """Start reading an opened `capture`; `name` is what messages call it.
 
         Raises `SourceError` if no frame comes within `timeout_s`.

@@ -19,11 +19,11 @@ from venus3d.engine.errors import SourceError
 from venus3d.sources.arrays import Arrays
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
-from venus3d.sources.open_source import open_source
+from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.video import Video
 
 Images = str | Path | Sequence[str | Path] | Sequence[NDArray[np.uint8]] | NDArray[np.uint8]
-"""What `open_source` takes, or a list of image files, or one of arrays (H, W[, 3])."""
+"""What `open_frame_source` takes, or a list of image files, or one of arrays (H, W[, 3])."""
 _COUNTED_EVERY = 100
 
 
@@ -76,7 +76,7 @@ def _observe(
 
 def _opened(images: Images) -> Source:
     if isinstance(images, (str, Path)):
-        return open_source(str(images))
+        return open_frame_source(str(images))
     arrays = [image for image in images if isinstance(image, np.ndarray)]
     files = [Path(image) for image in images if isinstance(image, (str, Path))]
     if len(arrays) == len(images):

@@ -16,7 +16,7 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.sources.open_source import open_source
+from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.recording import observe_recording
 
 Image = NDArray[np.uint8]
@@ -84,7 +84,7 @@ def load_clip(
 
 
 def _frames(spec: str, chosen: set[int]) -> Iterator[Image]:
-    with closing(open_source(spec)) as source:
+    with closing(open_frame_source(spec)) as source:
         number = 0
         while (frame := source.read()) is not None:
             if number in chosen:

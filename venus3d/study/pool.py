@@ -70,7 +70,7 @@ def pool_of(
     """Look through a recording once and keep the views that can be calibrated from.
 
     Args:
-        spec: what the user typed; a recording that `open_source` knows.
+        spec: what the user typed; a recording that `open_frame_source` knows.
         board: what it shows.
         same: see `distinct`.
         on_count: told of the frames looked at, every hundred.

@@ -31,7 +31,7 @@ REACH_S = 15.0
 """How long a Dask scheduler may take to answer."""
 
 
-class Trial(Protocol):
+class StudyTrial(Protocol):
     """One piece of work, small enough to be lost and done again."""
 
     @property
@@ -40,7 +40,7 @@ class Trial(Protocol):
         ...
 
 
-T = TypeVar("T", bound=Trial)
+T = TypeVar("T", bound=StudyTrial)
 
 
 def run_trials(

@@ -14,7 +14,7 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.settings import PlanningSettings
-from venus3d.engine.planning.suggest import Suggestion, next_target
+from venus3d.engine.planning.suggest import NextTarget, next_target
 
 
 def suggestion(
@@ -29,7 +29,7 @@ def suggestion(
     noise: NoiseModel | None = None,
     skipped: Iterable[Pose] = (),
     **others: Any,
-) -> Suggestion:
+) -> NextTarget:
     """`next_target` after views of this information (9, 9)."""
     settings = settings or PlanningSettings()
     posterior = Posterior.of(board, camera, information, sigma_px, noise)

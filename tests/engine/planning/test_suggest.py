@@ -19,7 +19,7 @@ from venus3d.engine.planning.method import COSTS, METHODS, Cost, Method, Start, 
 from venus3d.engine.planning.reasons import reason_for
 from venus3d.engine.planning.search import SearchStep
 from venus3d.engine.planning.settings import PlanningSettings
-from venus3d.engine.planning.suggest import Suggestion
+from venus3d.engine.planning.suggest import NextTarget
 
 SIGMA = float(np.sqrt(0.1))
 FIRST = Pose.from_vector([45, 0, 0, 0, 0, 0.4])
@@ -31,11 +31,11 @@ def said_by(camera: Camera, board: Board, pose: Pose) -> Array:
 
 def guided(
     camera: Camera, board: Board, method: Method, views: int, seed: int = 0
-) -> tuple[Array, list[Suggestion]]:
+) -> tuple[Array, list[NextTarget]]:
     """The information after following the method's suggestions exactly, and the suggestions."""
     rng = np.random.default_rng(seed)
     information, state = said_by(camera, board, FIRST), None
-    made: list[Suggestion] = []
+    made: list[NextTarget] = []
     for number in range(2, views + 1):
         made.append(
             suggestion(
@@ -115,7 +115,7 @@ def test_every_cost_that_makes_sense(
     information = sum(said_by(paper_camera, default_board, pose) for pose in poses)
     moves: list[SearchStep] = []
 
-    def ask() -> Suggestion:
+    def ask() -> NextTarget:
         return suggestion(
             default_board,
             paper_camera,

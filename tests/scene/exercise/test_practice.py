@@ -11,7 +11,7 @@ from venus3d.scene.pages.exercise.view_model import (
     ChooseLevel,
     MoveBoard,
     Nudge,
-    PracticeView,
+    PracticeViewModel,
     Press,
     Rename,
     Request,
@@ -28,7 +28,7 @@ def ask(trainee: Practice, request: Request, at: float) -> None:
     trainee.handle(request)
 
 
-def view_of(trainee: Practice, at: float) -> PracticeView:
+def view_of(trainee: Practice, at: float) -> PracticeViewModel:
     trainee.tick(at)
     return trainee.view()
 

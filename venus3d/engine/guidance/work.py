@@ -25,7 +25,7 @@ from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search_trace import OnSearchStep, SearchRecorder, SearchTrace, Stop
-from venus3d.engine.planning.suggest import Suggestion, next_target
+from venus3d.engine.planning.suggest import NextTarget, next_target
 from venus3d.engine.planning.target import Target
 from venus3d.engine.planning.uncertainty import ProjectionUncertainty, projection_uncertainty
 
@@ -40,7 +40,7 @@ class Outcome:
     """What the views say, to plan ahead with."""
     history: tuple[Progress, ...]
     convergence: Convergence
-    suggestion: Suggestion | None
+    suggestion: NextTarget | None
     """None once converged, when enough views are taken, or when no pose fits the limits."""
     is_over: bool
     """Whether nothing is left to do: converged, or enough views."""
@@ -161,7 +161,7 @@ class Work:
         calibration: Calibration,
         posterior: Posterior,
         space: Space,
-        suggestion: Suggestion | None,
+        suggestion: NextTarget | None,
         stop: Stop | None,
     ) -> Forecast | None:
         """None before the first full calibration, when stopped, and for the cost "rms", which is

@@ -44,7 +44,7 @@ Poses within two per cent of each other are equal for the camera, not for the pe
 
 
 @dataclass(frozen=True, eq=False)
-class Suggestion:
+class NextTarget:
     """The next target and the generators' state after it."""
 
     target: Target
@@ -102,7 +102,7 @@ def next_target(
     views: Sequence[View] = (),
     stop: Stop | None = None,
     on_step: OnSearchStep | None = None,
-) -> Suggestion:
+) -> NextTarget:
     """The next target in the `space`, with what is needed to go on after it.
 
     Args:
@@ -132,7 +132,7 @@ def next_target(
         evaluated=found.evaluated,
         began=began,
     )
-    return Suggestion(target, ended, "" if generated is None else generated.note)
+    return NextTarget(target, ended, "" if generated is None else generated.note)
 
 
 def find_pose(

@@ -9,7 +9,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.annotated_picture import LivePicture
 
 
-class Monitor(Protocol):
+class SecondMonitor(Protocol):
     """Any thread may call it; nothing comes back, and nothing waits."""
 
     def show(self, snapshot: Snapshot) -> None:

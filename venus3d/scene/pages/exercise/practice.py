@@ -39,7 +39,7 @@ from venus3d.scene.pages.exercise.view_model import (
     MoveBoard,
     Mover,
     Nudge,
-    PracticeView,
+    PracticeViewModel,
     Press,
     Rename,
     Request,
@@ -78,7 +78,7 @@ class PracticeSettings:
         return PracticeSettings(camera, board, limits, start, reach, seed, written)
 
 
-class Practice(Exercise[PracticeView]):
+class Practice(Exercise[PracticeViewModel]):
     """Whoever sits before one tab."""
 
     def __init__(
@@ -143,11 +143,11 @@ class Practice(Exercise[PracticeView]):
         self._seconds_shown = seconds
         return changed
 
-    def view(self) -> PracticeView:
+    def view(self) -> PracticeViewModel:
         """What there is to be seen now."""
         attempt, match = self._attempt, self._compare()
         taken = self._taken_s if self.stage == "reached" else attempt.taken_s(self._now_s)
-        return PracticeView(
+        return PracticeViewModel(
             camera=self.camera,
             board=self.board,
             pose=attempt.pose,

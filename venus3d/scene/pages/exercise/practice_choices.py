@@ -15,7 +15,7 @@ from venus3d.scene.pages.exercise.view_model import (
     ChooseHelp,
     ChooseLevel,
     Help,
-    PracticeView,
+    PracticeViewModel,
     Press,
     Rename,
     Request,
@@ -34,7 +34,7 @@ class PracticeChoices:
     """The controls of one tab, in the current panel."""
 
     def __init__(
-        self, gui: viser.GuiApi, ask: Callable[[Request], None], view: PracticeView
+        self, gui: viser.GuiApi, ask: Callable[[Request], None], view: PracticeViewModel
     ) -> None:
         """`ask` is called on viser's threads, only for what a person did."""
         self._ask = ask
@@ -75,7 +75,7 @@ class PracticeChoices:
         self._on_change(self._auto_level, lambda: SetAutoLevel(bool(self._auto_level.value)))
         self._on_change(self._name, lambda: Rename(str(self._name.value)))
 
-    def show(self, view: PracticeView) -> None:
+    def show(self, view: PracticeViewModel) -> None:
         """Let the controls say how things stand."""
         self._level.show(_LEVELS, view.level)
         self._help.show(_HELPS, view.help)

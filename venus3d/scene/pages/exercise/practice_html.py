@@ -15,14 +15,14 @@ from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.render.amounts import degrees
 from venus3d.render.palette import STEP_STYLES
 from venus3d.scene.pages.exercise import practice_texts as say
-from venus3d.scene.pages.exercise.view_model import PracticeView
+from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 from venus3d.scene.web.theme import Theme
 from venus3d.storage.exercise import REACHED, ExerciseRow
 
 _FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
 
 
-def card_html(view: PracticeView, theme: Theme) -> str:
+def card_html(view: PracticeViewModel, theme: Theme) -> str:
     """What to do now, in large letters; below it which numbers change."""
     colour, badge, headline, sentence, amount = _card_of(view, theme)
     free = say.ALL_FREE
@@ -39,7 +39,7 @@ def card_html(view: PracticeView, theme: Theme) -> str:
     )
 
 
-def _card_of(view: PracticeView, theme: Theme) -> tuple[str, str, str, str, str]:
+def _card_of(view: PracticeViewModel, theme: Theme) -> tuple[str, str, str, str, str]:
     good = theme.reached
     if view.stage == "reached":
         row = view.rows[-1]
@@ -58,12 +58,12 @@ def _card_of(view: PracticeView, theme: Theme) -> tuple[str, str, str, str, str]
     return colour, str(step.number), style.title, step_prompt(step).camera, amount
 
 
-def _amounts(view: PracticeView) -> tuple[str, ...]:
+def _amounts(view: PracticeViewModel) -> tuple[str, ...]:
     mm = float(np.linalg.norm(view.match.remaining_mm))
     return (f"{mm:.0f} mm", *(degrees(deg) for deg in view.match.remaining_deg))
 
 
-def bars_html(view: PracticeView, theme: Theme) -> str:
+def bars_html(view: PracticeViewModel, theme: Theme) -> str:
     """How far it is to the target. With the steps a bar for each; else one for the place and one
     for the largest turn, since a help must not say more than it is."""
     match = view.match
@@ -117,7 +117,7 @@ def _bar(
     )
 
 
-def clock_html(view: PracticeView) -> str:
+def clock_html(view: PracticeViewModel) -> str:
     """Time and way of this pose."""
     boxes = [(f"{view.seconds:.0f} {say.TIME_UNIT}", say.TIME)]
     if any(view.attempt.free[3:]):
@@ -130,7 +130,7 @@ def clock_html(view: PracticeView) -> str:
     return f"<div class='v-progress'><div class='v-big v-clock'>{inside}</div></div>"
 
 
-def results_html(view: PracticeView) -> str:
+def results_html(view: PracticeViewModel) -> str:
     """The last poses, newest first, and where all of them are written."""
     rows = view.rows
     if not rows:

@@ -24,7 +24,7 @@ from venus3d.scene.pages.exercise.commands import practice_commands
 from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
 from venus3d.scene.pages.exercise.practice_choices import PracticeChoices
 from venus3d.scene.pages.exercise.practice_shapes import scene_shapes
-from venus3d.scene.pages.exercise.view_model import PracticeView, Request
+from venus3d.scene.pages.exercise.view_model import PracticeViewModel, Request
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.pose_panel import PosePanel
 from venus3d.scene.web.theme import Theme
@@ -41,7 +41,7 @@ _SLIDER_STEPS = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
 _CAMERA_SHOWN = 1.3 * AXIS_LENGTH * np.eye(4, 3)  # the tips of its axes, and the lens
 
 
-class PracticePage(ExercisePage[PracticeView]):
+class PracticePage(ExercisePage[PracticeViewModel]):
     """All panels and the scene of one trainee's tab."""
 
     _title = say.TITLE
@@ -50,7 +50,7 @@ class PracticePage(ExercisePage[PracticeView]):
         self,
         client: viser.ClientHandle,
         ask: Callable[[Request], None],
-        view: PracticeView,
+        view: PracticeViewModel,
         reach: Reach,
     ) -> None:
         """`reach`: how far the sliders go."""
@@ -68,7 +68,7 @@ class PracticePage(ExercisePage[PracticeView]):
         self._target_picture.image = rgb
         self._client.flush()
 
-    def _put(self, view: PracticeView, before: PracticeView | None, theme: Theme) -> None:
+    def _put(self, view: PracticeViewModel, before: PracticeViewModel | None, theme: Theme) -> None:
         self._scene.draw(scene_shapes(view), dark=view.dark)
         self._gizmo.follow(view.pose, shown=view.side == "outside")
         self._drag.follow(view.pose)
@@ -89,7 +89,9 @@ class PracticePage(ExercisePage[PracticeView]):
             self._sliders.enable(view.attempt.free)
             self._gizmo.offer(view.attempt.free)
 
-    def _put_results(self, view: PracticeView, before: PracticeView | None, theme: Theme) -> None:
+    def _put_results(
+        self, view: PracticeViewModel, before: PracticeViewModel | None, theme: Theme
+    ) -> None:
         self._results.content = html.results_html(view)
         labels = (say.TIME_PLOT, say.WAY_PLOT)
         if before is not None and before.dark != view.dark:
@@ -102,7 +104,7 @@ class PracticePage(ExercisePage[PracticeView]):
             plot.data = (lines[0], line)
             plot.visible = True
 
-    def _look(self, view: PracticeView, before: PracticeView | None) -> None:
+    def _look(self, view: PracticeViewModel, before: PracticeViewModel | None) -> None:
         if before is not None and (before.side, before.target) == (view.side, view.target):
             return
         boards = [pose.apply(view.board.outline) for pose in (view.pose, view.target)]
@@ -116,7 +118,7 @@ class PracticePage(ExercisePage[PracticeView]):
     def _commands(self) -> tuple[Command, ...]:
         return practice_commands(self._ask)
 
-    def _lay_out(self, view: PracticeView) -> None:
+    def _lay_out(self, view: PracticeViewModel) -> None:
         self._make_right(view)
         self._make_left(view)
         self._scene.draw(scene_shapes(view), dark=view.dark)
@@ -138,7 +140,7 @@ class PracticePage(ExercisePage[PracticeView]):
             self._left.set_width(_SMALL_LEFT_WIDTH if low else _LEFT_WIDTH)
             self._gui.main_panel.set_width(_SMALL_RIGHT_WIDTH if low else _RIGHT_WIDTH)
 
-    def _make_left(self, view: PracticeView) -> None:
+    def _make_left(self, view: PracticeViewModel) -> None:
         gui, theme = self._gui, Theme(view.dark)
         self._left = gui.add_panel()
         with self._left.add_tab(say.TITLE, viser.Icon.TARGET_ARROW):
@@ -153,7 +155,7 @@ class PracticePage(ExercisePage[PracticeView]):
         self._left.dock_left()
         self._left.expand()  # on a phone panels are folded at first
 
-    def _make_right(self, view: PracticeView) -> None:
+    def _make_right(self, view: PracticeViewModel) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
         gui.set_panel_label(say.PICTURE_TITLE)
@@ -178,7 +180,7 @@ class PracticePage(ExercisePage[PracticeView]):
         gui.add_html(html.keys_html())
 
 
-def _chosen(view: PracticeView) -> tuple[object, ...]:
+def _chosen(view: PracticeViewModel) -> tuple[object, ...]:
     """What changes with a choice or a pose that is done with, and not with every move."""
     choices = (view.level, view.help, view.auto_level, view.side, view.dark)
     return (*choices, view.stage, len(view.rows))

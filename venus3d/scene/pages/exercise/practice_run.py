@@ -33,7 +33,7 @@ from venus3d.scene.pages.exercise.practice_shapes import (
 )
 from venus3d.scene.pages.exercise.practice_texts import TITLE, WRITTEN
 from venus3d.scene.pages.exercise.server import ExerciseServer, Tab
-from venus3d.scene.pages.exercise.view_model import PracticeView, Request
+from venus3d.scene.pages.exercise.view_model import PracticeViewModel, Request
 from venus3d.scene.web.page import announce_page
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.storage.camera_yaml import read_camera_yaml
@@ -69,7 +69,7 @@ def run_practice(options: PracticeOptions) -> None:
     print(WRITTEN.format(path=path))
 
 
-class PracticeServer(ExerciseServer[PracticeView]):
+class PracticeServer(ExerciseServer[PracticeViewModel]):
     """All trainees of one server. `run` returns after `close` was called by another thread."""
 
     _title = TITLE
@@ -112,12 +112,12 @@ class PracticeServer(ExerciseServer[PracticeView]):
     def _make_page(
         self,
         client: viser.ClientHandle,
-        exercise: Exercise[PracticeView],
+        exercise: Exercise[PracticeViewModel],
         ask: Callable[[Request], None],
     ) -> PracticePage:
         return PracticePage(client, ask, exercise.view(), self._settings.reach)
 
-    def _next_view(self, tab: Tab[PracticeView]) -> PracticeView | None:
+    def _next_view(self, tab: Tab[PracticeViewModel]) -> PracticeViewModel | None:
         changed = tab.exercise.tick(time.monotonic()) or tab.shown is None
         for request in tab.drain():
             tab.exercise.handle(request)
@@ -125,7 +125,7 @@ class PracticeServer(ExerciseServer[PracticeView]):
         return tab.exercise.view() if changed else None
 
     def _order_pictures(
-        self, tab: Tab[PracticeView], view: PracticeView, before: PracticeView | None
+        self, tab: Tab[PracticeViewModel], view: PracticeViewModel, before: PracticeViewModel | None
     ) -> None:
         page = tab.page
         assert isinstance(page, PracticePage)
@@ -138,9 +138,9 @@ class PracticeServer(ExerciseServer[PracticeView]):
 
     def _order(
         self,
-        tab: Tab[PracticeView],
+        tab: Tab[PracticeViewModel],
         what: str,
-        view: PracticeView,
+        view: PracticeViewModel,
         shapes: Sequence[Shape],
         deliver: Callable[[Picture], None],
         finish: Callable[[Any], Any] | None = None,
@@ -170,12 +170,12 @@ class PracticeServer(ExerciseServer[PracticeView]):
             traceback.print_exception(error, file=sys.stderr)
 
 
-def _seen_key(view: PracticeView) -> tuple[object, ...]:
+def _seen_key(view: PracticeViewModel) -> tuple[object, ...]:
     """What two views share if their cameras see the same."""
     done = all(view.match.within)
     return (*_target_key(view), id(view.pose), view.match.active_step, done)
 
 
-def _target_key(view: PracticeView) -> tuple[object, ...]:
+def _target_key(view: PracticeViewModel) -> tuple[object, ...]:
     """The same for a camera that looks at a board at the target."""
     return (id(view.target), view.help, view.dark)

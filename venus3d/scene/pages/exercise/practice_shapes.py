@@ -23,7 +23,7 @@ from venus3d.render.shapes import Colour, LabelShape, LineShape, Shape
 from venus3d.render.step_shapes import instruction_shapes
 from venus3d.scene.pages.exercise.practice_texts import TARGET_LABEL
 from venus3d.scene.pages.exercise.step_overlay import draw_step
-from venus3d.scene.pages.exercise.view_model import PracticeView
+from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 
 ORANGE: dict[bool, Colour] = {True: (255, 140, 0), False: (190, 90, 0)}
 """The target's outline in space, on dark and on light ground."""
@@ -31,7 +31,7 @@ _AXIS_LENGTH = 0.6  # of the board's shorter side
 _DASHES = 7
 
 
-def scene_shapes(view: PracticeView) -> tuple[Shape, ...]:
+def scene_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
     """Everything in the trainee's 3D scene."""
     camera = camera_shapes(view.camera, dark=view.dark)
     if view.side == "through":
@@ -41,12 +41,12 @@ def scene_shapes(view: PracticeView) -> tuple[Shape, ...]:
     return (*camera, board, *_help_shapes(view, for_camera=view.side == "through"))
 
 
-def picture_shapes(view: PracticeView) -> tuple[Shape, ...]:
+def picture_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
     """What the camera's picture shows; `picture_finish` draws the help into it."""
     return (board_shape(view.board, view.pose),)
 
 
-def target_picture_shapes(view: PracticeView) -> tuple[Shape, ...]:
+def target_picture_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
     """The board at the target: what the camera should see."""
     return (board_shape(view.board, view.target),)
 
@@ -57,7 +57,7 @@ def picture_background(dark: bool) -> Colour:
     return mixed(colours.background, colours.text, 0.1)
 
 
-def picture_finish(view: PracticeView) -> Callable[[Any], Any] | None:
+def picture_finish(view: PracticeViewModel) -> Callable[[Any], Any] | None:
     """Draws this help into the picture (H, W, 3) RGB, if it is one that is drawn."""
     if view.help == "none":
         return None
@@ -75,7 +75,7 @@ def picture_finish(view: PracticeView) -> Callable[[Any], Any] | None:
     return finish
 
 
-def _help_shapes(view: PracticeView, *, for_camera: bool) -> list[Shape]:
+def _help_shapes(view: PracticeViewModel, *, for_camera: bool) -> list[Shape]:
     board, pose, target = view.board, view.pose, view.target
     if view.help == "steps":
         return _step_shapes(view, for_camera)
@@ -93,7 +93,7 @@ def _help_shapes(view: PracticeView, *, for_camera: bool) -> list[Shape]:
     return []
 
 
-def _step_shapes(view: PracticeView, for_camera: bool) -> list[Shape]:
+def _step_shapes(view: PracticeViewModel, for_camera: bool) -> list[Shape]:
     board, dark, number = view.board, view.dark, view.match.active_step
     step = view.match.steps[number - 1]
     colour, name = step_colour(number, dark), f"/steps/{number}"
@@ -121,7 +121,7 @@ def _goal_shapes(board: Board, target: Pose, dark: bool) -> tuple[Shape, ...]:
     )
 
 
-def _frame(board: Board, pose: Pose, whose: str, view: PracticeView) -> list[Shape]:
+def _frame(board: Board, pose: Pose, whose: str, view: PracticeViewModel) -> list[Shape]:
     """Three axes with letters: solid for the board, dashed for the target."""
     length = _AXIS_LENGTH * min(board.width, board.height)
     solid = whose == "board"

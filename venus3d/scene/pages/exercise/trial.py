@@ -28,12 +28,12 @@ from venus3d.scene.pages.exercise.view_model import (
     Press,
     Request,
     Stage,
-    TrialView,
+    TrialViewModel,
 )
 from venus3d.storage.exercise import NAN, ExerciseRow, Outcome, target_columns
 
 
-class Trial(Exercise[TrialView]):
+class Trial(Exercise[TrialViewModel]):
     """Whoever holds the board before the camera."""
 
     def __init__(
@@ -110,12 +110,12 @@ class Trial(Exercise[TrialView]):
         held = self._tracker.held_frames >= self._settings.hold_frames
         self._judge(there=self._tracker.is_at_target, held=held)
 
-    def view(self) -> TrialView:
+    def view(self) -> TrialViewModel:
         """What there is to be seen now."""
         snapshot, help_ = self.snapshot(), self._help
         begun = self._start_s if self._first_s is None else self._first_s
         running = self.stage in ("aim", "hold") and begun is not None
-        return TrialView(
+        return TrialViewModel(
             camera=self.camera,
             board=self.board,
             pose=snapshot.pose,

@@ -15,7 +15,7 @@ from venus3d.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
 from venus3d.render.palette import hex_of
 from venus3d.scene.pages.exercise import trial_texts as say
 from venus3d.scene.pages.exercise.trial_plan import HelpTimes, times_of
-from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, TrialView
+from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, TrialViewModel
 from venus3d.scene.web.step_card import guide_card, hold_card, step_card, step_chips
 from venus3d.scene.web.theme import Theme
 
@@ -23,7 +23,7 @@ _HELP_COLOURS: dict[str, int] = {"steps": 3, "axes": 2, "outline": 4}
 """Each help's colour in the plot, by the step that has it elsewhere."""
 
 
-def side_html(view: TrialView) -> str:
+def side_html(view: TrialViewModel) -> str:
     """The left column: participant, help, pose, time; and a remark."""
     if view.snapshot.number == 0:
         return f"<div class='v-progress'>{say.WAITING}</div>"
@@ -40,7 +40,7 @@ def side_html(view: TrialView) -> str:
     )
 
 
-def _counters(view: TrialView) -> str:
+def _counters(view: TrialViewModel) -> str:
     if not view.is_running:
         return ""
     since = say.SINCE_START if view.number == 1 else say.SINCE_FIRST
@@ -52,7 +52,7 @@ def _counters(view: TrialView) -> str:
     )
 
 
-def _order_row(view: TrialView, number: int) -> str:
+def _order_row(view: TrialViewModel, number: int) -> str:
     help_ = view.order[number - 1]
     now = view.stage != "over" and number == view.place
     done = view.stage == "over" or number < view.place
@@ -65,7 +65,7 @@ def clock(seconds: float) -> str:
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
 
 
-def card_html(view: TrialView, theme: Theme) -> str:
+def card_html(view: TrialViewModel, theme: Theme) -> str:
     """The large text above the picture: what comes, what to do; the same for each help."""
     if view.snapshot.number == 0:
         return _card(theme.info, "…", say.STARTING, say.WAITING)
@@ -91,7 +91,7 @@ def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
     )
 
 
-def steps_html(view: TrialView, theme: Theme) -> str:
+def steps_html(view: TrialViewModel, theme: Theme) -> str:
     """The large text of the steps, as a guided calibration has it."""
     match, snapshot, target = view.match, view.snapshot, view.snapshot.target
     chips = step_chips(match, None if target is None else target.steps, view.step, theme)
@@ -105,7 +105,7 @@ def steps_html(view: TrialView, theme: Theme) -> str:
     return f"<div class='v-wide'>{text}</div>"
 
 
-def legend_html(view: TrialView) -> str:
+def legend_html(view: TrialViewModel) -> str:
     """Under the picture: what is drawn in it."""
     if not view.is_running:
         return ""
@@ -122,7 +122,7 @@ def _swatch(colour: Any) -> str:
     return f"<span class='v-swatch' style='background:{hex_of(colour)}'></span>"
 
 
-def result_html(view: TrialView, theme: Theme) -> str:
+def result_html(view: TrialViewModel, theme: Theme) -> str:
     """At the end: the times of each help, and where they are written."""
     head = f"<tr>{''.join(f'<th>{title}</th>' for title in say.RESULT_HEAD)}</tr>"
     rows = "".join(_time_row(times, theme) for times in times_of(view.rows))

@@ -35,7 +35,7 @@ from venus3d.scene.pages.exercise import trial_texts as say
 from venus3d.scene.pages.exercise.commands import trial_commands
 from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
 from venus3d.scene.pages.exercise.trial_plan import times_of
-from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press, Request, TrialView
+from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press, Request, TrialViewModel
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
@@ -56,7 +56,7 @@ _NARROW = 0.45  # width over height
 _BEHIND, _BEHIND_AT = np.array([0.0, -1.1, -1.1]), np.array([0.0, 0.08, 0.55])
 
 
-class TrialPage(ExercisePage[TrialView]):
+class TrialPage(ExercisePage[TrialViewModel]):
     """All panels of a trial in one tab."""
 
     _layout: Layout
@@ -66,7 +66,7 @@ class TrialPage(ExercisePage[TrialView]):
         self,
         client: viser.ClientHandle,
         ask: Callable[[Request], None],
-        view: TrialView,
+        view: TrialViewModel,
         *,
         simulated: bool,
         shown_steps: Callable[[], ShownSteps | None],
@@ -87,7 +87,7 @@ class TrialPage(ExercisePage[TrialView]):
         self._picture.image = drawn
         self._client.flush()
 
-    def _put(self, view: TrialView, before: TrialView | None, theme: Theme) -> None:
+    def _put(self, view: TrialViewModel, before: TrialViewModel | None, theme: Theme) -> None:
         if layout_of(view) != self._layout:
             self._arrange(layout_of(view))
         steps, result = self._layout == "steps", self._layout == "result"
@@ -110,7 +110,7 @@ class TrialPage(ExercisePage[TrialView]):
         if before is None or before.dark != view.dark:
             self._recolour(view, theme)
 
-    def _put_result(self, view: TrialView, theme: Theme) -> None:
+    def _put_result(self, view: TrialViewModel, theme: Theme) -> None:
         self._result.content = html.result_html(view, theme)
         lines = html.progress_lines(times_of(view.rows))
         if lines is not None and not self._plot.visible:
@@ -118,7 +118,7 @@ class TrialPage(ExercisePage[TrialView]):
             self._plot.data = lines
             self._plot.visible = True
 
-    def _recolour(self, view: TrialView, theme: Theme) -> None:
+    def _recolour(self, view: TrialViewModel, theme: Theme) -> None:
         done = [row.help for row in view.rows] or TRIAL_HELPS
         self._plot.series = html.progress_series(theme, done)
         across, up = self._plot.axes or ({}, {})
@@ -135,7 +135,7 @@ class TrialPage(ExercisePage[TrialView]):
         self._left.set_width(_LEFT_WIDTH if layout == "steps" else _SIDE_WIDTH)
         self._gui.main_panel.set_width(self._right_width(self._client.camera.image_height))
 
-    def _look(self, view: TrialView, before: TrialView | None) -> None:
+    def _look(self, view: TrialViewModel, before: TrialViewModel | None) -> None:
         if before is not None and _looked_at(before) == _looked_at(view):
             return
         if self._layout == "steps":
@@ -155,7 +155,7 @@ class TrialPage(ExercisePage[TrialView]):
     def _commands(self) -> tuple[Command, ...]:
         return trial_commands(self._ask, simulated=self._simulated)
 
-    def _lay_out(self, view: TrialView) -> None:
+    def _lay_out(self, view: TrialViewModel) -> None:
         self._make_right(view)
         self._make_left()
         self._gizmo = self._make_gizmo() if self._simulated else None
@@ -187,7 +187,7 @@ class TrialPage(ExercisePage[TrialView]):
             self._give_up.on_click(lambda _: self._ask(Press("give_up")))
         self._left.dock_left()
 
-    def _make_right(self, view: TrialView) -> None:
+    def _make_right(self, view: TrialViewModel) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
         self._style.add()
@@ -202,14 +202,14 @@ class TrialPage(ExercisePage[TrialView]):
         self._plot = add_plot(gui, html.progress_series(Theme(view.dark)), labels, _PLOT_HEIGHT)
 
 
-def layout_of(view: TrialView) -> Layout:
+def layout_of(view: TrialViewModel) -> Layout:
     """How the page is laid out for this view."""
     if view.stage == "over":
         return "result"
     return "steps" if view.is_running and view.help == "steps" else "picture"
 
 
-def live_picture(image: LivePicture, view: TrialView) -> tuple[Picture, Picture]:
+def live_picture(image: LivePicture, view: TrialViewModel) -> tuple[Picture, Picture]:
     """A frame (BGR or grey) as it is shown, RGB: as it came, and with the help drawn into it."""
     steps = layout_of(view) == "steps"
     rgb = small_picture(image, PICTURE_WIDTH if steps else _LARGE_PICTURE_WIDTH)
@@ -223,14 +223,14 @@ def live_picture(image: LivePicture, view: TrialView) -> tuple[Picture, Picture]
     return rgb, drawn
 
 
-def _shapes(view: TrialView, layout: Layout) -> tuple[Shape, ...]:
+def _shapes(view: TrialViewModel, layout: Layout) -> tuple[Shape, ...]:
     if layout == "steps":
         return describe(view.snapshot, SceneOptions(step=view.step, dark=view.dark))
     bare = replace(view.snapshot, target=None, match=None)
     return describe(bare, SceneOptions(dark=view.dark))
 
 
-def _looked_at(view: TrialView) -> float:
+def _looked_at(view: TrialViewModel) -> float:
     """How far away the scene of the steps is looked at from; 0 for the other layouts."""
     if layout_of(view) != "steps" or view.target is None:
         return 0.0

@@ -26,7 +26,7 @@ from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_page import TrialPage, layout_of, live_picture
 from venus3d.scene.pages.exercise.trial_plan import Plan, plan_of, targets_of
 from venus3d.scene.pages.exercise.trial_texts import DRAG_HINT, SERVING, TAB
-from venus3d.scene.pages.exercise.view_model import MoveBoard, Request, TrialView
+from venus3d.scene.pages.exercise.view_model import MoveBoard, Request, TrialViewModel
 from venus3d.scene.web.page import announce_page
 from venus3d.scene.web.projections_panel import Tiles
 from venus3d.scene.web.server import LocalServer, start_server
@@ -58,7 +58,7 @@ class TrialResult:
     """Everything in the file, other participants' included."""
 
 
-class TrialServer(ExerciseServer[TrialView]):
+class TrialServer(ExerciseServer[TrialViewModel]):
     """The trial's page in every tab."""
 
     _title = TAB
@@ -124,7 +124,7 @@ class TrialServer(ExerciseServer[TrialView]):
     def _make_page(
         self,
         client: viser.ClientHandle,
-        exercise: Exercise[TrialView],
+        exercise: Exercise[TrialViewModel],
         ask: Callable[[Request], None],
     ) -> TrialPage:
         projections = self._projections
@@ -137,16 +137,16 @@ class TrialServer(ExerciseServer[TrialView]):
             drawn_by=lambda: "" if projections is None else projections.note,
         )
 
-    def _next_view(self, tab: Tab[TrialView]) -> TrialView | None:
+    def _next_view(self, tab: Tab[TrialViewModel]) -> TrialViewModel | None:
         return None if tab.shown is self._view else self._view
 
     def _order_pictures(
-        self, tab: Tab[TrialView], view: TrialView, before: TrialView | None
+        self, tab: Tab[TrialViewModel], view: TrialViewModel, before: TrialViewModel | None
     ) -> None:
         if before is None:
             self._order_picture(tab)
 
-    def _order_picture(self, tab: Tab[TrialView]) -> None:
+    def _order_picture(self, tab: Tab[TrialViewModel]) -> None:
         page = tab.page
         assert isinstance(page, TrialPage)
 

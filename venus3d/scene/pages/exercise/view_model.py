@@ -58,7 +58,7 @@ class ExerciseView:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PracticeView(ExerciseView):
+class PracticeViewModel(ExerciseView):
     """Where one trainee stands."""
 
     pose: Pose
@@ -74,7 +74,7 @@ class PracticeView(ExerciseView):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TrialView(ExerciseView):
+class TrialViewModel(ExerciseView):
     """Where one participant's trial stands."""
 
     participant: str

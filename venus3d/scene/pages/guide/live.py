@@ -20,7 +20,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.scene.pages.guide import intents, texts
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.web.monitor import Monitor
+from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.observation_stream import ObservationStream
@@ -38,7 +38,7 @@ class LiveGuide:
         viewer: Viewer,
         keep: Callable[[Snapshot], None],
         again: Callable[[], Source],
-        monitors: Sequence[Monitor] = (),
+        monitors: Sequence[SecondMonitor] = (),
     ) -> None:
         """`keep` is called with every moment that may hold a new result, and must not wait; `again`
         opens a recording anew when it has ended; `source` is closed by `run`."""

@@ -23,7 +23,7 @@ from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.result_saver import ResultSaver
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.web.monitor import Monitor
+from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.scene.web.page import announce_page
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
@@ -49,7 +49,7 @@ def run_guide(
     options: GuideOptions,
     keep: Callable[[GuideResult], str] = lambda _: "",
     *,
-    monitors: Sequence[Monitor] = (),
+    monitors: Sequence[SecondMonitor] = (),
     on_viewer: Callable[[Viewer], None] = lambda _: None,
 ) -> GuideResult:
     """Guide one calibration as the options say, until it ends (headless) or is stopped (viewer).

@@ -18,7 +18,7 @@ OpenedSource = Folder | Live | Video
 _ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 
 
-def open_source(
+def open_frame_source(
     spec: str, *, size: tuple[int, int] | None = None, realtime: bool = False
 ) -> OpenedSource:
     """Open what `spec` names.
