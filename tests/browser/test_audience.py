@@ -17,6 +17,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.texts import STEP_SHORT_TITLES
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.audience.controls import AudienceControls
@@ -165,7 +166,7 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
 
     there = replace(guiding.match, within=(True,) * 4, reached=True)
     audience.show(replace(guiding, match=there))
-    wait_for_sentence(page, texts.STEP_DONE.format(title=texts.STEP_TITLES[2]))
+    wait_for_sentence(page, texts.STEP_DONE.format(title=STEP_SHORT_TITLES[2]))
     wait_for_sentence(page, texts.HOLD_STILL[2])
     audience.show(replace(guiding, phase="captured"))
     wait_for_sentence(page, texts.CAPTURED[2])

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.render.shapes import Colour
-from venus3d.render.texts import STEP_TITLES
+from venus3d.render.texts import STEP_SHORT_TITLES, STEP_TITLES
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,8 @@ class StepStyle:
     number: int
     title: str
     """What to do, in a few words: "Tilt about X"."""
+    short_title: str
+    """In one: "Tilt"."""
     on_dark: Colour
     on_light: Colour
 
@@ -34,10 +36,10 @@ class StepStyle:
 
 
 STEP_STYLES: tuple[StepStyle, StepStyle, StepStyle, StepStyle] = (
-    StepStyle(1, STEP_TITLES[0], (196, 120, 180), (173, 30, 208)),
-    StepStyle(2, STEP_TITLES[1], (240, 100, 30), (191, 76, 0)),
-    StepStyle(3, STEP_TITLES[2], (60, 240, 165), (45, 125, 105)),
-    StepStyle(4, STEP_TITLES[3], (90, 135, 250), (5, 30, 90)),
+    StepStyle(1, STEP_TITLES[0], STEP_SHORT_TITLES[0], (196, 120, 180), (173, 30, 208)),
+    StepStyle(2, STEP_TITLES[1], STEP_SHORT_TITLES[1], (240, 100, 30), (191, 76, 0)),
+    StepStyle(3, STEP_TITLES[2], STEP_SHORT_TITLES[2], (60, 240, 165), (45, 125, 105)),
+    StepStyle(4, STEP_TITLES[3], STEP_SHORT_TITLES[3], (90, 135, 250), (5, 30, 90)),
 )
 """Steps 1 ... 4."""
 

@@ -1,6 +1,7 @@
 """What stands in the scene and in pictures, and which renderer draws them."""
 
 STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
+STEP_SHORT_TITLES = ("Move", "Tilt", "Swing", "Rotate")
 TARGET_LABEL = "Target"
 IN_ALL = "{length} in all"
 ONE_CORNER_OUTSIDE = "1 corner leaves the image in this step"

@@ -106,7 +106,7 @@ def step_chips(match: Match | None, steps: Steps | None, shown: int, theme: Them
         hint = escape(say.CHIP_HINT.format(number=number, title=style.title, fact=fact))
         cells.append(
             f"<div class='v-chip{mark}' style='--step:{theme.steps[number - 1]}' title='{hint}'>"
-            f"<b>{number}</b><span>{style.title.split()[0]}</span><i>{escape(fact)}</i></div>"
+            f"<b>{number}</b><span>{style.short_title}</span><i>{escape(fact)}</i></div>"
         )
     return f"<div class='v-chips'>{''.join(cells)}</div>"
 

@@ -19,7 +19,6 @@ FINISHED = ("✓", "Finished", "Finished. You may put the board down.")
 DOUBTED = ("!", "Not done yet", "The operator reads a warning; please wait.")
 """Badge, title and sentence of each state; three have the engine's sentence."""
 
-STEP_TITLES = ("Move", "Tilt", "Swing", "Rotate")
 STEP_DONE = "{title}: right. Leave it like that."
 STEP_OF = "Step {number} of 4"
 VIEWS = ("no picture yet", "{count} picture so far", "{count} pictures so far")

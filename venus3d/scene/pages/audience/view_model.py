@@ -11,6 +11,7 @@ from typing import Literal
 from venus3d.engine.guidance.matching import Match
 from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.texts import STEP_SHORT_TITLES
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.web.diagnoses import another_board, doubt
 
@@ -58,7 +59,7 @@ def view_model_of(snapshot: Snapshot | None, paused: bool = False) -> AudienceVi
     step = match.active_step
     words = step_prompt(match.steps[step - 1])
     return AudienceViewModel(
-        "step", str(step), texts.STEP_TITLES[step - 1], words.holder, step, match
+        "step", str(step), STEP_SHORT_TITLES[step - 1], words.holder, step, match
     )
 
 
@@ -91,7 +92,7 @@ def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, AudienceViewM
     step = was.active_step
     if was.within[step - 1] or not now.match.within[step - 1]:
         return None
-    title = texts.STEP_TITLES[step - 1]
+    title = STEP_SHORT_TITLES[step - 1]
     done = AudienceViewModel(
         "good", "✓", title, texts.STEP_DONE.format(title=title), step, now.match
     )

@@ -52,7 +52,7 @@ def practice_commands(ask: Ask) -> tuple[Command, ...]:
     commands.append(_command(label, "M", description, ChooseHelp(None), ask))
     label, description = texts["level"]
     for level in LEVELS:
-        about = description.format(name=practice_texts.LEVEL_NAMES[level][4:])
+        about = description.format(name=practice_texts.LEVEL_NAMES[level])
         name = label.format(level=level)
         commands.append(_command(name, str(level), about, ChooseLevel(level), ask))
     label, description = texts["nudge"]

@@ -288,5 +288,5 @@ class Practice(Exercise[PracticeViewModel]):
         enough = self._in_a_row >= REACHED_FOR_NEXT_LEVEL
         if self._auto_level and enough and self._level < LEVELS[-1]:
             self._level, self._in_a_row = self._level + 1, 0
-            self._note = LEVEL_UP.format(level=self._level, name=LEVEL_NAMES[self._level][4:])
+            self._note = LEVEL_UP.format(level=self._level, name=LEVEL_NAMES[self._level])
         return "reached" if reached else "aim"

@@ -24,7 +24,9 @@ from venus3d.scene.pages.exercise.view_model import (
 )
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
 
-_LEVELS: dict[int, str] = {level: say.LEVEL_NAMES[level] for level in LEVELS}
+_LEVELS: dict[int, str] = {
+    level: say.LEVEL_CHOICE.format(level=level, name=say.LEVEL_NAMES[level]) for level in LEVELS
+}
 _HELPS: dict[Help, str] = {help_: say.HELP_NAMES[help_] for help_ in PRACTICE_HELPS}
 _SIDES: dict[ViewSide, str] = {side: say.VIEW_SIDES[side] for side in ("outside", "through")}
 _POSE_ACTIONS: dict[Action, str] = {a: say.POSE_ACTIONS[a] for a in ("start_over", "give_up")}

@@ -9,13 +9,14 @@ HELP_NAMES = {
     "none": "None: two pictures to compare",
 }
 SHORT_HELP_NAMES = {"steps": "steps", "axes": "axes", "outline": "outline", "none": "none"}
+LEVEL_CHOICE = "{level} · {name}"
 LEVEL_NAMES = {
-    1: "1 · one turn or one shift",
-    2: "2 · a turn and a shift",
-    3: "3 · three turns or three shifts",
-    4: "4 · three shifts and a turn",
-    5: "5 · three shifts and two turns",
-    6: "6 · everything",
+    1: "one turn or one shift",
+    2: "a turn and a shift",
+    3: "three turns or three shifts",
+    4: "three shifts and a turn",
+    5: "three shifts and two turns",
+    6: "everything",
 }
 
 HEADLINES = {

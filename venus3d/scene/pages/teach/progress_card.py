@@ -47,7 +47,7 @@ def _chips(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
         on = " class='v-on'" if step.number == state.step and not state.at_rest else ""
         cells.append(
             f"<div{on} style='--step:{theme.steps[step.number - 1]}'><b>{step.number}</b>"
-            f"<span>{style.title.split()[0]}</span><i>{escape(_whole(step))}</i></div>"
+            f"<span>{style.short_title}</span><i>{escape(_whole(step))}</i></div>"
         )
     return "".join(cells)
 
