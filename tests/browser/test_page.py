@@ -266,4 +266,4 @@ def test_promise_outcome_and_forecast_are_on_the_page(
         "The last view: 0.62 → 0.43 px (promised 0.41).",
         "About 3 more views until 0.3 px (2 to 4).",
     ]
-    assert "It should bring the error from 0.43 to 0.36 px." in page.inner_text(".v-reason")
+    assert "It should bring the uncertainty from 0.43 to 0.36 px." in page.inner_text(".v-reason")

@@ -72,10 +72,10 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
     known = guided.uncertainty
     assert known is not None
     title = "[data-panel=uncertainty]:has(.v-map) h3"
-    page.wait_for_selector(f"{title}:has-text('{texts.ERROR_TITLE}')")
+    page.wait_for_selector(f"{title}:has-text('{texts.NOW_TITLE}')")
     picture = decoded(page.locator(".v-map img").get_attribute("src"))
     assert picture.shape == (360, 640, 3) and picture.std() > 20
-    for wanted in (texts.CORNERS_TITLE, texts.LENS_TITLE, texts.MISFIT_TITLE, texts.ERROR_TITLE):
+    for wanted in (texts.CORNERS_TITLE, texts.LENS_TITLE, texts.MISFIT_TITLE, texts.NOW_TITLE):
         while page.locator(title).count() == 0 or wanted not in page.locator(title).inner_text():
             before = page.locator("[data-panel=uncertainty] h3").all_inner_texts()
             page.keyboard.press("M")

@@ -148,7 +148,7 @@ def test_now_and_next_share_one_scale_and_the_colours_are_the_errors(guided: Sna
     assert known is not None and target is not None
     after = known.predicted_at(target.pose)
     assert after is not None
-    now, then = map_of(guided, "error", dark=True), map_of(guided, "after", dark=True)
+    now, then = map_of(guided, "now", dark=True), map_of(guided, "after", dark=True)
     assert now.ticks == then.ticks == error_ticks(guided)
     low, _, high = now.ticks
     assert low <= np.nanmin(after) and np.nanmax(known.uncertainty_map) <= high

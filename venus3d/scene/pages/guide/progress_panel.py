@@ -30,7 +30,7 @@ def _summary(snapshot: Snapshot) -> str:
     boxes = [(str(len(snapshot.views)), say.VIEWS_CAPTURED, "")]
     if last is not None:
         boxes.append((_short(last.rms_px), say.RMS, say.RMS_HINT))
-        boxes.append((_short(last.uncertainty_px), say.ERROR, say.ERROR_HINT))
+        boxes.append((_short(last.uncertainty_px), say.UNCERTAINTY, say.UNCERTAINTY_HINT))
     cells = "".join(
         f"<div title='{escape(hint)}'><b>{value}</b><span>{words}</span></div>"
         for value, words, hint in boxes

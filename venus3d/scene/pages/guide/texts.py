@@ -115,8 +115,8 @@ METHOD_WORDS: dict[Method, str] = {
     "random": "By chance (random)",
 }
 COST_WORDS: dict[Cost, str] = {
-    "projection-variance": "Error over the picture (projection-variance)",
-    "max-ere": "Largest error in the picture (max-ere)",
+    "projection-variance": "Uncertainty over the picture (projection-variance)",
+    "max-ere": "Largest uncertainty in the picture (max-ere)",
     "trace": "Sum of the uncertainties (trace)",
     "log-det": "Volume of the uncertainty (log-det)",
     "sum-iod": "The paper's index, summed (sum-iod)",
@@ -141,22 +141,22 @@ RMS, RMS_HINT = (
     "How far the corners found are from where the calibrated camera would see them. A small one "
     "proves little: it says nothing of what the views do not show.",
 )
-ERROR, ERROR_HINT = (
-    "px, error to expect in the image",
+UNCERTAINTY, UNCERTAINTY_HINT = (
+    "px, uncertainty in the image",
     "How far off a point drawn with this camera is to be expected, on average over the whole "
-    "picture. This is what the guidance makes small.",
+    "picture. The guidance minimises it.",
 )
 LAST_VIEW = "The last view: {before} → {now} px{promised}."
-LAST_VIEW_ALONE = "The last view brought the error to {now} px."
+LAST_VIEW_ALONE = "The last view brought the uncertainty to {now} px."
 PROMISED = " (promised {error})"
 FORECAST_GOAL = "until {error:g} px"
-FORECAST_REACHED = "The error is below {error:g} px already{why}."
+FORECAST_REACHED = "The uncertainty is below {error:g} px already{why}."
 FORECAST_UNSETTLED = "; some parameters are still to settle"
 FORECAST_LEAST = "{least} more views or more {goal}."
 FORECAST_OPEN = "About {views} more views {goal} ({low} or more)."
 FORECAST_ONE, FORECAST_MANY = "About {views} more view {goal}", "About {views} more views {goal}"
 FORECAST_RANGE = "{words} ({low} to {high})."
-PROMISE = "It should bring the error from {now} to {then} px."
+PROMISE = "It should bring the uncertainty from {now} to {then} px."
 WHAT_FOR = "What pose {number} is for"
 WHAT_FOR_HINT = "Why the board should go there: what its view tells of the camera."
 LOOKED_AT = "{count} poses were looked at. "

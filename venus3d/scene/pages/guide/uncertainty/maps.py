@@ -60,13 +60,13 @@ def map_of(snapshot: Snapshot, kind: MapKind, *, dark: bool, chosen: int | None 
     if kind == "misfit":
         return _misfit(snapshot, size, dark, chosen)
     if snapshot.uncertainty is None:
-        return ShownMap(texts.ERROR_TITLE, texts.NOTHING_YET)
+        return ShownMap(texts.NOW_TITLE, texts.NOTHING_YET)
     if kind == "after":
         return _after(snapshot, snapshot.uncertainty, size, dark)
     known, ticks = snapshot.uncertainty, error_ticks(snapshot)
     return ShownMap(
-        texts.ERROR_TITLE,
-        texts.ERROR_TEXT.format(error=figure(known.uncertainty_px)),
+        texts.NOW_TITLE,
+        texts.NOW_TEXT.format(error=figure(known.uncertainty_px)),
         uncertainty_picture(known.uncertainty_map, (ticks[0], ticks[-1]), size, dark=dark),
         ticks,
         figures=known.uncertainty_map,

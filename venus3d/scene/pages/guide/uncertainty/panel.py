@@ -50,7 +50,7 @@ Switch = Literal["views", "search"]
 class UncertaintyState:
     """What a person has chosen to see."""
 
-    map: MapKind = "error"
+    map: MapKind = "now"
     views: bool = False
     """Whether the captured views stand in the scene."""
     search: bool = False
@@ -111,7 +111,7 @@ class UncertaintyPanel:
         self._bound: set[str] = set()
         self._window = ViewWindow()
         self._maps = ButtonRow(
-            gui, texts.MAPS_LABEL, _map_labels("error"), self._pick_map, hint=texts.MAPS_HINT
+            gui, texts.MAPS_LABEL, _map_labels("now"), self._pick_map, hint=texts.MAPS_HINT
         )
         self._switches = ButtonRow(
             gui,
@@ -168,7 +168,7 @@ class UncertaintyPanel:
         state = self.state
         chosen = state.view if state.map == "misfit" else None
         # The scale of “now” is that of “next” as well.
-        target = snapshot.target if state.map in ("error", "after") else None
+        target = snapshot.target if state.map in ("now", "after") else None
         key = (snapshot.calibration, target and target.pose, state.map, theme.dark, chosen)
         if key != self._wanted:
             self._wanted = key

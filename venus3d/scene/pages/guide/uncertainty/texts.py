@@ -3,9 +3,9 @@
 from typing import Literal
 
 TAB = "What is known"
-MapKind = Literal["error", "after", "corners", "lens", "misfit"]
+MapKind = Literal["now", "after", "corners", "lens", "misfit"]
 MAPS: dict[MapKind, str] = {
-    "error": "Now",
+    "now": "Now",
     "after": "Next",
     "corners": "Seen",
     "lens": "Lens",
@@ -19,8 +19,8 @@ NOTHING_YET = (
     "trusted, and what each view gave."
 )
 
-ERROR_TITLE = "How far off a point may be, now"
-ERROR_TEXT = (
+NOW_TITLE = "How far off a point may be, now"
+NOW_TEXT = (
     "Where a point really is and where this calibration puts it differ by about so many pixels. "
     "The mean over the picture is {error} px."
 )
@@ -71,12 +71,12 @@ VIEW_POSE = (
 VIEW_ERROR = "Misfit of its {count} corners: {rms} px ({against} all views' {all} px)."
 VIEW_ABOVE, VIEW_BELOW, VIEW_LIKE = "more than", "less than", "about"
 VIEW_GAVE = (
-    "What it gave: the error fell from {without} to {now} px, and {most} became {ratio} times as "
+    "What it gave: the uncertainty fell from {without} to {now} px, and {most} became {ratio} times as "
     "sure."
 )
-VIEW_HARMED = "It does harm: without it the error would be smaller."
+VIEW_HARMED = "It does harm: without it the uncertainty would be smaller."
 WITHOUT_TITLE = "If you leave it out"
-WITHOUT_ROWS = ("Error over the picture", "Sigma of fx", "Sigma of fy", "Misfit of the rest")
+WITHOUT_ROWS = ("Uncertainty over the picture", "Sigma of fx", "Sigma of fy", "Misfit of the rest")
 WITHOUT_NOW, WITHOUT_THEN = "now", "without"
 WITHOUT_UNKNOWN = "The other views alone would not determine the camera."
 WITHOUT_WORSE = "Leave it in: the result would be {percent} % less certain."
@@ -97,7 +97,7 @@ SEARCH_MOVE = "Move {move} of {moves}: {verdict}. {accepted} taken, best so far:
 SEARCH_TAKEN, SEARCH_REFUSED = "taken", "refused"
 SEARCH_DONE = "Found after {looked} poses: {best}"
 SEARCH_DONE_WALK = "The walk ends here after {looked} poses: {end}; the best on the way: {best}"
-SEARCH_PX = "error {value} px"
+SEARCH_PX = "uncertainty {value} px"
 SEARCH_COST = "cost {value}"
 SEARCH_CHOSEN = "the pose chosen"
 SEARCH_BEST = "best so far"
@@ -105,11 +105,11 @@ SEARCH_NOTHING = "Nothing was searched for this pose: it follows from a rule, or
 SEARCH_BOX = "the same poses, ±90°, 0–1.2 m"
 SEARCH_AXES = ("turn about X", "turn about Y", "distance")
 
-SEARCH_LEGEND_DARK = "The search: a dot is a pose looked at; bright dots promise a small error."
-SEARCH_LEGEND_LIGHT = "The search: a dot is a pose looked at; dark dots promise a small error."
+SEARCH_LEGEND_DARK = "The search: a dot is a pose looked at; bright dots promise a small uncertainty."
+SEARCH_LEGEND_LIGHT = "The search: a dot is a pose looked at; dark dots promise a small uncertainty."
 
 NEXT_MAP = "Next map of what is known"
-NEXT_MAP_HINT = "Error now, error after the next pose, corners seen, lens, misfit"
+NEXT_MAP_HINT = "Uncertainty now and after the next pose, corners seen, lens, misfit"
 TOGGLE_VIEWS = "Captured views in the scene"
 TOGGLE_VIEWS_HINT = "Show where the board was in each captured view, or hide it"
 NEXT_VIEW = "Look at the next captured view"
