@@ -71,8 +71,8 @@ VIEW_POSE = (
 VIEW_ERROR = "Misfit of its {count} corners: {rms} px ({against} all views' {all} px)."
 VIEW_ABOVE, VIEW_BELOW, VIEW_LIKE = "more than", "less than", "about"
 VIEW_GAVE = (
-    "What it gave: the uncertainty fell from {without} to {now} px, and {most} became {ratio} times as "
-    "sure."
+    "What it gave: the uncertainty fell from {without} to {now} px, and {most} became {ratio} times "
+    "as sure."
 )
 VIEW_HARMED = "It does harm: without it the uncertainty would be smaller."
 WITHOUT_TITLE = "If you leave it out"
@@ -105,8 +105,8 @@ SEARCH_NOTHING = "Nothing was searched for this pose: it follows from a rule, or
 SEARCH_BOX = "the same poses, ±90°, 0–1.2 m"
 SEARCH_AXES = ("turn about X", "turn about Y", "distance")
 
-SEARCH_LEGEND_DARK = "The search: a dot is a pose looked at; bright dots promise a small uncertainty."
-SEARCH_LEGEND_LIGHT = "The search: a dot is a pose looked at; dark dots promise a small uncertainty."
+SEARCH_LEGEND_DARK = "The search: a dot is a pose looked at; the brighter, the better."
+SEARCH_LEGEND_LIGHT = "The search: a dot is a pose looked at; the darker, the better."
 
 NEXT_MAP = "Next map of what is known"
 NEXT_MAP_HINT = "Uncertainty now and after the next pose, corners seen, lens, misfit"
