@@ -71,8 +71,8 @@ VIEW_POSE = (
 VIEW_ERROR = "Misfit of its {count} corners: {rms} px ({against} all views' {all} px)."
 VIEW_ABOVE, VIEW_BELOW, VIEW_LIKE = "more than", "less than", "about"
 VIEW_GAVE = (
-    "What it gave: the uncertainty fell from {without} to {now} px, and {most} became {ratio} times "
-    "as sure."
+    "What it gave: the uncertainty fell from {without} to {now} px, and {most} became {ratio} "
+    "times as sure."
 )
 VIEW_HARMED = "It does harm: without it the uncertainty would be smaller."
 WITHOUT_TITLE = "If you leave it out"
