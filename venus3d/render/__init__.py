@@ -1,1 +1,1 @@
-"""What is seen, as named shapes, and pictures of it; knows no browser."""
+"""Named shapes of what is seen, and pictures of them; independent of the browser."""

@@ -1,10 +1,10 @@
-"""Amounts as every page and picture writes them."""
+"""Amounts as all pages and pictures write them."""
 
 from __future__ import annotations
 
 
 def signed(value: float) -> str:
-    """A whole number with its sign, a minus instead of a hyphen; nothing has none."""
+    """A whole number with its sign, with a true minus; zero has none."""
     whole = round(value)
     return f"{whole:+d}".replace("-", "−") if whole else "0"
 

@@ -1,4 +1,4 @@
-"""The live camera picture with what to do drawn on it: the target, this step's end, the corners."""
+"""The live camera picture with the target, the active step's end and the corners drawn on it."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def small_picture(image: LivePicture, width: int = PICTURE_WIDTH) -> NDArray[np.
     """An RGB copy of a BGR or grey image, 8 or 16 bit, at most `width` wide."""
     picture = image
     if image.dtype != np.uint8:
-        # A 10 or 12 bit camera fills the lower bits only: stretch by what is there.
+        # A 10 or 12 bit camera fills only the lower bits: stretch to the largest value.
         picture = np.rint(image * (255.0 / max(int(image.max()), 1))).astype(np.uint8)
     if picture.shape[1] > width:
         height = round(picture.shape[0] * width / picture.shape[1])
-        # Averaging takes ten times as long where the sizes are no multiples, and shows no more.
+        # Area averaging takes ten times as long for non-integer ratios and looks no better.
         halved = picture.shape[1] >= 2 * width
         how = cv2.INTER_AREA if halved else cv2.INTER_LINEAR
         picture = cv2.resize(picture, (width, height), interpolation=how)
@@ -47,11 +47,9 @@ def annotate(
     step: int,
     colour: Colour,
 ) -> NDArray[np.uint8]:
-    """Draw on an RGB picture, in place: outline of the target (dashed, white), of the board after
-    `step` (solid, in the step's colour), and the corners that were detected.
-
-    The observation is in pixels of its own image size, which may be larger than the picture.
-    """
+    """Draw on an RGB picture, in place: the target's outline (dashed, white), the board's after
+    `step` (solid, in the step's colour), and the detected corners, in pixels of the observation's
+    own image size."""
     camera = snapshot.camera.scaled((rgb.shape[1], rgb.shape[0]))
     if snapshot.target is not None and snapshot.phase in ("startup", "guiding"):
         target = outline_of(camera, snapshot.board, snapshot.target.pose)
@@ -72,7 +70,7 @@ def annotate(
 
 
 def outline_of(camera: Camera, board: Board, pose: Pose) -> Array:
-    """(4 * n, 2) pixels around the board; NaN where the lens does not see it."""
+    """(4 * n, 2) pixels around the board; NaN outside the lens model."""
     corners = board.outline
     along = np.linspace(0.0, 1.0, _POINTS_PER_EDGE, endpoint=False)[:, None]
     edges = [a + along * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)]
@@ -95,7 +93,7 @@ def draw_dashes(rgb: NDArray[np.uint8], points: Array, colour: Colour, width: in
 
 
 def _runs(points: Array) -> list[NDArray[np.int32]]:
-    """The parts (n, 2) of a line that can be drawn, in 1/16 px."""
+    """The drawable parts (n, 2) of a line, in 1/16 px."""
     good = _drawable(points)
     if good.all():
         return [_fixed(points)]
@@ -105,7 +103,7 @@ def _runs(points: Array) -> list[NDArray[np.int32]]:
 
 
 def _drawable(points: Array) -> NDArray[np.bool_]:
-    # Far outside the picture cv2's fixed-point coordinates would overflow.
+    # Far outside the picture, cv2's fixed-point coordinates would overflow.
     with np.errstate(invalid="ignore"):
         return np.asarray((np.abs(points) < 1e4).all(axis=-1), dtype=np.bool_)
 
@@ -124,7 +122,7 @@ def _stroke(
 def mark_top(
     rgb: NDArray[np.uint8], camera: Camera, board: Board, pose: Pose, colour: Colour
 ) -> None:
-    """A short spike on the top edge, so that an outline shows which way up it stands."""
+    """A short spike on the top edge that shows which way up the board is."""
     h = board.height
     spike = np.array([[-0.08 * h, -0.5 * h, 0], [0, -0.62 * h, 0], [0.08 * h, -0.5 * h, 0]])
     draw_line(rgb, camera.project(pose.apply(spike)), colour, 3, closed=False)

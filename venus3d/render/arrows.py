@@ -1,10 +1,8 @@
-"""Arrows and sectors: what shows a move and a turn.
+"""Arrows and sectors that show a move and a turn.
 
-Meshes are made in simple frames of their own (an arrow along +z, a turn about +z that
-starts at +x) and placed by poses. Equal numbers give the same mesh object again, so that a renderer
-sends nothing twice. They follow a board that moves, so each is made within a fraction of a
-millisecond: out of numpy, and not merged or checked afterwards. Where an arrow belongs and what
-colour it has is `describe`'s.
+Meshes are made in frames of their own (an arrow along +z, a turn about +z from +x) and placed by
+poses. Equal numbers give the same mesh object, so a renderer uploads nothing twice. They follow
+a moving board, so each is made in a fraction of a millisecond, in plain numpy.
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ HEAD_LENGTH = 5.5
 """Length of an arrow's head, in radii of its shaft."""
 _SECTIONS = 20
 Faces = NDArray[np.intp]
-# trimesh's own annotations leave most of what its functions return open.
+# trimesh's annotations leave most return types open.
 _trimesh: Any = trimesh
 
 
@@ -46,10 +44,8 @@ def straight_arrow(length: float, radius: float) -> trimesh.Trimesh:
 def arc_arrow(
     start_deg: float, end_deg: float, arc_radius: float, radius: float
 ) -> trimesh.Trimesh:
-    """Thick arrow along a circle about +z, angles counted from +x; the tip is at `end_deg`.
-
-    Lengths in metres. The arc must be long enough for the arrow's head.
-    """
+    """Thick arrow along a circle about +z, angles from +x, tip at `end_deg`, lengths in metres. The
+    arc must be long enough for the head."""
     span = abs(end_deg - start_deg)
     head_deg = min(float(np.degrees(HEAD_LENGTH * radius / arc_radius)), 0.7 * span)
     shaft_deg = span - head_deg
@@ -73,7 +69,7 @@ def arc_arrow(
 
 @lru_cache(maxsize=256)
 def sector(angle_deg: float, arc_radius: float) -> trimesh.Trimesh:
-    """The swept angle as a sheet in z = 0, from +x to `angle_deg`, out to `arc_radius`, metres."""
+    """The swept angle as a sheet in z = 0, from +x to `angle_deg`; `arc_radius` in metres."""
     steps = max(2, int(np.ceil(abs(angle_deg) / 3)) + 1)
     angles = np.radians(np.linspace(0, angle_deg, steps))
     rim = arc_radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(steps)])
@@ -83,7 +79,7 @@ def sector(angle_deg: float, arc_radius: float) -> trimesh.Trimesh:
 
 
 def _tube(shaft_deg: float, arc_radius: float, radius: float) -> tuple[Array, Faces]:
-    """Vertices and faces of the arc itself, open at both ends."""
+    """Vertices and faces of the arc, open at both ends."""
     circle = np.linspace(0, 2 * np.pi, _SECTIONS // 2, endpoint=False)
     steps = max(4, int(shaft_deg / 3)) + 1
     angles = np.radians(np.linspace(0, shaft_deg, steps))[:, None]
@@ -95,8 +91,8 @@ def _tube(shaft_deg: float, arc_radius: float, radius: float) -> tuple[Array, Fa
 
 @lru_cache(maxsize=64)
 def _skin(rings: int, around: int, first: int = 0) -> Faces:
-    """Faces between closed rings of vertices that follow each other, seen from outside where
-    a ring goes round counter-clockwise and the next one is on top."""
+    """Faces between consecutive closed rings of vertices, facing outwards if the rings run
+    counter-clockwise from bottom to top."""
     ring, place = np.divmod(np.arange((rings - 1) * around), around)
     right = (place + 1) % around
     low, high = first + ring * around, first + (ring + 1) * around
@@ -107,7 +103,7 @@ def _skin(rings: int, around: int, first: int = 0) -> Faces:
 
 @lru_cache(maxsize=1)
 def _straight_faces() -> Faces:
-    """Of an arrow whose vertices are its foot, its tip, and three rings."""
+    """Faces of an arrow whose vertices are its foot, its tip and three rings."""
     here = np.arange(_SECTIONS)
     after = (here + 1) % _SECTIONS
     last = 2 + 2 * _SECTIONS
@@ -118,31 +114,31 @@ def _straight_faces() -> Faces:
 
 @lru_cache(maxsize=1)
 def _ball() -> Any:
-    """Of radius 1."""
+    """A sphere of radius 1."""
     return _trimesh.creation.icosphere(subdivisions=2, radius=1.0)
 
 
 @lru_cache(maxsize=1)
 def _cone() -> Any:
-    """From a disc of radius 1 in z = 0 to (0, 0, 1)."""
+    """A cone from a disc of radius 1 in z = 0 to (0, 0, 1)."""
     return _trimesh.creation.cone(1.0, 1.0, sections=_SECTIONS)
 
 
 def arc_point(angle_deg: float, arc_radius: float) -> Array:
-    """(3,) the point of the circle at this angle from +x, metres."""
+    """(3,) the point on the circle at this angle from +x, metres."""
     angle = np.radians(angle_deg)
     return arc_radius * np.array([np.cos(angle), np.sin(angle), 0.0])
 
 
 def frame_along(direction: Array, origin: Array) -> Pose:
-    """A pose at `origin` whose +z points along `direction` (3,); its roll does not matter."""
+    """A pose at `origin` with +z along `direction` (3,) and any roll."""
     z = direction / np.linalg.norm(direction)
     sideways = np.array([1.0, 0, 0]) if abs(z[0]) < 0.8 else np.array([0, 1.0, 0])
     return turn_frame(z, sideways, origin)
 
 
 def turn_frame(axis: Array, start: Array, origin: Array) -> Pose:
-    """A pose at `origin` with +z along `axis` (3,) and +x along `start` (3,) made square to it."""
+    """A pose at `origin` with +z along `axis` (3,) and +x along `start` (3,), orthogonalised."""
     z = axis / np.linalg.norm(axis)
     x = start - (start @ z) * z
     x = x / np.linalg.norm(x)

@@ -1,8 +1,6 @@
-"""The board as an object: its printed front, a white rim, a thin body, a neutral back.
+"""The board as one mesh (printed front, white rim, thin body, neutral back), its outline and ghost.
 
-One mesh carries all of it (the back takes its colour from an unprinted part of the same picture),
-so that a moving board is one node and one pose. Outlines and ghosts of boards are here as well.
-What a board *is*, and its picture, is the engine's `Board`.
+One mesh, so that a moving board is one node and one pose; layout and picture are the engine's.
 """
 
 from __future__ import annotations
@@ -27,21 +25,19 @@ LARGEST_TEXTURE_PX = 4096
 
 
 def board_shape(board: Board, pose: Pose, name: str = "/board/live") -> MeshShape:
-    """The real, textured board under `pose` (`T_camera_board`)."""
+    """The textured board at `pose` (`T_camera_board`)."""
     return MeshShape(name, board_mesh(board), pose, textured=True)
 
 
 @lru_cache(maxsize=8)
 def board_mesh(board: Board) -> trimesh.Trimesh:
-    """Textured mesh in the board's frame, metres; the front lies in z = 0 and faces -z.
-
-    The same board gives the same object, so renderers may keep what they have uploaded.
-    """
+    """Textured mesh in the board's frame, metres; the front lies in z = 0 and faces -z. The same
+    board gives the same object, so renderers may cache it."""
     picture, px = _atlas(board)
     width, height = board.width / 2 + RIM * board.square, board.height / 2 + RIM * board.square
     front = np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
     faces = [np.column_stack([front, np.zeros(4)])]
-    # Sides and back are quads of their own: they need texture coordinates of their own.
+    # Sides and back are separate quads, with texture coordinates of their own.
     back = np.column_stack([front, np.full(4, THICKNESS)])
     faces.append(back[::-1])
     for i in range(4):
@@ -49,15 +45,15 @@ def board_mesh(board: Board) -> trimesh.Trimesh:
         faces.append(np.array([faces[0][j], faces[0][i], back[i], back[j]]))
 
     size = np.array(picture.size, dtype=np.float64)
-    # The board's centre in the picture, from its upper left edge: one square of rim, then squares.
+    # The board's centre in the picture from its upper left edge: one square of rim, then squares.
     centre = np.array([board.columns / 2 + 1, board.rows / 2 + 1]) * px
     front_uv = (front / board.square * px + centre) / size
     body_uv = np.full((20, 2), (np.array([board.columns / 2, board.rows + 2.5]) * px) / size)
     uv = np.vstack([front_uv, body_uv])
-    uv[:, 1] = 1 - uv[:, 1]  # texture coordinates count upwards
+    uv[:, 1] = 1 - uv[:, 1]  # texture v points upwards
 
     quads = np.arange(24).reshape(6, 4)
-    visual: Any = vars(trimesh)["visual"]  # its annotations do not name this module
+    visual: Any = vars(trimesh)["visual"]  # its annotations omit this module
     material = visual.material.PBRMaterial(
         baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0
     )
@@ -70,13 +66,11 @@ def board_mesh(board: Board) -> trimesh.Trimesh:
 
 
 def _atlas(board: Board) -> tuple[Image.Image, int]:
-    """Picture (board, a ring of rim one square wide, a row of body colour); px per square.
+    """Picture (board, a rim one square wide, a row of body colour); px per square.
 
-    A square is a power of two wide: every mipmap level down to one texel per square then has its
-    texel edges exactly on the squares' edges, so that filtering moves no corner.
-
-    It has a palette of three, since a browser gets it as a PNG: that is packed ten times as fast as
-    full colours, and the scene stands still meanwhile.
+    A square is a power of two wide, so that at every mipmap level down to one texel per square
+    texel edges lie on the squares' edges and filtering moves no corner. A palette of three colours
+    makes the browser's PNG ten times as fast to encode, which blocks the scene.
     """
     px = 128
     while px > 16 and max(board.columns + 2, board.rows + 3) * px > LARGEST_TEXTURE_PX:
@@ -93,7 +87,7 @@ def _atlas(board: Board) -> tuple[Image.Image, int]:
 
 @lru_cache(maxsize=8)
 def ghost_mesh(board: Board) -> trimesh.Trimesh:
-    """The printed area as one sheet (a closed body would blend twice), board frame, metres."""
+    """The printed area as a single sheet (a closed body would blend twice), board frame, metres."""
     return trimesh.Trimesh(
         vertices=board.outline, faces=np.array([[0, 2, 1], [0, 3, 2]]), process=False
     )
@@ -108,12 +102,12 @@ def outline_segments(board: Board) -> Array:
 def board_outline(
     board: Board, pose: Pose, name: str, colour: Colour, width_px: float = 2.0
 ) -> LineShape:
-    """The edges of the printed area under `pose`."""
+    """The edges of the printed area at `pose`."""
     return LineShape(name, outline_segments(board), pose, colour, width_px)
 
 
 def board_ghost(
     board: Board, pose: Pose, name: str, colour: Colour, opacity: float = 0.35
 ) -> MeshShape:
-    """The printed area as a translucent sheet under `pose`."""
+    """The printed area as a translucent sheet at `pose`."""
     return MeshShape(name, ghost_mesh(board), pose, colour, opacity)

@@ -1,7 +1,7 @@
-"""Colours for numbers: one even scale for all maps, and the figures beside its legend.
+"""The colour scale of all maps (cividis), and the ticks of its legend.
 
-Cividis (Nuñez, Anderton and Renslow 2018) grows evenly in lightness, and looks nearly the same to
-people with and without red-green blindness. The pictures are drawn in `map_pictures`.
+Cividis (Nuñez, Anderton and Renslow 2018) is perceptually even and looks nearly the same with and
+without red-green blindness.
 """
 
 from __future__ import annotations
@@ -29,8 +29,7 @@ def colour_table() -> NDArray[np.uint8]:
 
 
 def colours_of(values: ArrayLike, low: float, high: float) -> NDArray[np.uint8]:
-    """RGB (..., 3) of values (...); those outside `low` ... `high` get the end's colour, and so
-    does NaN the lower end's."""
+    """RGB (..., 3) of values (...), clipped to `low` ... `high`; NaN gets the colour of `low`."""
     share = (np.asarray(values, dtype=np.float64) - low) / max(high - low, 1e-12)
     steps = np.clip(np.nan_to_num(share, nan=0.0), 0.0, 1.0) * 255
     return colour_table()[np.rint(steps).astype(np.intp)]
@@ -50,7 +49,7 @@ def gradient_css() -> str:
 
 
 def round_up(value: float) -> float:
-    """The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten: an upper end for a scale."""
+    """The next higher of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten: the scale's upper end."""
     if not (np.isfinite(value) and value > 0):
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
@@ -59,7 +58,7 @@ def round_up(value: float) -> float:
 
 
 def round_down(value: float) -> float:
-    """The last of 1, 2, 5 times a power of ten that is not above it: a lower end for a scale."""
+    """The next lower of 1, 2, 5 times a power of ten: the scale's lower end."""
     if not (np.isfinite(value) and value > 0):
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
@@ -67,8 +66,8 @@ def round_down(value: float) -> float:
 
 
 def magnification(largest_px: float, room_px: float) -> float:
-    """1, 2 or 5 times a power of ten: so many times longer an arrow of `largest_px` fills
-    `room_px` at most. At least 1: no arrow is shortened."""
+    """Largest factor (1, 2 or 5 times a power of ten, at least 1) by which an arrow of `largest_px`
+    still fits into `room_px`."""
     if not (np.isfinite(largest_px) and largest_px > 0):
         return 1.0
     return max(1.0, round_down(room_px / largest_px))

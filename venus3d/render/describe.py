@@ -1,10 +1,10 @@
-"""What is seen at one moment, as a list of named shapes: the one description both renderers draw.
+"""The scene at one moment as a list of named shapes, which both renderers draw.
 
-Names are paths that others may rely on. No name is the beginning of another one's path.
+Names are stable paths, and none is a prefix of another. All poses are in the camera's frame.
 
     /camera/frustum, /camera/border, /camera/axis    the camera; its true border; principal point
     /camera/axes/x, /camera/axes/x_label             and y, z
-    /board/live                                      the board as it is estimated now
+    /board/live                                      the board as estimated now
     /target/board, /target/label                     the goal
     /steps/N/outline                                 where the board is after step N
     /steps/N/before, /steps/N/after                  active step only: faint outline; tinted board
@@ -12,8 +12,6 @@ Names are paths that others may rely on. No name is the beginning of another one
     /steps/N/sector, axis, axis_label                active turn only
     /steps/N/trail_1 ... trail_4                     active move only: the same at the corners
     /strip/N/...                                     the same with /strip/N/caption, side by side
-
-All poses are in the camera's frame. The geometry of arrows and boards is made elsewhere.
 """
 
 from __future__ import annotations
@@ -39,7 +37,7 @@ from venus3d.render.texts import IN_ALL, TARGET_LABEL
 
 @dataclass(frozen=True)
 class SceneOptions:
-    """What the viewer may choose."""
+    """What the user chooses to see in the scene."""
 
     step: int = 1
     """The active step, 1 ... 4."""
@@ -47,17 +45,14 @@ class SceneOptions:
     """All four steps side by side instead of the active one in place."""
     dark: bool = True
     sweep: float = 1.0
-    """How far the active step's board has got, 0 (before) ... 1 (after)."""
+    """Progress of the active step's board, 0 (before) ... 1 (after)."""
     show_live: bool = True
-    """Whether the board as it is now is drawn."""
+    """Whether the current board is drawn."""
 
 
 def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
-    """Everything in the scene of this snapshot. Calls no algorithm of the engine.
-
-    What has not changed since the last call comes as the very same object, so that a renderer can
-    tell by identity what it need not draw again.
-    """
+    """All shapes of this snapshot; runs no algorithm of the engine. Unchanged shapes are the same
+    objects as in the last call, so that a renderer can skip them by identity."""
     steps = None if snapshot.target is None else snapshot.target.steps
     still = static_shapes(snapshot.camera, snapshot.board, steps, options)
     if snapshot.pose is None or not options.show_live:
@@ -69,7 +64,7 @@ def describe(snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
 def static_shapes(
     camera: Camera, board: Board, steps: Steps | None, options: SceneOptions
 ) -> tuple[Shape, ...]:
-    """All but the board as it is now: it changes with the target, not with every frame."""
+    """All but the current board: these change with the target, not with every frame."""
     shapes: list[Shape] = [*camera_shapes(camera, dark=options.dark)]
     if steps is None:
         return tuple(shapes)
@@ -96,13 +91,13 @@ def static_shapes(
 def describe_step(
     board: Board, camera: Camera, step: Step, *, dark: bool = False
 ) -> tuple[Shape, ...]:
-    """One step as its projection shows it: the real board after it, its outline before, arrows."""
+    """One step as its projection shows it: the board after it, its outline before, arrows."""
     colours = ground(dark)
     name = f"/steps/{step.number}"
     shapes: list[Shape] = [board_shape(board, step.after, f"{name}/board")]
     if not step.is_idle:
         before = board_outline(board, step.before, f"{name}/before", colours.ghost, 2.5)
-        # A board that comes nearer would hide where it came from.
+        # A board that comes nearer would hide where it started.
         shapes.append(replace(before, on_top=step.axis is None))
         shapes += instruction_shapes(board, camera, step, dark=dark, for_camera=True)
     return tuple(shapes)
@@ -120,7 +115,7 @@ def active_shapes(board: Board, camera: Camera, step: Step, options: SceneOption
     shapes.append(
         board_ghost(board, pose_during(step, options.sweep), f"{name}/after", colour, 0.45)
     )
-    # The text beside the scene says what is left of the step now; this is the whole of it.
+    # The text beside the scene gives the remaining amount; this is the whole step.
     return [
         *shapes,
         *(

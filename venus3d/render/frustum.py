@@ -1,4 +1,4 @@
-"""The camera as an object in the scene: frustum, the image's true border, the axes."""
+"""The camera in the scene: frustum, the image's true border, the axes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
 
 DEPTH = 0.14
-"""How far in front of the lens the frustum's picture stands, metres."""
+"""Distance of the frustum's picture from the lens, metres."""
 AXIS_LENGTH = 0.07
 
 
@@ -42,11 +42,9 @@ def camera_shapes(camera: Camera, *, dark: bool) -> tuple[Shape, ...]:
 
 
 def frustum(camera: Camera) -> FrustumShape:
-    """The frustum whose picture stands `DEPTH` in front of the lens.
-
-    viser scales a frustum to a volume: depth = scale / cbrt(tan(fov/2)^2 aspect / 3). It is drawn
-    about the optical axis; where the principal point is off the middle, the border's lines show it.
-    """
+    """The frustum with its picture at `DEPTH`, about the optical axis (the border's lines show the
+    true principal point). viser scales a frustum to a volume: depth = scale / cbrt(tan(fov/2)^2
+    aspect / 3)."""
     fov = 2 * np.arctan(camera.height / (2 * camera.fy))
     aspect = (camera.width / camera.fx) / (camera.height / camera.fy)
     scale = DEPTH * np.cbrt(np.tan(fov / 2) ** 2 * aspect / 3)
@@ -55,10 +53,8 @@ def frustum(camera: Camera) -> FrustumShape:
 
 @lru_cache(maxsize=8)
 def border_segments(camera: Camera) -> Array:
-    """(N, 2, 3) the image's border where its rays pass z = `DEPTH`, lens distortion included.
-
-    Pieces that no ray reaches are left out.
-    """
+    """(N, 2, 3) the image's border where its rays meet z = `DEPTH`, with lens distortion; segments
+    that no ray reaches are left out."""
     w, h = camera.width - 0.5, camera.height - 0.5
     along = np.linspace(0, 1, 25)[:, None]
     corners = np.array([[-0.5, -0.5], [w, -0.5], [w, h], [-0.5, h]])
@@ -71,7 +67,7 @@ def border_segments(camera: Camera) -> Array:
 
 @lru_cache(maxsize=1)
 def _axis_segments() -> Array:
-    """The optical axis up to a cross where it meets the picture: the principal point."""
+    """The optical axis, and a cross where it meets the picture: the principal point."""
     arm, z = 0.06 * DEPTH, DEPTH
     return np.array(
         [

@@ -1,13 +1,9 @@
-"""Shapes drawn by pyrender. Imported only by the thread that owns OpenGL.
+"""Renderer of shapes with pyrender. Imported only by the thread that owns OpenGL.
 
-Importing this module imports pyrender, which wants `PYOPENGL_PLATFORM` to be set before. The lens,
-labels and backgrounds are `offscreen`'s.
-
-pyrender's last release dates from 2021 and three of its habits do not suit: it reads the depth
-picture back each time, it drops from the graphics memory whatever the present scene does not show,
-and it sorts translucent meshes by the position of their frames. The subclass below changes those.
-It also pins a PyOpenGL of 2014, which does not know where Python has kept one of its types since
-3.12; that is mended first of all.
+`PYOPENGL_PLATFORM` must be set before the import. Lens, labels and backgrounds are `offscreen`'s.
+pyrender's last release (2021) reads the depth buffer back each time, frees whatever the current
+scene does not show, and sorts translucent meshes by the origins of their frames; the subclasses
+below change that.
 """
 
 from __future__ import annotations
@@ -31,10 +27,9 @@ from venus3d.render.line_mesh import line_mesh
 from venus3d.render.shading import shaded_colours
 from venus3d.render.shapes import Colour, LineShape, MeshShape
 
-# What `ctypes.byref` makes is called `builtins.CArgObject` up to Python 3.11 and
-# `_ctypes.CArgObject` from 3.12 on. PyOpenGL 3.1.0 finds the handler of an argument by that name,
-# knows the old one only, and so can make no texture. 3.1.10 knows both, but pyrender pins 3.1.0,
-# and pip and uv hold to it. A second entry for a name that is known changes nothing.
+# `ctypes.byref` returns `builtins.CArgObject` up to Python 3.11, `_ctypes.CArgObject` from 3.12.
+# PyOpenGL 3.1.0, which pyrender pins, looks up handlers by that name, knows only the old one and so
+# can make no texture. Registering a known name again changes nothing.
 _by_reference = type(ctypes.byref(ctypes.c_int()))
 FormatHandler(
     "ctypesparameter",
@@ -55,43 +50,41 @@ PRIVATE: dict[type[Any], tuple[str, ...]] = {
         "_main_fb_ms",
     ),
 }
-"""What is private in pyrender and used or overridden below. Contexts are closed one by one; only a
-part of the picture is drawn and read; meshes are drawn in the order of the list; what is
-translucent hides nothing; and the picture is read without the depth."""
+"""Private names of pyrender that are used or overridden below."""
 _FLAGS = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN | pyrender.RenderFlags.RGBA
 _OPENGL_FROM_OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])
 _NEAR, _FAR = 0.01, 20.0
 _SPARE_PX = 3
 _ON_TOP = 0.1
-"""The part of the depth picture that is kept for what nothing may hide."""
+"""Share of the depth range reserved for shapes that nothing may hide."""
 
 
 class GlRenderer:
-    """Draws meshes and lines through an ideal pinhole. Belongs to the thread that made it."""
+    """Draws meshes and lines through an ideal pinhole. Belongs to the thread that created it."""
 
     def __init__(self, *, smooth: bool = True) -> None:
-        """`smooth`: edges of shapes are averaged over four samples a pixel; half as quick."""
+        """`smooth`: 4x multisampling; takes twice as long."""
         self._platform = _Platform(64, 64, device=get_device_by_index(0))
         self._platform.init_context()
         self._renderer = _Renderer(64, 64)
         self._renderer.smooth = smooth
-        GL.glFrontFace(GL.GL_CW)  # in a picture whose first row is the top one (see the camera)
+        GL.glFrontFace(GL.GL_CW)  # the first row is the top one (see the camera)
         self._scene: Any = pyrender.Scene(bg_color=[0.0, 0.0, 0.0, 0.0])
         self._camera_node: Any = self._scene.add(
             _TopDownCamera(1, 1, 0, 0, znear=_NEAR, zfar=_FAR), pose=_OPENGL_FROM_OPENCV
         )
-        # Holding the source mesh keeps its id from being given to another one.
+        # Holding the source mesh keeps its id from being reused.
         self._nodes: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
     def render(
         self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour
     ) -> NDArray[np.uint8]:
-        """RGBA (H, W, 4) of the shapes before a plain background; alpha means nothing."""
+        """RGBA (H, W, 4) of the shapes on a plain background; alpha is meaningless."""
         self._platform.make_current()
         self._scene.bg_color = np.array((*background, 255)) / 255.0
         lens = self._camera_node.camera
         lens.fx, lens.fy = camera.fx, camera.fy
-        # pyrender counts from the pixel's edge, OpenCV from its centre.
+        # pyrender's pixel origin is the pixel's edge, OpenCV's its centre.
         lens.cx, lens.cy = camera.cx + 0.5, camera.cy + 0.5
         self._renderer.viewport_width, self._renderer.viewport_height = camera.image_size
         used: set[tuple[Any, ...]] = set()
@@ -106,12 +99,12 @@ class GlRenderer:
                 node = self._node_of(shape, used)
                 order.append((shape.opacity < 1, node))
             node.mesh.primitives[0].on_top = shape.on_top
-        # Solid things first, then translucent ones in the order of the list.
+        # Opaque shapes first, then translucent ones in list order.
         self._renderer.order = [
             n for late in (False, True) for is_late, n in order if is_late == late
         ]
         window = self._renderer.window = _window_of(shapes, camera)
-        # As one number a pixel: four to be repeated take numpy a hundred times as long.
+        # One number per pixel: numpy repeats four a hundred times as slowly.
         plain = np.array((*background, 255), dtype=np.uint8).view(np.uint32)[0]
         picture = np.full((camera.height, camera.width, 1), plain).view(np.uint8)
         try:
@@ -134,7 +127,7 @@ class GlRenderer:
 
     def _node_of(self, shape: MeshShape, used: set[tuple[Any, ...]]) -> Any:
         key = _key(shape)
-        while key in used:  # the same mesh a second time in one picture needs a second node
+        while key in used:  # a mesh used twice in one picture needs a second node
             key = (*key, "again")
         used.add(key)
         if key not in self._nodes:
@@ -150,7 +143,7 @@ class GlRenderer:
 
 
 class _TopDownCamera(pyrender.IntrinsicsCamera):
-    """The picture's first row is the top one, as OpenCV has it: nothing is left to be flipped."""
+    """Renders the top row first, as OpenCV has it, so that nothing need be flipped."""
 
     def get_projection_matrix(self, width: int | None = None, height: int | None = None) -> Any:
         P = np.asarray(super().get_projection_matrix(width, height), dtype=np.float64)
@@ -159,7 +152,7 @@ class _TopDownCamera(pyrender.IntrinsicsCamera):
 
 
 class _Platform(EGLPlatform):
-    """EGL without the screen; closing one context leaves the display to the others."""
+    """Offscreen EGL; closing one context leaves the display to the others."""
 
     def delete_context(self) -> None:
         if self._egl_context is not None:
@@ -170,8 +163,7 @@ class _Platform(EGLPlatform):
 class _Renderer(Renderer):
     order: list[Any]
     window: tuple[int, int, int, int]
-    """The part (x, y, width, height) that is cleared, drawn and read: a board that fills a quarter
-    of the picture costs a quarter."""
+    """The part (x, y, width, height) that is cleared, drawn and read; cost grows with its area."""
     smooth: bool
 
     def _configure_forward_pass_viewport(self, flags: int) -> None:
@@ -191,7 +183,7 @@ class _Renderer(Renderer):
         return self.order
 
     def _bind_and_draw_primitive(self, primitive: Any, *args: Any, **kwargs: Any) -> None:
-        # A translucent sheet must not hide what is drawn after it.
+        # A translucent sheet must not hide what is drawn later.
         GL.glDepthMask(primitive.material.alphaMode != "BLEND")
         GL.glDepthRange(*((0.0, _ON_TOP) if primitive.on_top else (_ON_TOP, 1.0)))
         super()._bind_and_draw_primitive(primitive, *args, **kwargs)
@@ -212,8 +204,8 @@ class _Renderer(Renderer):
 def _window_of(
     shapes: Sequence[MeshShape | LineShape], camera: Camera
 ) -> tuple[int, int, int, int]:
-    """(x, y, width, height) of the part of the picture that meshes can touch; the whole one if
-    there are lines, or if something reaches behind the lens."""
+    """(x, y, width, height) of the part of the picture that meshes can touch; all of it if there
+    are lines or something reaches behind the lens."""
     whole = (0, 0, camera.width, camera.height)
     corners = [
         shape.pose.apply(trimesh.bounds.corners(shape.mesh.bounds))
@@ -236,7 +228,7 @@ def _window_of(
 def _key(shape: MeshShape) -> tuple[Any, ...]:
     if shape.textured:
         return (id(shape.mesh), shape.opacity)
-    # Shade is baked into the colours, so a shaded mesh that turned is another one.
+    # Shading is baked into the colours, so a shaded mesh that turned is a new mesh.
     turn = shape.pose.R.round(3).tobytes() if shape.shaded else None
     return (id(shape.mesh), shape.opacity, shape.colour, turn)
 
@@ -270,7 +262,7 @@ def _gl_mesh(shape: MeshShape) -> Any:
             baseColorFactor=factor,
             baseColorTexture=texture,
             alphaMode="OPAQUE" if shape.opacity >= 1 else "BLEND",
-            # Boards fill most of a picture and are uploaded once; nothing else is worth asking.
+            # Boards fill most of a picture and are uploaded once; no other mesh is worth checking.
             doubleSided=not (shape.textured and shape.opacity >= 1 and _is_closed(mesh)),
         ),
     )
@@ -278,7 +270,7 @@ def _gl_mesh(shape: MeshShape) -> Any:
 
 
 def _is_closed(mesh: trimesh.Trimesh) -> bool:
-    """Whether nobody can see its faces from behind: those need not be drawn."""
+    """Whether its back faces are never visible, so that they need not be drawn."""
     merged = mesh.copy()
     merged.merge_vertices(merge_tex=True, merge_norm=True)
     return bool(merged.is_watertight and merged.is_winding_consistent and merged.volume > 0)

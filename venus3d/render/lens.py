@@ -1,7 +1,7 @@
-"""A distorting lens for renderers that only know pinholes.
+"""Lens distortion for renderers that only know pinholes.
 
-A picture is rendered through an ideal, slightly larger pinhole and then bent with `cv2.remap`
-along a map that is made once per camera. Both renderers use it, so both bend alike.
+A picture is rendered through a slightly larger ideal pinhole, then warped with `cv2.remap` by a map
+that is made once per camera.
 """
 
 from __future__ import annotations
@@ -20,26 +20,24 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 
 _LARGEST_RATIO = 2.0
-"""An ideal picture wider than this many pictures is rendered at a lower resolution instead."""
+"""If the ideal picture is wider than this many pictures, its resolution is reduced."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lens:
-    """The ideal pinhole to render with, and the way from its picture to the camera's."""
+    """The ideal pinhole to render with, and the map from its picture to the camera's."""
 
     camera: Camera
     ideal: Camera
     """No distortion; large enough to hold every ray of `camera`'s pixels."""
     map_xy: NDArray[np.float32] | None
-    """(H, W, 2) where each pixel is found in the ideal picture; None if they are the same."""
+    """(H, W, 2) each pixel's position in the ideal picture; None if they are the same."""
 
     def bend(self, picture: NDArray[np.uint8], border: tuple[int, ...]) -> NDArray[np.uint8]:
-        """The ideal picture (H, W, C) as the camera sees it; `border` (C,) fills pixels that no ray
-        reaches.
-        """
+        """The ideal picture (H, W, C) as the camera sees it; pixels without a ray get `border` (C,)."""
         if self.map_xy is None:
             return picture
-        nothing: Any = None  # OpenCV takes one map of both coordinates; its annotations do not
+        nothing: Any = None  # one map of both coordinates, which the annotations omit
         bent = cv2.remap(
             picture,
             self.map_xy,
@@ -53,11 +51,11 @@ class Lens:
 
 @lru_cache(maxsize=16)
 def lens_for(camera: Camera) -> Lens:
-    """The lens of a camera; kept, since a camera draws many pictures."""
+    """The lens of a camera; cached."""
     if not camera.distortion.any():
         return Lens(camera, camera, None)
     rays = _rays(camera)
-    # One coordinate after the other: over pairs numpy takes eight times as long.
+    # One coordinate at a time: numpy takes eight times as long over pairs.
     low = np.array([np.fmin.reduce(rays[..., i], axis=None) for i in range(2)])
     high = np.array([np.fmax.reduce(rays[..., i], axis=None) for i in range(2)])
     span = (high - low) * [camera.fx, camera.fy] + 4
@@ -74,15 +72,15 @@ def lens_for(camera: Camera) -> Lens:
 def _rays(camera: Camera) -> Array:
     """(H, W, 2) ideal normalised coordinates of every pixel; NaN where no ray comes from.
 
-    `Camera.unproject` is exact but slow for a million pixels; the map is smooth, so it is computed
-    on a grid and interpolated (cubic: below 1e-4 px off at 16 px).
+    `Camera.unproject` is exact but slow for a million pixels, so the smooth map is computed on a
+    grid and interpolated (cubic: less than 1e-4 px off at 16 px).
     """
     nodes, x, y = _unprojected_grid(camera, 16.0)
     u, v = np.arange(camera.width), np.arange(camera.height)
     if np.isfinite(nodes).all():
         planes = [RectBivariateSpline(y, x, nodes[..., i])(v, u) for i in range(2)]
     else:
-        # Linear interpolation hands the NaN of a node on to its neighbourhood, and to no more.
+        # Linear interpolation spreads the NaN of a node only to its neighbourhood.
         nodes, x, y = _unprojected_grid(camera, 4.0)
         at = np.meshgrid(v / (y[1] - y[0]), u / (x[1] - x[0]), indexing="ij")
         planes = [map_coordinates(nodes[..., i], at, order=1, mode="nearest") for i in range(2)]

@@ -1,4 +1,4 @@
-"""Lines as flat ribbons that face the camera, so that they have the same width on the screen."""
+"""Lines as flat ribbons that face the camera, with a constant width on the screen."""
 
 from __future__ import annotations
 
@@ -13,10 +13,8 @@ _NEAR = 0.01
 
 
 def line_mesh(shape: LineShape, camera: Camera) -> tuple[Array, NDArray[np.intp]]:
-    """Vertices (4 N, 3) in the camera's frame, metres, and faces (2 N, 3) of a line's segments.
-
-    Segments that come within a centimetre of the lens' plane are left out.
-    """
+    """Vertices (4 N, 3) in the camera's frame, metres, and faces (2 N, 3) of a line's segments;
+    those nearer than a centimetre to the lens plane are left out."""
     ends = shape.pose.apply(shape.segments)
     ends = ends[(ends[..., 2] > _NEAR).all(axis=1)]
     along = ends[:, 1] - ends[:, 0]
@@ -25,7 +23,7 @@ def line_mesh(shape: LineShape, camera: Camera) -> tuple[Array, NDArray[np.intp]
     aside = np.cross(along, ends.mean(axis=1))
     aside /= np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-12)
     reach = half * ends[..., 2:]
-    # A little longer than the segment, so that the edges of an outline close at its corners.
+    # Slightly longer than the segment, so that the corners of an outline close.
     forward = (along / length)[:, None] * reach * np.array([-0.8, 0.8])[None, :, None]
     ends = ends + forward
     sideways = aside[:, None] * reach

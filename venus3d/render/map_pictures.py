@@ -1,7 +1,6 @@
-"""Maps over the camera's image as pictures: uncertainty, coverage, distortion, residuals.
+"""Maps over the camera's image as RGB pictures: uncertainty, coverage, distortion, residuals.
 
-Each is RGB, as wide and high as asked for, and holds no text: figures and legends stand beside it.
-What the numbers are is the engine's business; here they become colours and arrows.
+They hold no text: numbers and legends stand beside them.
 """
 
 from __future__ import annotations
@@ -21,13 +20,13 @@ from venus3d.render.shapes import Colour
 
 Picture = NDArray[np.uint8]
 CELLS = (12, 8)
-"""Across and down: in these parts of the image the corners are counted."""
+"""Columns and rows of the image in which corners are counted."""
 _ARROWS = (16, 9)
 _INK: Colour = (255, 255, 255)
 _CASING: Colour = (16, 20, 28)
 _SHIFT = 4  # cv2 draws at 1/16 px
 _FIELD = (64, 36)
-# An arrow may be so long, in distances of two arrows.
+# Longest arrow, in distances between arrows.
 _REACH = 1.5
 
 
@@ -36,16 +35,15 @@ def uncertainty_picture(
 ) -> Picture:
     """Projection uncertainty (rows, columns), pixels, over the image: `size` (width, height).
 
-    The scale of colours runs between the two ends in equal ratios: at the border it is often a
-    hundred times that in the middle, and both are to be told apart. Where it is NaN (no ray
-    reaches that pixel) the picture is hatched.
+    The colour scale is logarithmic: at the border the values are often a hundred times those in the
+    middle. NaN (no ray reaches that pixel) is hatched.
     """
     low, high = np.log(ends_px)
     return _heat(np.log(np.maximum(uncertainty_px, 1e-12)), low, high, size, dark)
 
 
 def coverage(views: Sequence[View], image_size: tuple[int, int]) -> NDArray[np.intp]:
-    """(rows, columns) how many captured corners lie in each of the `CELLS`."""
+    """(rows, columns) number of captured corners in each of the `CELLS`."""
     counts = np.zeros(CELLS[::-1], np.intp)
     for view in views:
         place = (view.observation.corners + 0.5) / image_size * CELLS
@@ -57,8 +55,7 @@ def coverage(views: Sequence[View], image_size: tuple[int, int]) -> NDArray[np.i
 def coverage_picture(
     views: Sequence[View], image_size: tuple[int, int], size: tuple[int, int], *, dark: bool
 ) -> Picture:
-    """Where corners were: each cell coloured by their number, hatched where there was none; each
-    corner a dot."""
+    """Where corners were: cells coloured by their number, hatched if empty; each corner a dot."""
     counts = coverage(views, image_size)
     high = round_up(float(counts.max()))
     picture = np.repeat(np.repeat(colours_of(counts, 0, high), 64, axis=0), 64, axis=1)
@@ -73,10 +70,8 @@ def coverage_picture(
 
 
 def distorted_grid(camera: Camera, grid: tuple[int, int] = _ARROWS) -> tuple[Array, Array]:
-    """Pixels (N, 2) of a perfect lens over the image, and where this lens puts them (N, 2).
-
-    NaN where the lens model ends.
-    """
+    """Pixels (N, 2) of an ideal lens over the image, and where this lens puts them (N, 2); NaN
+    where the lens model ends."""
     across, down = grid
     u = (np.arange(across) + 0.5) * camera.width / across - 0.5
     v = (np.arange(down) + 0.5) * camera.height / down - 0.5
@@ -86,12 +81,12 @@ def distorted_grid(camera: Camera, grid: tuple[int, int] = _ARROWS) -> tuple[Arr
 
 
 def largest_shift_px(camera: Camera) -> float:
-    """How far the lens moves a pixel at most, as shown by `distortion_picture`; 0 for none."""
+    """The largest shift of a pixel that `distortion_picture` shows; 0 for none."""
     return _longest(*distorted_grid(camera, _FIELD))
 
 
 def distortion_magnification(camera: Camera) -> float:
-    """So many times longer than they are `distortion_picture` draws the shifts."""
+    """Factor by which `distortion_picture` lengthens the shifts."""
     return magnification(_longest(*distorted_grid(camera)), _REACH * camera.width / _ARROWS[0])
 
 
@@ -101,11 +96,11 @@ def _longest(ideal: Array, seen: Array) -> float:
 
 
 def distortion_picture(camera: Camera, size: tuple[int, int], dark: bool) -> Picture:
-    """RGB picture of `size` (width, height): where the lens moves each point of a perfect picture.
+    """RGB picture of `size` (width, height): where the lens moves each point of an ideal picture.
 
-    The arrows lead from where a perfect lens would show a point to where this one does, drawn
-    `distortion_magnification` times as long; the ground's colour is the distance, from 0 to
-    `round_up(largest_shift_px(camera))` pixels. Hatched where the lens model ends.
+    Arrows lead from a point's ideal to its real place, lengthened by `distortion_magnification`.
+    The background is coloured by the distance, 0 to `round_up(largest_shift_px(camera))` pixels,
+    and hatched where the lens model ends.
     """
     ideal, seen = distorted_grid(camera, _FIELD)
     shifts = np.linalg.norm(seen - ideal, axis=1).reshape(_FIELD[::-1])
@@ -117,8 +112,8 @@ def distortion_picture(camera: Camera, size: tuple[int, int], dark: bool) -> Pic
 
 
 def residual_magnification(views: Sequence[View], image_size: tuple[int, int]) -> float:
-    """So many times longer than they are `residual_picture` draws the residuals: all but the
-    largest two in a hundred are then shorter than a twentieth of the image's width."""
+    """Factor by which `residual_picture` lengthens the residuals, so that 98 % of them stay shorter
+    than a twentieth of the image's width."""
     lengths = np.concatenate([np.linalg.norm(view.errors, axis=1) for view in views])
     return magnification(float(np.percentile(lengths, 98)), image_size[0] / 20)
 
@@ -131,17 +126,15 @@ def residual_picture(
     dark: bool,
     chosen: int | None = None,
 ) -> Picture:
-    """Observed minus calculated corners as lines, `residual_magnification` times as long.
-
-    The colour is the length, from 0 to the longest of all. With `chosen`, the number of a view, the
-    others are faint.
-    """
+    """Observed minus calculated corners as lines, lengthened by `residual_magnification` and
+    coloured by length, 0 to the longest. With `chosen`, the number of a view, the others are
+    faint."""
     paper = ground(dark).background
     picture = np.empty((size[1], size[0], 3), np.uint8)
     picture[:] = mixed(paper, ground(dark).text, 0.07)
     scale = np.array(size) / image_size
     stretch = residual_magnification(views, image_size)
-    # Yellow is lost on white: the scale is used up to where it can still be seen.
+    # Yellow is lost on white: use the scale only as far as it is visible.
     quiet = mixed(paper, ground(dark).text, 0.3)
     ink, mark = ground(dark).text, ground(dark).warning
     for view in sorted(views, key=lambda v: v.number == chosen):
@@ -156,7 +149,7 @@ def residual_picture(
 
 
 def _heat(values: Array, low: float, high: float, size: tuple[int, int], dark: bool) -> Picture:
-    """Values (rows, columns) at equal cells' centres as smooth colours; NaN is hatched."""
+    """Values (rows, columns) at cell centres, interpolated to smooth colours; NaN is hatched."""
     known = np.isfinite(values)
     filled = np.where(known, values, high).astype(np.float32)
     smooth = cv2.resize(filled, size, interpolation=cv2.INTER_CUBIC)
@@ -168,7 +161,7 @@ def _heat(values: Array, low: float, high: float, size: tuple[int, int], dark: b
 
 
 def _hatch(picture: Picture, where: NDArray[np.bool_], dark: bool) -> None:
-    """Stripes in neutral colours: nothing is known here."""
+    """Stripes in neutral colours where nothing is known."""
     paper, ink = ground(dark).background, ground(dark).text
     rows, columns = np.indices(where.shape)
     stripe = (rows + columns) % 14 < 3

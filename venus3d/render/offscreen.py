@@ -1,7 +1,7 @@
-"""Pictures of shapes as a camera with a lens would take them, without a screen.
+"""Offscreen pictures of shapes as a camera with a lens would take them.
 
-One thread of its own owns OpenGL; anyone may ask it for pictures. Where OpenGL is missing, or fails
-while it draws, the painter draws the same shapes with OpenCV. Both draw through the same lens map.
+One thread owns OpenGL; any thread may request pictures. If OpenGL is missing or fails, `Painter`
+draws the same shapes with OpenCV. Both use the same lens map.
 """
 
 from __future__ import annotations
@@ -39,31 +39,31 @@ class Renderer(Protocol):
     def render(
         self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour
     ) -> Image:
-        """RGBA (H, W, 4); the fourth channel means nothing."""
+        """RGBA (H, W, 4); alpha is meaningless."""
         ...
 
     def close(self) -> None:
-        """Release what is held."""
+        """Release all resources."""
         ...
 
 
 class Offscreen:
-    """The one place that renders pictures. `submit` from any thread; close it when done."""
+    """The only place that renders pictures. `submit` from any thread; close it when done."""
 
     def __init__(
         self, backend: Literal["auto", "gl", "painter"] = "auto", *, smooth: bool = True
     ) -> None:
-        """Start the render thread. Without `smooth`, OpenGL leaves the edges of shapes ragged and
-        takes half the time: for pictures that are blurred anyway.
+        """Start the render thread. Without `smooth` there is no antialiasing, in half the time: for
+        pictures that are blurred anyway.
 
-        Raises `RuntimeError` if `backend` is "gl" and OpenGL cannot be had; with "gl", what fails
-        later is raised too, instead of being painted.
+        Raises `RuntimeError` if `backend` is "gl" and OpenGL is unavailable; with "gl", later
+        failures are raised too instead of being painted.
         """
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="offscreen")
         self._closed = False
         self.note = ""
-        """One sentence that says why the painter draws; empty while OpenGL does. It may come late:
-        then it is logged as well."""
+        """Why the painter draws, in one sentence; empty while OpenGL does. Late failures are logged
+        too."""
         self.backend: Backend = "painter"
         self._falls_back = backend == "auto"
         self._renderer: Renderer = Painter()
@@ -72,8 +72,8 @@ class Offscreen:
                 self._renderer = self._thread.submit(_open_gl, smooth).result()
                 self.backend = "gl"
             except Exception as error:
-                # Whatever keeps OpenGL from starting (no library, no device, no pyrender), the
-                # pictures are still needed.
+                # Whatever keeps OpenGL from starting (no library, device or pyrender), pictures are
+                # needed.
                 if not self._falls_back:
                     self._thread.shutdown()
                     raise RuntimeError(f"OpenGL cannot be used: {error}") from error
@@ -89,15 +89,16 @@ class Offscreen:
         supersample: int = 1,
         finish: Callable[[Image], Image] | None = None,
     ) -> Future[Image]:
-        """Ask for a picture, RGB (H, W, 3) uint8.
+        """Request a picture, RGB (H, W, 3) uint8.
 
         Args:
-            camera: what looks; its own lens is applied.
-            shapes: those with `in_projection` are drawn; or what makes them, on the render thread.
+            camera: its own lens is applied.
+            shapes: those with `in_projection` are drawn; or a function that makes them, called on
+            the render thread.
             background: a colour, or an RGB picture of the output's size.
             size: (width, height) of the picture; the camera's own if None.
             supersample: render this many times larger and shrink, for smooth small pictures.
-            finish: what else is done to the picture, on the render thread.
+            finish: post-processing, called on the render thread.
         """
 
         def draw() -> Image:
@@ -110,11 +111,11 @@ class Offscreen:
         return self._thread.submit(draw)
 
     def render(self, camera: Camera, shapes: Sequence[Shape], **options: Any) -> Image:
-        """The picture itself: `submit` and wait."""
+        """`submit` and wait for the picture."""
         return self.submit(camera, shapes, **options).result()
 
     def close(self) -> None:
-        """Finish what was asked for and release OpenGL. May be called twice."""
+        """Finish pending requests and release OpenGL. May be called twice."""
         if not self._closed:
             self._closed = True
             with self._thread:
@@ -130,11 +131,11 @@ class Offscreen:
         try:
             return picture(self._renderer)
         except Exception as error:
-            # A lost context, a driver's error, too little memory: the picture is still needed.
+            # A lost context, a driver error, too little memory: the picture is still needed.
             if self.backend == "painter" or not self._falls_back:
                 raise
             painter = Painter()
-            # If this fails as well, the shapes are at fault: it is raised, and OpenGL goes on.
+            # If this fails as well, the shapes are at fault: raise, and keep OpenGL.
             painted = picture(painter)
             self._release()
             self._renderer, self.backend = painter, "painter"
@@ -146,7 +147,7 @@ class Offscreen:
         try:
             self._renderer.close()
         except Exception:
-            # What fails while it draws may fail here too, and nothing more is asked of it.
+            # Closing after a failure may fail too; OpenGL is not used again.
             if not self._falls_back:
                 raise
 
@@ -166,7 +167,7 @@ def _picture(
 
     def draw(ground: Colour) -> Image:
         picture = renderer.render(lens.ideal, _widened(solids, supersample), ground)
-        # Bending all four channels first is quicker than dropping one before.
+        # Warping four channels is quicker than dropping one first.
         picture = cv2.cvtColor(lens.bend(picture, (*ground, 255)), cv2.COLOR_RGBA2RGB)
         if supersample > 1:
             picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
@@ -180,7 +181,7 @@ def _picture(
 
 
 def _cause(error: Exception) -> str:
-    # PyOpenGL's errors take several lines and name every argument.
+    # PyOpenGL's errors take several lines and list every argument.
     return shorten(f"{type(error).__name__}: {error}", _CAUSE_LENGTH, placeholder=" ...")
 
 
@@ -191,7 +192,7 @@ def _widened(shapes: list[MeshShape | LineShape], factor: int) -> list[MeshShape
 
 
 def _over(on_black: Image, on_white: Image, ground: Image) -> Image:
-    """Composed with a picture: what differs between black and white lets the ground through."""
+    """Composed over a picture: where the renderings on black and white differ, it shows through."""
     through = on_white.astype(np.float32) - on_black
     return np.clip(on_black + through * (ground / np.float32(255)) + 0.5, 0, 255).astype(np.uint8)
 
@@ -199,7 +200,7 @@ def _over(on_black: Image, on_white: Image, ground: Image) -> Image:
 def _open_gl(smooth: bool) -> Renderer:
     if sys.platform.startswith("linux"):
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
-        # pyrender brings a window along, whose pyglet looks for X otherwise, screen or not.
+        # pyrender imports pyglet, which otherwise looks for an X display.
         os.environ.setdefault("PYGLET_HEADLESS", "true")
     from venus3d.render.gl_renderer import GlRenderer
 

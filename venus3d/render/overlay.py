@@ -1,8 +1,7 @@
-"""The two other helps of a trial, drawn into the live picture: axes, and a filled outline.
+"""The two other helps of a trial, drawn into the live picture: axes, and a filled silhouette.
 
-As their inventors show them: everything is in the picture, nothing is said in words. Lines and
-letters are thick enough for two metres. The colours are told apart by colour-blind people, and
-none stands alone: axes have letters, the target's are dashed with arrow heads.
+As published, they use no words. Lines and letters are thick enough for two metres; the colours suit
+colour-blind people and never stand alone: axes have letters, the target's are dashed.
 """
 
 from __future__ import annotations
@@ -26,18 +25,18 @@ from venus3d.render.shapes import Colour
 
 Picture = NDArray[np.uint8]
 AXIS_COLOURS: tuple[Colour, Colour, Colour] = ((235, 70, 55), (60, 200, 90), (70, 130, 255))
-"""X, Y, Z: red, green, blue, as everywhere."""
+"""X, Y, Z: red, green, blue, as usual."""
 TARGET_FILL: Colour = (255, 176, 32)
 BOARD_FILL: Colour = (235, 240, 245)
 OVERLAP_FILL: Colour = (40, 120, 255)
 _AXIS_LENGTH = 0.6  # of the board's shorter side
-_POINTS = 13  # along an axis: behind a lens it is a curve
+_POINTS = 13  # along an axis, which a lens bends
 _OPACITY = 0.6
 
 
 def draw_axes(rgb: Picture, camera: Camera, board: Board, now: Pose | None, target: Pose) -> None:
-    """Draw the axes of the board as it is now (solid) and of the target (dashed) on an RGB
-    picture, in place. The camera may be of another image size."""
+    """Draw the axes of the current board (solid) and of the target (dashed) on an RGB picture, in
+    place. The camera may have another image size."""
     seen = camera.scaled((rgb.shape[1], rgb.shape[0]))
     length = _AXIS_LENGTH * min(board.width, board.height)
     if now is not None:
@@ -48,8 +47,8 @@ def draw_axes(rgb: Picture, camera: Camera, board: Board, now: Pose | None, targ
 def draw_outline(
     rgb: Picture, camera: Camera, board: Board, now: Pose | None, target: Pose
 ) -> None:
-    """Fill the target's silhouette on an RGB picture, in place; where the board covers it, in
-    another colour. The top edges have a spike. The camera may be of another image size."""
+    """Fill the target's silhouette on an RGB picture, in place, with another colour where the board
+    covers it; top edges have a spike. The camera may have another image size."""
     seen = camera.scaled((rgb.shape[1], rgb.shape[0]))
     wanted = _mask(rgb, seen, board, target)
     covered = np.zeros_like(wanted) if now is None else _mask(rgb, seen, board, now)
@@ -63,13 +62,13 @@ def draw_outline(
 
 
 def _stroke(rgb: Picture) -> int:
-    """Width of a line that is seen from two metres, pixels."""
+    """Width of a line that is visible from two metres, pixels."""
     return max(2, round(rgb.shape[1] / 240))
 
 
 def _frame(rgb: Picture, camera: Camera, pose: Pose, length: float, *, dashed: bool) -> None:
     along = np.linspace(0.0, 1.0, _POINTS)[:, None]
-    # The farthest first, so that what is nearer lies over it.
+    # Farthest first, so that nearer parts cover it.
     for axis in sorted(range(3), key=lambda i: -float(pose.R[2, i])):
         points = camera.project(pose.apply(along * length * np.eye(3)[axis]))
         colour, width = AXIS_COLOURS[axis], _stroke(rgb)
@@ -104,7 +103,7 @@ def _letter(rgb: Picture, points: Array, text: str, colour: Colour) -> None:
     place = tip + (direction / norm if norm > 1 else np.array([1.0, -1.0])) * 26 * scale
     (w, h), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 2)
     corner = (round(place[0] - w / 2), round(place[1] + h / 2))
-    # On a disc: a letter over the board's pattern could not be read.
+    # On a disc: over the board's pattern a letter would be unreadable.
     disc, thickness = (round(place[0]), round(place[1])), max(2, round(3 * scale))
     cv2.circle(rgb, disc, round(19 * scale), CASING, -1, cv2.LINE_AA)
     cv2.putText(rgb, text, corner, cv2.FONT_HERSHEY_SIMPLEX, scale, colour, thickness, cv2.LINE_AA)
@@ -126,8 +125,8 @@ def _mask(rgb: Picture, camera: Camera, board: Board, pose: Pose) -> NDArray[np.
 
 
 def _fill(rgb: Picture, mask: Picture, colour: Colour) -> None:
-    # OpenCV and only where it is needed: numpy would take longer than all the rest of a picture,
-    # and this help's picture must come no later than the others'.
+    # OpenCV, and only where needed: numpy would take longer than the rest of the picture, and this
+    # help must be no slower than the others.
     x, y, w, h = cv2.boundingRect(mask)
     part = rgb[y : y + h, x : x + w]
     if part.size:

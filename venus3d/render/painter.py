@@ -1,8 +1,7 @@
-"""The same shapes without OpenGL: a small software renderer out of OpenCV's polygon filling.
+"""A small software renderer, used without OpenGL; it fills polygons with OpenCV.
 
-Draws through an ideal pinhole (the lens is `lens`'s part), with a depth picture, so that boards
-that pass through each other look as they do in OpenGL. Slower than OpenGL and without its smooth
-edges; a printed board is warped as a whole, so its corners are where they belong.
+It draws through an ideal pinhole with a depth buffer, slower than OpenGL and without antialiasing;
+a printed board is warped as a whole, so its corners are exact.
 """
 
 from __future__ import annotations
@@ -27,14 +26,14 @@ _SUBPIXEL_BITS = 6
 
 
 class Painter:
-    """Draws meshes and lines through an ideal pinhole with OpenCV. Holds nothing."""
+    """Draws meshes and lines through an ideal pinhole with OpenCV. Stateless."""
 
     def render(
         self, camera: Camera, shapes: Sequence[MeshShape | LineShape], background: Colour
     ) -> NDArray[np.uint8]:
-        """RGBA (H, W, 4) of the shapes before a plain background; alpha means nothing."""
+        """RGBA (H, W, 4) of the shapes on a plain background; alpha is meaningless."""
         canvas = _Canvas(camera, background)
-        # Solid things first, then translucent ones in the order of the list.
+        # Opaque shapes first, then translucent ones in list order.
         for shape in sorted(shapes, key=lambda s: isinstance(s, MeshShape) and s.opacity < 1):
             if isinstance(shape, LineShape):
                 vertices, faces = line_mesh(shape, camera)
@@ -57,17 +56,17 @@ class Painter:
 
 
 class _Canvas:
-    """A picture with the inverse depth of what is on it."""
+    """A picture with a buffer of inverse depths."""
 
     def __init__(self, camera: Camera, background: Colour) -> None:
         self.camera = camera
         size = (camera.height, camera.width)
         self.picture = np.full((*size, 4), (*background, 255), dtype=np.uint8)
         self.nearness = np.zeros(size, dtype=np.float32)
-        """1 / z of what is seen in each pixel, 1/m."""
+        """1 / z of each pixel's surface, 1/m."""
         self.touched = np.zeros(size, dtype=np.bool_)
-        """Where the present sheet is painted: two of its triangles share the pixels of an edge,
-        which must not be blended twice."""
+        """Where the current sheet is painted: pixels shared by two triangles must not blend
+        twice."""
 
     def fill(
         self,
@@ -151,7 +150,8 @@ def _paint_textured(canvas: _Canvas, shape: MeshShape) -> None:
 
 @lru_cache(maxsize=8)
 def _texture_of(mesh: trimesh.Trimesh) -> tuple[NDArray[np.uint8], Array]:
-    """The picture (H, W, 3) RGB and each vertex' place in it (N, 2), texels from the upper left."""
+    """The texture (H, W, 3) RGB and each vertex's place in it (N, 2), texels from the upper
+    left."""
     visual: Any = mesh.visual
     picture = np.asarray(visual.material.baseColorTexture.convert("RGB"))
     height, width = picture.shape[:2]
@@ -161,10 +161,10 @@ def _texture_of(mesh: trimesh.Trimesh) -> tuple[NDArray[np.uint8], Array]:
 def _warped(
     camera: Camera, picture: NDArray[np.uint8], face_uv: Array, triangles: Array
 ) -> NDArray[np.uint8]:
-    """The flat, printed part of a mesh as the pinhole sees it, RGBA (H, W, 4)."""
+    """The flat, printed part of a mesh through the pinhole, RGBA (H, W, 4)."""
     texels, points = face_uv.reshape(-1, 2), triangles.reshape(-1, 3)
     pixels = points[:, :2] / points[:, 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
-    # Shrink the picture first, as a mipmap would: a warp that skips texels scatters the corners.
+    # Shrink first, as a mipmap would: a warp that skips texels scatters the corners.
     texel_edges = np.linalg.norm(np.diff(face_uv, axis=1), axis=-1)
     pixel_edges = np.linalg.norm(np.diff(pixels.reshape(-1, 3, 2), axis=1), axis=-1)
     coarsest = float((texel_edges / np.maximum(pixel_edges, 1e-6)).max())
@@ -172,10 +172,10 @@ def _warped(
     for _ in range(halvings):
         half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
         picture = np.asarray(half, dtype=np.uint8)
-    # Texels are counted from their edges, OpenCV's pixels from their centres.
+    # The texel origin is the edge, OpenCV's pixel origin the centre.
     source = texels / 2**halvings - 0.5
     H, _ = cv2.findHomography(source, pixels)
-    if H is None:  # exactly edge on, a picture has no area
+    if H is None:  # edge-on, it has no area
         return np.zeros((camera.height, camera.width, 4), np.uint8)
     rgba = cv2.cvtColor(picture, cv2.COLOR_RGB2RGBA)
     return np.asarray(

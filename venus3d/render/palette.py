@@ -1,9 +1,9 @@
-"""Colours: one per step, safe for colour-blind people, on dark and on light ground.
+"""Colours on dark and on light ground: one per step, safe for colour-blind people.
 
-The steps' hues are Okabe and Ito's reddish purple, vermillion, bluish green and blue; their tones
-were searched for the largest distance between any two under normal sight and all three kinds of
-colour blindness, once on dark and once on light ground. The axes keep the usual order red, green,
-blue. A colour never stands alone: each step has a number and a word too.
+The steps' hues are Okabe and Ito's reddish purple, vermillion, bluish green and blue, with tones
+that maximise the smallest distance between any two under normal sight and all three kinds of colour
+blindness. The axes are red, green, blue as usual. A colour never stands alone: each step has a
+number and a word too.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from venus3d.render.texts import STEP_SHORT_TITLES, STEP_TITLES
 
 @dataclass(frozen=True)
 class StepStyle:
-    """How one step is named and coloured everywhere."""
+    """Name and colour of one step."""
 
     number: int
     title: str
@@ -31,7 +31,7 @@ class StepStyle:
     on_light: Colour
 
     def colour(self, dark: bool) -> Colour:
-        """The step's colour on this ground."""
+        """The step's colour on dark or light ground."""
         return self.on_dark if dark else self.on_light
 
 
@@ -58,9 +58,9 @@ class Ground:
     camera: Colour
     """The frustum's lines."""
     warning: Colour
-    """First accent, amber: attention. Something is going on, or is needed."""
+    """First accent, amber: something is going on or needs attention."""
     reached: Colour
-    """Second accent, green: something is right. Always with a tick and a word."""
+    """Second accent, green: correct. Always with a tick and a word."""
 
 
 DARK = Ground(
@@ -91,29 +91,29 @@ def ground(dark: bool) -> Ground:
 
 
 def picture_background(dark: bool) -> Colour:
-    """What stands behind the shapes in offscreen pictures: a tone off the page's background."""
+    """Background of offscreen pictures: a shade off the page's background."""
     colours = ground(dark)
     return mixed(colours.background, colours.text, 0.06)
 
 
 def step_style(number: int) -> StepStyle:
-    """Style of step 1 ... 4."""
+    """Style of a step, 1 ... 4."""
     return STEP_STYLES[number - 1]
 
 
 def step_colour(number: int, dark: bool = True) -> Colour:
-    """Colour of step 1 ... 4 on this ground."""
+    """Colour of a step, 1 ... 4, on dark or light ground."""
     return step_style(number).colour(dark)
 
 
 def mixed(colour: Colour, other: Colour, share: float) -> Colour:
-    """`colour` with a `share` (0 ... 1) of the other in it."""
+    """`colour` blended with a `share` (0 ... 1) of the other."""
     r, g, b = (round(a * (1 - share) + o * share) for a, o in zip(colour, other, strict=True))
     return (r, g, b)
 
 
 def hex_of(colour: Colour) -> str:
-    """The colour as HTML writes it."""
+    """The colour as an HTML hex string."""
     return "#{:02x}{:02x}{:02x}".format(*colour)
 
 
@@ -135,6 +135,6 @@ def contrast(a: Colour, b: Colour) -> float:
 
 
 def text_on(colour: Colour) -> Colour:
-    """Near black or white, whichever reads better on `colour`."""
+    """Near black or white, whichever contrasts more with `colour`."""
     dark, light = (18, 20, 24), (255, 255, 255)
     return dark if contrast(colour, dark) >= contrast(colour, light) else light

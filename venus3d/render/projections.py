@@ -1,7 +1,6 @@
-"""The four steps of a target as the camera itself would see them, each under its instruction.
+"""The four steps of a target as the camera would see them, each under its instruction.
 
-Rendered once for each target and camera, when somebody first asks, and kept (the paper's lazy
-loading).
+Rendered on the first request for a target and camera, then cached (the paper's lazy loading).
 """
 
 from __future__ import annotations
@@ -31,14 +30,14 @@ Picture = NDArray[np.uint8]
 Pictures = tuple[Future[Picture], Future[Picture], Future[Picture], Future[Picture]]
 KEPT_TARGETS = 6
 HEADER_SHARE = 0.26
-"""Height of the header above a picture, in heights of the picture."""
+"""Height of a picture's header, in heights of the picture."""
 
 
 class Projections:
-    """The pictures of the steps, by target. May be asked from any thread."""
+    """The pictures of the steps, by target; thread-safe."""
 
     def __init__(self, offscreen: Offscreen) -> None:
-        """Pictures will come from this renderer."""
+        """`offscreen` renders the pictures."""
         self._offscreen = offscreen
         self._kept: OrderedDict[tuple[object, ...], Pictures] = OrderedDict()
         self._lock = Lock()
@@ -58,10 +57,8 @@ class Projections:
         dark: bool = True,
         header: bool = True,
     ) -> Pictures:
-        """Pictures of steps 1 ... 4, RGB; each `size` large, with a `header` of its own above.
-
-        Returns at once; the pictures come from the render thread.
-        """
+        """Futures of the RGB pictures of steps 1 ... 4, each of `size` plus a `header` above;
+        returns at once."""
         key = (target, camera, board, size, dark, header)
         with self._lock:
             if key not in self._kept:
@@ -86,7 +83,7 @@ class Projections:
         supersample: int = 2,
         header: bool = True,
     ) -> Future[Picture]:
-        """The picture of one step; not kept. Drawn `supersample` times as large and shrunk."""
+        """The picture of one step; not cached. Drawn `supersample` times as large and shrunk."""
         return self._offscreen.submit(
             camera,
             lambda: describe_step(board, camera, step, dark=dark),
@@ -125,7 +122,7 @@ def with_header(
 def _header(
     size: tuple[int, int], badge: str, colour: Colour, title: str, sentence: str, dark: bool
 ) -> Picture:
-    """Kept, since words change less often than what stands below them."""
+    """The header; cached, since its words change less often than the picture below."""
     colours = ground(dark)
     width, header = size
     image = Image.new("RGB", size, colours.background)
@@ -149,7 +146,7 @@ def _header(
 
 
 def with_corner_banner(picture: Picture, step: Step, dark: bool) -> Picture:
-    """The picture as it is, or with a banner that says how many corners lie outside it."""
+    """The picture, with a banner if corners lie outside it that says how many."""
     if step.is_visible:
         return picture
     image = Image.fromarray(picture)
@@ -159,7 +156,7 @@ def with_corner_banner(picture: Picture, step: Step, dark: bool) -> Picture:
 
 def _banner(draw: ImageDraw.ImageDraw, size: tuple[int, int], corners: int, dark: bool) -> None:
     colours = ground(dark)
-    # A tile on the page is half as wide as its picture, and must be read all the same.
+    # A tile on the page is half as wide as its picture and must stay readable.
     face = font(round(size[0] * 0.04), bold=True)
     text = ONE_CORNER_OUTSIDE if corners == 1 else CORNERS_OUTSIDE.format(count=corners)
     half, tall = face.getlength(text) / 2 + 8, round(size[0] * 0.056)

@@ -1,4 +1,4 @@
-"""The one description of what is seen: named shapes, drawn by viser and by pyrender alike."""
+"""Named shapes of the scene, drawn by viser and pyrender alike."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True, eq=False)
 class MeshShape:
-    """A mesh of one colour, or with a texture."""
+    """A mesh with one colour or a texture."""
 
     name: str
     """Path in the scene tree: "/steps/3/arrow"."""
     mesh: trimesh.Trimesh
-    """Vertices in the shape's own frame, metres; a textured mesh carries uv and image itself."""
+    """Vertices in the shape's own frame, metres; a textured mesh holds uv and image."""
     pose: Pose
     """Own frame to camera frame."""
     colour: Colour = (255, 255, 255)
     opacity: float = 1.0
     textured: bool = False
     in_projection: bool = True
-    """Whether the offscreen projections draw it too."""
+    """Whether the offscreen projections include it."""
     shaded: bool = False
-    """Whether light and shade show its form (arrows do; boards keep their plain colours)."""
+    """Whether it is shaded (arrows are; boards keep their plain colours)."""
     on_top: bool = False
-    """Whether nothing hides it in the offscreen projections."""
+    """Whether nothing occludes it in the offscreen projections."""
 
 
 @dataclass(frozen=True, eq=False)
 class LineShape:
-    """Straight segments, drawn at a constant width on the screen."""
+    """Straight segments with a constant width on the screen."""
 
     name: str
     segments: Array
@@ -47,7 +47,7 @@ class LineShape:
     width_px: float = 2.0
     in_projection: bool = True
     on_top: bool = False
-    """Whether nothing hides it in the offscreen projections."""
+    """Whether nothing occludes it in the offscreen projections."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class FrustumShape:
 
 @dataclass(frozen=True, eq=False)
 class PointShape:
-    """Many dots of one size."""
+    """A cloud of dots of one size."""
 
     name: str
     points: Array
@@ -84,7 +84,7 @@ class PointShape:
     colours: NDArray[np.uint8]
     """(N, 3) RGB."""
     size: float
-    """Across a dot, metres."""
+    """Diameter of a dot, metres."""
     in_projection: Literal[False] = False
 
 

@@ -1,8 +1,7 @@
-"""One step's instruction: the arrow, the swept angle, the axis and the number of degrees.
+"""One step's instruction: the arrow, the swept angle, the axis and the amount.
 
-A turn is drawn like a protractor at the board's side: its plane is square to the axis and stands
-just outside the board, so that the board never hides it, and the arc starts at the very edge that
-the words speak of.
+A turn is drawn as a protractor just outside the board, in a plane perpendicular to its axis, so
+that the board never hides it; the arc starts at the edge that the words name.
 """
 
 from __future__ import annotations
@@ -33,21 +32,21 @@ GAP = 0.12
 SHAFT = 0.016
 """Radius of an arrow's shaft, in board widths."""
 SHORTEST_ARC_DEG = 22.0
-"""An arc arrow is at least this long."""
+"""Shortest arc of an arrow."""
 READABLE_ARC_DEG = 60.0
-"""The same for an arc that the camera sees edge-on."""
+"""The same where the camera sees the arc edge-on."""
 
 
 @dataclass(frozen=True, eq=False)
 class Protractor:
-    """Where a turn's arc stands."""
+    """Place of a turn's arc."""
 
     frame: Pose
-    """+z along the turn's axis, +x to where the arc starts; the origin on the axis."""
+    """+z along the turn's axis, +x towards the arc's start; the origin on the axis."""
     radius: float
     """Of the arc, metres."""
     axis_ends: Array
-    """(2, 3) the visible piece of the axis; the second end is on the protractor's side."""
+    """(2, 3) the visible part of the axis; the second end is on the protractor's side."""
 
 
 def instruction_shapes(
@@ -60,13 +59,11 @@ def instruction_shapes(
     for_camera: bool = False,
     sweep: float = 1.0,
 ) -> list[Shape]:
-    """Arrow and all that belongs to it; nothing for an idle step.
+    """Arrow, sector, axis and labels of a step; nothing for an idle one.
 
-    The sector grows with `sweep`, 0 ... 1, as the board goes; the rest says where it goes.
-
-    The camera looks along the plane in which a board tilts or swings. With `for_camera` the arrow
-    is made long enough to be read from there; the sector and the number tell the true angle.
-    Without a `camera`, all places are equally good.
+    The sector grows with `sweep`, 0 ... 1. The camera looks along the plane in which a board tilts
+    or swings: with `for_camera` the arrow is long enough to be read from there, while sector and
+    number give the true angle. Without a `camera`, all places count as equally good.
     """
     if step.is_idle:
         return []
@@ -82,9 +79,9 @@ def _move_shapes(board: Board, step: Step, name: str, dark: bool) -> list[Shape]
     start, end = step.before.t, step.after.t
     shaft = _shaft(board, step)
     along = frame_along(step.translation, start)
-    # Seen from behind, a move straight ahead is a dot; at the corners it is seen all the same.
+    # Seen from behind, a move straight ahead is a dot, but visible at the corners.
     corners = step.before.apply(outline_segments(board)[:, 0]) - start
-    # Beside the arrow, on its lower side as the camera sees it.
+    # Beside the arrow, below it as the camera sees it.
     aside = np.array([-step.translation[1], step.translation[0], 0.0])
     aside = aside / np.linalg.norm(aside) if np.linalg.norm(aside) > 0.2 * length else [0, 1, 0]
     aside = np.asarray(aside) * (1 if aside[1] >= 0 else -1)
@@ -105,7 +102,7 @@ def _move_arrow(name: str, length: float, shaft: float, pose: Pose, colour: Colo
 
 
 def _shaft(board: Board, step: Step) -> float:
-    """Radius of the arrow, metres: a far board's arrow is thicker, to be seen from here."""
+    """Radius of the arrow, metres; thicker for a far board."""
     return round(SHAFT * board.width * _enlarged(step), 4)
 
 
@@ -114,10 +111,10 @@ def _enlarged(step: Step) -> float:
 
 
 def pose_during(step: Step, fraction: float) -> Pose:
-    """Where the board is a `fraction` (0 ... 1) of the way through a step."""
+    """The board's pose after a `fraction` (0 ... 1) of a step."""
     if step.axis is None:
         return interpolate(step.before, step.after, fraction)
-    # A turn of more than 180 degrees must go the long way round, as its arrow does.
+    # A turn of more than 180 degrees must go the long way round, like its arrow.
     return step.before.turned(step.axis, fraction * step.angle_deg)
 
 
@@ -141,11 +138,11 @@ def _turn_shapes(
     outward = outward / np.linalg.norm(outward) * 0.07 * board.width * _enlarged(step)
     letter_at = place.axis_ends[1] + outward
     degrees_at = place.frame.apply(arc_point((ends[0] + ends[1]) / 2, 1.28 * radius))
-    # The camera looks along Z: there the axis is a dot.
+    # The camera looks along Z: the axis is a dot.
     seen = step.axis != "z"
-    if seen:  # and an arc edge-on would run into its number
+    if seen:  # an edge-on arc would run into its number
         degrees_at = degrees_at + 1.3 * outward
-    # In whole degrees on the way, so that a glide makes few meshes.
+    # In whole degrees, so that an animation makes few meshes.
     done = sector(angle if sweep >= 1 else float(round(sweep * angle)), radius)
     return [
         MeshShape(f"{name}/arrow", arrow, place.frame, colour, shaded=True),
@@ -157,28 +154,28 @@ def _turn_shapes(
 
 
 def arc_ends(step: Step, *, for_camera: bool) -> tuple[float, float]:
-    """Where a turn's arrow begins and where its tip is, degrees from the start of its arc."""
+    """Where a turn's arrow begins and ends, degrees from the start of its arc."""
     angle = round(step.angle_deg, 2)
     sign = 1.0 if angle > 0 else -1.0
     if for_camera and step.axis != "z":
         return 0.0, sign * max(abs(angle), READABLE_ARC_DEG)
-    # The tail of a small turn's arrow is moved back, so that its tip is where the turn ends.
+    # Move the tail of a small turn's arrow back, so that its tip stays at the end of the turn.
     return sign * min(0.0, abs(angle) - SHORTEST_ARC_DEG), angle
 
 
 def protractor(board: Board, camera: Camera | None, step: Step) -> Protractor:
-    """Where the arc of a turn is best drawn: the first place that this camera sees best."""
+    """The place for a turn's arc that this camera sees best; the first of equals."""
     places = _dials(board, step) if step.axis == "z" else _side_places(board, step)
     if camera is None:
         return places[0]
-    # A place that cuts through the board is worth one hidden point.
+    # Cutting through the board counts as one hidden point.
     inner = range(4, 12) if step.axis == "z" else range(2, 4)
     flaws = [_flaws(p, step, camera) + (i in inner) for i, p in enumerate(places)]
     return places[flaws.index(min(flaws))]
 
 
 def _dials(board: Board, step: Step) -> list[Protractor]:
-    """Dials around the whole board, starting at one of its four edges; smaller ones before it."""
+    """Dials around the whole board, starting at one of its four edges, then smaller ones."""
     axis, centre = np.array([0.0, 0.0, 1.0]), step.after.t
     diagonal = float(np.hypot(board.width, board.height)) / 2
     places: list[Protractor] = []
@@ -202,7 +199,7 @@ def _side_places(board: Board, step: Step) -> list[Protractor]:
     half = np.array([board.width, board.height]) / 2
     radius = 1.2 * float(np.abs(edge @ step.before.R[:, :2]) @ half)
     centre, reach = step.after.t, _reach(board, step, axis)
-    # The farther from the optical axis, the less edge-on the arc is seen: prefer that side.
+    # The farther from the optical axis, the less edge-on the arc: prefer that side.
     first = 1.0 if centre @ axis >= 0 else -1.0
     places: list[Protractor] = []
     for beside, share in ((reach + GAP * board.width, 1.0), (0.6 * reach, 0.85)):
@@ -215,22 +212,20 @@ def _side_places(board: Board, step: Step) -> list[Protractor]:
 
 
 def _reach(board: Board, step: Step, axis: Array) -> float:
-    """How far the board extends from its centre along an axis after the step, metres."""
+    """Extent of the board from its centre along an axis after the step, metres."""
     return float(np.abs(axis @ step.after.R[:, :2]) @ [board.width / 2, board.height / 2])
 
 
 def _edges(step: Step, axis: Array, towards: Array) -> Array:
-    """(4, 3) directions to the board's edges, square to the axis, best aligned first."""
+    """(4, 3) directions to the board's edges, perpendicular to the axis, best aligned first."""
     edges = np.concatenate([step.before.R[:, :2].T, -step.before.R[:, :2].T])
     flat = edges - np.outer(edges @ axis, axis)
     return flat[np.argsort(-(flat @ towards), kind="stable")]
 
 
 def _flaws(place: Protractor, step: Step, camera: Camera) -> int:
-    """How many of the arc's five points the camera does not see; an arc edge-on counts as two more.
-
-    The label does not count: it is kept in the picture.
-    """
+    """How many of the arc's five points the camera does not see, plus two if the arc is edge-on;
+    labels do not count, since they are moved into the picture."""
     sign = 1.0 if step.angle_deg > 0 else -1.0
     end = step.angle_deg if step.axis == "z" else sign * max(abs(step.angle_deg), READABLE_ARC_DEG)
     angles = np.linspace(0, end, 5)

@@ -1,4 +1,5 @@
-"""All four steps side by side, for teaching: each with its board before and after, and arrow."""
+"""All four steps side by side, for teaching: each with its board before and after, and its
+arrow."""
 
 from __future__ import annotations
 
@@ -24,9 +25,9 @@ from venus3d.render.shapes import (
 from venus3d.render.step_shapes import instruction_shapes, pose_during
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
-"""Middle of the strip in the camera's frame, metres: above everything that is drawn in place."""
+"""Middle of the strip in the camera's frame, metres; above everything drawn in place."""
 _GAP = 0.5
-"""Between two steps, in board widths."""
+"""Gap between two steps, in board widths."""
 
 
 def strip_shapes(
@@ -74,7 +75,7 @@ def _cell(board: Board, step: Step, dark: bool, sweep: float) -> list[Shape]:
 
 
 def bounds_of(shapes: Sequence[Shape]) -> Array:
-    """(2, 3) lowest and highest coordinates of all that is drawn, camera frame, metres."""
+    """(2, 3) lowest and highest coordinates of the shapes, camera frame, metres."""
     points: list[Array] = []
     for shape in shapes:
         if isinstance(shape, MeshShape):
@@ -88,7 +89,7 @@ def bounds_of(shapes: Sequence[Shape]) -> Array:
 
 
 def moved_shape(shape: Shape, by: Pose) -> Shape:
-    """The shape elsewhere; a frustum and points stay."""
+    """The shape moved by `by`; frustum and points stay."""
     if isinstance(shape, LabelShape):
         return replace(shape, position=by.apply(shape.position))
     if isinstance(shape, FrustumShape | PointShape):

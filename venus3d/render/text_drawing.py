@@ -1,4 +1,4 @@
-"""Text painted into pictures: labels at points in space, and lines that fit a width."""
+"""Text in pictures: labels at points in space, and lines that fit a width."""
 
 from __future__ import annotations
 
@@ -30,17 +30,15 @@ def font(size_px: int, bold: bool = False) -> Any:
 
 
 def fitting_font(text: str, size_px: int, width_px: float, bold: bool = False) -> Any:
-    """`font` of this size, or of the largest one in which `text` is no wider than this."""
+    """`font` of this size, or the largest in which `text` fits the width."""
     length = font(size_px, bold).getlength(text)
     return font(min(size_px, int(size_px * width_px / max(length, 1))), bold)
 
 
 @lru_cache(maxsize=256)
 def wrapped_lines(text: str, face: Any, width_px: float) -> tuple[str, ...]:
-    """The words of `text` in as few lines of this width as they need.
-
-    Measuring takes as long as a small picture's meshes; the same words come again and again.
-    """
+    """`text` broken into as few lines of this width as possible; cached, since measuring is
+    slow."""
     lines: list[str] = []
     for word in text.split():
         if lines and face.getlength(f"{lines[-1]} {word}") <= width_px:
@@ -53,10 +51,8 @@ def wrapped_lines(text: str, face: Any, width_px: float) -> tuple[str, ...]:
 def paint_labels(
     picture: NDArray[np.uint8], labels: Sequence[LabelShape], camera: Camera
 ) -> NDArray[np.uint8]:
-    """RGB picture with the labels at their points as `camera` sees them.
-
-    A label just outside the picture is drawn at its border; one behind the camera is left out.
-    """
+    """RGB picture with the labels at their points as `camera` sees them. A label just outside is
+    drawn at the border; one behind the camera is left out."""
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image)
     size = int(np.clip(image.height / 13, 11, 44))
@@ -69,7 +65,7 @@ def paint_labels(
         half = face.getlength(label.text) / 2 + stroke
         x = float(np.clip(x, half + 2, image.width - half - 2))
         y = float(np.clip(y, 0.7 * size, image.height - 0.7 * size))
-        # Two labels on one spot: the later one moves below the earlier one.
+        # Overlapping labels: the later one moves below the earlier one.
         for x0, y0, x1, y1 in taken:
             if x - half < x1 and x + half > x0 and y - 0.6 * size < y1 and y + 0.6 * size > y0:
                 y = y1 + 0.6 * size if y1 + 1.2 * size < image.height else y0 - 0.6 * size

@@ -1,4 +1,4 @@
-"""What stands in the scene and in pictures, and which renderer draws them."""
+"""Texts in the scene and in pictures, and notes on the renderer in use."""
 
 STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
 STEP_SHORT_TITLES = ("Move", "Tilt", "Swing", "Rotate")

@@ -1,15 +1,12 @@
-"""Views of the scene that hold what must be seen, and what lies between two of them.
+"""Scene cameras that frame given points, and interpolation between them.
 
     outside   behind, above and beside the camera: camera and board together
-    camera    where the camera stands, with its own field of view
-    holder    behind the board, where the person with the board stands: left and right are swapped
+    camera    at the camera, with its own field of view
+    holder    behind the board, where its holder stands: left and right are swapped
     above     a map: the camera below, the board above it, right is right
 
-Things that stand side by side to be compared are looked at square to their row and from far away:
-equal things look equal then, wherever they stand.
-
-A view fits the points that must be seen into a window of any shape exactly. What is seen is left
-to others, and so is an overlay that must match the camera's picture to the pixel.
+Shapes in a row are viewed from far away and perpendicular to the row, so that equal ones look
+equal. A view fits the given points exactly into a window of any shape.
 """
 
 from __future__ import annotations
@@ -26,25 +23,25 @@ from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import Viewpoint
 
 FOV_RAD = float(np.radians(42.0))
-"""Vertical field of view of all views but the camera's own and those of things side by side."""
+"""Vertical field of view of all views but the camera's own and those of rows."""
 _LONG_LENS_RAD = float(np.radians(9.0))
 FLIGHT_SECONDS = 0.6
-"""How long a camera flies from one view to another."""
-_FILLED = 0.88  # of the window's half width or height: the rest is air
+"""Duration of a flight between two views."""
+_FILLED = 0.88  # of the window's half width or height; the rest is margin
 _BESIDE_THE_PICTURE = 1.06
-# On a phone the panels are a sheet over the lower part of a narrow window.
+# On a phone the panels cover the lower part of a narrow window.
 _PHONE, _COVERED_ON_A_PHONE = 0.62, 0.62
-# What is looked at stands so high above the middle there, in halves of the height.
+# Height of the target point above the middle there, in half heights.
 _VERY_NARROW, _RAISED = 0.55, 0.6
 _NARROWEST = 0.4
-# From what is looked at to the eye; screens have -y up, so none may be exactly upright.
+# From the target point to the eye; screens have -y up, so none may be exactly vertical.
 _DIRECTIONS: dict[Viewpoint, tuple[float, float, float]] = {
     "outside": (-0.56, -0.56, -0.61),
     "camera": (0.0, 0.0, -1.0),
     "holder": (0.20, -0.62, 0.76),
     "above": (0.0, -1.0, -0.06),
 }
-# For a row along x: none leans to a side. From a little above, so that the far axis is seen.
+# For a row along x, with no lateral tilt; from slightly above, so that the far axis is seen.
 _ABREAST: dict[Viewpoint, tuple[float, float, float]] = {
     "outside": (0.0, -0.4, -1.0),
     "camera": (0.0, 0.0, -1.0),
@@ -55,27 +52,26 @@ _ABREAST: dict[Viewpoint, tuple[float, float, float]] = {
 
 @dataclass(frozen=True, eq=False)
 class SceneCamera:
-    """A place to look from. Camera frame, metres; -y is up."""
+    """A viewpoint. Camera frame, metres; -y is up."""
 
     position: Array
     """(3,) the eye."""
     look_at: Array
-    """(3,) a point in the middle of the window."""
+    """(3,) the point in the middle of the window."""
     fov_rad: float
     """Vertical field of view."""
 
     @property
     def axes(self) -> Array:
-        """(3, 3) rows: to the right, down and forward in the window."""
+        """(3, 3) rows: right, down and forward in the window."""
         return _axes(self.look_at - self.position)
 
 
 def view_from(
     viewpoint: Viewpoint, camera: Camera, points: ArrayLike, aspect: float
 ) -> SceneCamera:
-    """The view from `viewpoint` in which all of the points (N, 3), metres, are just seen.
-
-    Through the camera they are not asked: the view holds the camera's picture.
+    """The view from `viewpoint` that just holds all the points (N, 3), metres; through the camera,
+    it holds the camera's picture instead.
 
     Args:
         aspect: width over height of the window.
@@ -89,19 +85,19 @@ def view_from(
 
 
 def view_abreast(viewpoint: Viewpoint, points: Array, aspect: float) -> SceneCamera:
-    """The view of things in a row along x: like `view_from`, but level and through a long lens."""
-    fov_rad = _LONG_LENS_RAD / max(1.0, aspect)  # a wide window is no reason to be nearer
+    """The view of shapes in a row along x: like `view_from`, but level and with a long lens."""
+    fov_rad = _LONG_LENS_RAD / max(1.0, aspect)  # a wide window is no reason to go nearer
     return view_along(-np.array(_ABREAST[viewpoint]), points, aspect, fov_rad=fov_rad)
 
 
 def view_along(
     forward: ArrayLike, points: Array, aspect: float, *, fov_rad: float = FOV_RAD
 ) -> SceneCamera:
-    """The nearest view in this direction (3,) in which all of the points (N, 3) are seen.
+    """The nearest view in this direction (3,) that holds all the points (N, 3).
 
     With the eye at e and the window's slope t, a point p is seen if |p_x - e_x| <= t (p_z - e_z).
-    The two bounds on e_x meet where e_z is largest; likewise for y, where the slopes upwards and
-    downwards may differ, and the farther eye counts.
+    The two bounds on e_x meet where e_z is largest; likewise for y, where the slopes up and down
+    may differ. The farther of the two eyes is taken.
     """
     axes = _axes(np.asarray(forward, dtype=np.float64))
     local = points @ axes.T
@@ -118,8 +114,8 @@ def view_along(
 
 
 def view_kept_wide(eye: Array, at: Array, roomy: float, aspect: float) -> SceneCamera:
-    """From `eye` to `at`, (3,) metres; in a window narrower than `roomy` (width over height) from
-    as much farther away, and on a phone with what is looked at above the panels."""
+    """From `eye` to `at`, (3,) metres; farther away in a window narrower than `roomy` (width over
+    height), and on a phone with `at` above the panels."""
     aspect = max(_NARROWEST, aspect)
     offset = max(1.0, roomy / aspect) * (eye - at)
     low = np.zeros(3)
@@ -128,28 +124,28 @@ def view_kept_wide(eye: Array, at: Array, roomy: float, aspect: float) -> SceneC
     return SceneCamera(at + offset + low, at + low, FOV_RAD)
 
 
-# Where the person who guides a board looks from: behind, above and to the side of the camera.
+# The operator's view: behind, above and beside the camera.
 _GUIDE_EYE, _GUIDE_AT = np.array([-0.60, -0.42, -0.33]), np.array([0.015, 0.04, 0.235])
 _NEAR_TARGET = 0.45
-"""Up to this distance of the target, metres, the scene is seen from there."""
+"""Largest target distance, metres, that this view shows at its usual place."""
 _ROOMY_ASPECT = 0.9
-"""Width over height of a scene in which everything fits from there."""
+"""Width over height of a window in which everything fits from there."""
 
 
 def guiding_view(back: float) -> Callable[[float], SceneCamera]:
-    """From behind the camera at camera, board and target, `back` times as far away as usual."""
+    """From behind the camera at camera, board and target, `back` times as far as usual."""
     return partial(view_kept_wide, back * _GUIDE_EYE, back * _GUIDE_AT, _ROOMY_ASPECT)
 
 
 def steps_back(distance: float) -> float:
-    """How much farther away to look from, 1 ... 2.5, so that a target `distance` metres away from
-    the camera is seen; in halves, so that the view a person has turned to is mostly kept."""
+    """Factor, 1 ... 2.5, by which to step back to see a target `distance` metres from the camera;
+    in halves, so that the view a person has turned to mostly stays."""
     return float(min(2.5, max(1.0, np.ceil(2 * distance / _NEAR_TARGET) / 2)))
 
 
 def between(start: SceneCamera, end: SceneCamera, fraction: float) -> SceneCamera:
-    """The view a `fraction` (0 ... 1) of the way: the eye goes round what is looked at."""
-    share = float(fraction * fraction * (3 - 2 * fraction))  # starts and ends gently
+    """The view a `fraction` (0 ... 1) of the way; the eye orbits the target point."""
+    share = float(fraction * fraction * (3 - 2 * fraction))  # eases in and out
     look_at = start.look_at + share * (end.look_at - start.look_at)
     arms = start.position - start.look_at, end.position - end.look_at
     lengths = [float(np.linalg.norm(arm)) for arm in arms]
