@@ -34,7 +34,7 @@ class Lens:
     """(H, W, 2) each pixel's position in the ideal picture; None if they are the same."""
 
     def bend(self, picture: NDArray[np.uint8], border: tuple[int, ...]) -> NDArray[np.uint8]:
-        """The ideal picture (H, W, C) as the camera sees it; pixels without a ray get `border` (C,)."""
+        """The ideal picture (H, W, C) as the camera sees it; `border` (C,) fills the rest."""
         if self.map_xy is None:
             return picture
         nothing: Any = None  # one map of both coordinates, which the annotations omit

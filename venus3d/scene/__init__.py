@@ -1,1 +1,1 @@
-"""What is seen: shapes, the viser view, the offscreen projections, the panels."""
+"""What users see in the browser: the viser scene, the panels, the pages."""

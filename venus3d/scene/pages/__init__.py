@@ -1,1 +1,1 @@
-"""The pages, a folder each: options, state, view model, view, texts, and how it is run."""
+"""The pages, one folder each: options, state, view model, view, texts, and how to run it."""

@@ -1,1 +1,1 @@
-"""What every page is made of: server, scene in the browser, controls, help, theme."""
+"""Building blocks of every page: server, scene in the browser, controls, help, theme."""

@@ -1,4 +1,4 @@
-"""Where the second monitor is served: how its address is read."""
+"""Parses the address of the second monitor."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from venus3d.engine.errors import VenusError
 
 
 def audience_address(text: str, port: int) -> tuple[str, int]:
-    """Host and port of "[HOST:]PORT", beside an operator's page on `port`; without a host, this
-    machine only. Raises `VenusError` for anything else, and for the operator's own port."""
+    """Host and port of "[HOST:]PORT"; without a host, this machine only. Raises `VenusError` for
+    anything else and for `port`, the operator's."""
     host, colon, number = text.rpartition(":")
-    host = host.removeprefix("[").removesuffix("]")  # as IPv6 addresses are written
+    host = host.removeprefix("[").removesuffix("]")  # IPv6 addresses are bracketed
     if not number.isdecimal() or (colon and not host):
         raise VenusError(
             f"--audience wants a port, or an address and a port such as 0.0.0.0:8090, not {text!r}."

@@ -1,10 +1,10 @@
-"""Rows of buttons and lists to choose from that stand for actions, not for their labels.
+"""Button rows and selection lists whose entries stand for actions, not for their labels.
 
     ButtonRow(gui, "Step", {"back": "Back P", "on": "Next N"}, lambda action, tab: ..., hint="...")
 
-viser tells a click by the label of what was clicked. So that labels can be translated, changed
-while a click is on its way, and be equal to each other, a label that another action has or had gets
-an invisible ending, and what comes back is looked up.
+viser identifies a click by its label. So that labels may be translated, equal, or changed while a
+click is on its way, a label that another action has or had gets an invisible suffix, and clicks are
+looked up.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _INVISIBLE = "\u200b"  # a zero-width space
 
 
 class _Labels(Generic[Action]):
-    """The labels as viser gets them, and which action each has stood for."""
+    """The labels as sent to viser, and the action that each has stood for."""
 
     def __init__(self) -> None:
         self._actions: dict[str, Action] = {}
@@ -33,12 +33,12 @@ class _Labels(Generic[Action]):
         return tuple(self.label(action, text) for action, text in shown.items())
 
     def action(self, label: object) -> Action | None:
-        """None for what was never a label: a browser may send anything."""
+        """The label's action; None if it never was a label, since a browser may send anything."""
         return self._actions.get(label) if isinstance(label, str) else None
 
 
 class ButtonRow(Generic[Action]):
-    """Buttons side by side in the current panel, one for each action."""
+    """Buttons side by side in the current panel, one per action."""
 
     def __init__(
         self,
@@ -52,8 +52,8 @@ class ButtonRow(Generic[Action]):
         """Make the row.
 
         Args:
-            labels: what stands on each action's button, in the order of the buttons.
-            on_press: called on viser's threads with the action and the tab it was pressed in.
+                labels: the label of each action's button, in order.
+                on_press: called on viser's threads with the action and the tab.
             hint: what the row is for.
         """
         self._labels: _Labels[Action] = _Labels()
@@ -84,7 +84,7 @@ class ButtonRow(Generic[Action]):
 
 
 class ChoiceList(Generic[Action]):
-    """A list in the current panel of which one entry is chosen."""
+    """A list in the current panel with one chosen entry."""
 
     def __init__(
         self,
@@ -100,9 +100,9 @@ class ChoiceList(Generic[Action]):
         """Make the list.
 
         Args:
-            labels: what stands for each entry, in order.
-            on_choice: called on viser's threads when a person has chosen, not at `show`.
-            chosen: the entry chosen at first; by default the first.
+                labels: each entry's label, in order.
+                on_choice: called on viser's threads when a person has chosen, not at `show`.
+                chosen: the initial entry; by default the first.
         """
         self._labels: _Labels[Action] = _Labels()
         self._shown: tuple[tuple[str, ...], str] = (self._labels.labels(labels), "")
@@ -124,7 +124,7 @@ class ChoiceList(Generic[Action]):
 
     @property
     def chosen(self) -> Action | None:
-        """The entry that is chosen."""
+        """The chosen entry."""
         return self._labels.action(self._list.value)
 
     @property
@@ -137,11 +137,9 @@ class ChoiceList(Generic[Action]):
         self._list.visible = on
 
     def show(self, labels: Mapping[Action, str], chosen: Action, *, again: bool = False) -> None:
-        """Show these entries, and this one as chosen, unless that is what was shown last.
-
-        What a person has just picked is in the list before `on_choice` hears of it, and is not put
-        back by showing the same again; `again` does put it back.
-        """
+        """Show these entries with this one chosen, unless they were shown last: a person's choice
+        is in the list before `on_choice` is called, and must not be put back. `again` does put it
+        back."""
         options, value = self._labels.labels(labels), self._labels.label(chosen, labels[chosen])
         if (options, value) != self._shown or again:
             if options != self._list.options:

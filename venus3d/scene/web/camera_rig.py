@@ -1,11 +1,11 @@
-"""Where the tabs of a page, or one tab, look at the scene from, and their flights between views.
+"""The scene cameras of a page's tabs, or of one tab, and their flights between views.
 
     rig = CameraRig(server, wake=page.wake)                 # or CameraRig(client), for one tab
     rig.go(lambda aspect: view_from("outside", camera, points, aspect))
-    ... in the loop that draws: if rig.is_due: rig.advance()
+    ... in the drawing loop: if rig.is_due: rig.advance()
 
-A view is a function of the window's shape (width over height), so that what must be seen fits into
-every tab. A tab that comes later, or whose window takes another shape, is brought there at once.
+A view is a function of the window's aspect (width over height), so that it fits every tab. A new
+tab, or one whose aspect changes, jumps to the view at once.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera, between
 from venus3d.scene.web.scene_view import Host
 
 View = Callable[[float], SceneCamera]
-"""A view, by the window's width over its height."""
+"""A view, as a function of the window's width over height."""
 NEAR, FAR = 0.01, 50.0
-"""What is nearer or farther is not drawn, metres."""
+"""Clipping planes, metres."""
 _USUAL_ASPECT = 1.0
 _THERE = 0.01
-"""A tab that is so near its goal, metres, has arrived."""
+"""A tab this near its goal, metres, has arrived."""
 
 
 class CameraRig:
@@ -39,8 +39,8 @@ class CameraRig:
         """Nothing moves until `go`.
 
         Args:
-            wake: called on viser's threads when `advance` is due though nothing flies.
-            tolerance: a window whose shape changes by a larger share is turned anew.
+                wake: called on viser's threads when `advance` is due without a flight.
+                tolerance: relative change of a window's aspect beyond which its view is set again.
         """
         self._host, self._wake, self._tolerance = host, wake, tolerance
         self._tabs: dict[int, _Tab] = {}
@@ -54,7 +54,7 @@ class CameraRig:
             host.on_client_disconnect(self._leave)
 
     def go(self, view: View, *, at_once: bool = False) -> None:
-        """Fly to this view, or be there."""
+        """Fly to this view, or jump there."""
         self._view = view
         if not isinstance(self._host, viser.ClientHandle):
             first, usual = self._host.initial_camera, view(_USUAL_ASPECT)
@@ -70,7 +70,7 @@ class CameraRig:
         return self._view is not None and any(tab.is_due(self._tolerance) for tab in self._all)
 
     def advance(self) -> None:
-        """Move the cameras on."""
+        """Advance the cameras."""
         if self._view is not None:
             for tab in self._all:
                 if tab.is_due(self._tolerance):
@@ -86,7 +86,7 @@ class CameraRig:
         with self._lock:
             self._tabs[client.client_id] = tab
 
-        def moved(_: object) -> None:  # also when the window changes its size
+        def moved(_: object) -> None:  # also when the window is resized
             tab.check()
             if self._view is not None and tab.is_due(self._tolerance):
                 self._wake()
@@ -105,10 +105,10 @@ class _Tab:
 
     client: viser.ClientHandle
     start: SceneCamera | None = None
-    """Where the flight began; None: none is going on."""
+    """Start of the flight; None without one."""
     begun: float = 0.0
     aspect: float = 0.0
-    """The window's shape for which it was turned last."""
+    """The window's aspect when its view was last set."""
     goal: SceneCamera | None = None
     arrived: bool = False
     astray: bool = False
@@ -128,8 +128,8 @@ class _Tab:
         return self.start is not None or other_shape or self.astray
 
     def check(self) -> None:
-        # A browser that is still setting its scene up turns the first view it is sent along with
-        # the scene, or forgets it: it is sent again until the browser says that it is there.
+        # A browser that is still setting up its scene changes or drops the first view: resend it
+        # until the browser confirms.
         if self.goal is not None and not self.arrived:
             off = np.linalg.norm(self.client.camera.position - self.goal.position)
             self.arrived = bool(off < _THERE)

@@ -1,4 +1,4 @@
-"""What speaks against a calibration at one moment: how bad it is, and which is told first."""
+"""Picks the diagnosis to report first, and how severe it is."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ SEVERITIES: dict[DiagnosisKind, Severity] = {
 
 
 def another_board(snapshot: Snapshot) -> Diagnosis | None:
-    """What says that another board is held up than the one asked for; None if nothing does."""
+    """The diagnosis that the board in view is not the configured one; None if there is none."""
     unread = (d for d in snapshot.diagnoses if d.kind in ("wrong-dictionary", "swapped-size"))
     return next(unread, None)
 
 
 def doubt(snapshot: Snapshot) -> Diagnosis | None:
-    """The worst diagnosis that speaks against the result; None if none does."""
+    """The worst diagnosis against the result; None if there is none."""
     against = (d for d in snapshot.diagnoses if SEVERITIES[d.kind] != "note")
     return next(against, None)

@@ -1,7 +1,5 @@
-"""The small threads that draw a page: started together, ended together, and none takes more along.
-
-What they draw and what they wait for is the page's own.
-"""
+"""Threads that draw a page; they start and stop together, and a failure in one does not stop the
+others."""
 
 from __future__ import annotations
 
@@ -18,19 +16,19 @@ from venus3d.scene.web import texts
 _LOG = logging.getLogger(__name__)
 _LONGEST_WAIT_S = 30.0
 _FORGIVEN_S = 60.0
-"""So long after the last failure, the next one counts as the first."""
+"""Seconds after the last failure after which the next one counts as the first."""
 _TOLD_S = 20.0
-"""So long tabs come back to a page that was drawn anew."""
+"""Seconds during which returning tabs are told that their page was reloaded."""
 
 
 class Failures:
-    """What broke something that goes on all the same: told on the terminal, each once."""
+    """Logs errors that do not end the program, each once."""
 
     def __init__(self) -> None:
         self._told: set[tuple[object, ...]] = set()
 
     def tell(self, error: Exception, what: str) -> None:
-        """Log what failed, one of the texts, and how, unless the same thing was logged before."""
+        """Log the error, with `what` failed (one of the texts), unless it was logged before."""
         place = extract_tb(error.__traceback__)[-1:]
         key = (what, type(error), *((frame.filename, frame.lineno) for frame in place))
         if key not in self._told:
@@ -41,19 +39,19 @@ class Failures:
 class DrawingThreads:
     """Loops that draw one page until `stop` is set.
 
-    What breaks one never reaches whoever feeds the page: it is logged, the page is drawn anew, and
-    the loops go on. If it breaks at once again, this is tried less and less often.
+    An error in a loop is logged and never reaches the page's caller; the page is reloaded and the
+    loops go on. Repeated failures are retried less and less often.
     """
 
     def __init__(self, draw_anew: Callable[[Exception], None], **loops: Callable[[], None]) -> None:
-        """One thread for each loop, by its name; `start` starts them.
+        """One thread per loop, named by its keyword.
 
         Args:
-            draw_anew: puts a new page in the old one's place, after this error. Called by one
-                thread at a time, while the others may still draw on the old page.
+            draw_anew: replaces the page after this error. Called by one thread at a time, while the
+            others may still draw on the old page.
         """
         self.stop = threading.Event()
-        """Set when the page is closed; a loop that has broken does not set it."""
+        """Set when the page is closed, not when a loop fails."""
         self._draw_anew = draw_anew
         self._failures = Failures()
         self._mending = threading.Lock()
@@ -65,12 +63,12 @@ class DrawingThreads:
         ]
 
     def start(self) -> None:
-        """Let them run."""
+        """Start the threads."""
         for thread in self._threads:
             thread.start()
 
     def end(self, wake: Callable[[], None]) -> bool:
-        """Stop them; `wake` rouses those that wait. False if it was done before."""
+        """Stop them; `wake` wakes those that wait. False if already stopped."""
         if self.stop.is_set():
             return False
         self.stop.set()
@@ -91,7 +89,7 @@ class DrawingThreads:
     def _mend(self, error: Exception, page: int) -> None:
         with self._mending:
             if page != self._page:
-                return  # it broke on a page that another thread has replaced meanwhile
+                return  # it failed on a page that another thread has already replaced
             self._failures.tell(error, texts.DRAWING_FAILED)
             if time.monotonic() - self._failed_at > _FORGIVEN_S:
                 self._wait_s = 0.0
@@ -101,7 +99,7 @@ class DrawingThreads:
             self._failed_at = time.monotonic()
 
     def _is_drawn_anew(self, error: Exception) -> bool:
-        """Try once, after a while; whether that is all there is to do."""
+        """Try to reload once, after a delay; whether nothing is left to do."""
         self.stop.wait(self._wait_s)
         self._wait_s = min(_LONGEST_WAIT_S, max(1.0, 2 * self._wait_s))
         if self.stop.is_set():
@@ -115,7 +113,7 @@ class DrawingThreads:
 
 
 def tell_of_failure(server: viser.ViserServer, error: Exception) -> None:
-    """Say in every tab that comes to this new page why it is new."""
+    """Tell every tab that connects to the new page why it was reloaded."""
     until = time.monotonic() + _TOLD_S
 
     def came(tab: viser.ClientHandle) -> None:
@@ -126,6 +124,6 @@ def tell_of_failure(server: viser.ViserServer, error: Exception) -> None:
 
 
 def tell_tab(tab: viser.ClientHandle, error: Exception) -> None:
-    """Say in this tab that its page was drawn anew, why, and that nothing is lost."""
+    """Tell this tab that its page was reloaded, why, and that nothing is lost."""
     text = texts.DRAWN_ANEW_WHY.format(cause=type(error).__name__)
     tab.add_notification(texts.DRAWN_ANEW, text, color="yellow")

@@ -1,4 +1,4 @@
-"""The handle by which a board is dragged in space."""
+"""The handle for dragging a board in space."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SCALE = 0.16
 
 
 class BoardGizmo:
-    """Follows the board until somebody drags it; then the board follows the gizmo."""
+    """Follows the board until somebody drags it; then the board follows it."""
 
     def __init__(self, host: Host, dragged: Callable[[Pose], None]) -> None:
         """`dragged` is called with `T_camera_board`, in order, and must not block."""
@@ -26,22 +26,20 @@ class BoardGizmo:
             position=(0.0, 0.0, 0.5),
         )
 
-        # Async, so that viser keeps the order of one gesture's events.
+        # Async, so that viser keeps the events of a drag in order.
         @self._handle.on_update
         async def _(event: Any) -> None:  # pyright: ignore[reportUnusedFunction]
             self._held = event.phase != "end"
             dragged(Pose.from_wxyz(event.target.wxyz, event.target.position))
 
     def follow(self, pose: Pose | None, *, shown: bool) -> None:
-        """Go to where the board is, unless somebody holds the gizmo or the board is not seen.
-
-        Hidden while the autopilot has the board: it would cover the arrows that matter.
-        """
+        """Go to the board, unless somebody holds the gizmo or the board is not seen. Hidden while
+        the autopilot moves the board: it would cover the arrows."""
         self._handle.visible = shown
         if pose is not None and not self._held:
             self._handle.wxyz, self._handle.position = pose.wxyz, pose.t
 
     def offer(self, free: Sequence[bool]) -> None:
-        """Show only what helps with the free ones of xr, yr, zr, xt, yt, zt."""
+        """Show only the handles of the free ones of xr, yr, zr, xt, yt, zt."""
         self._handle.disable_rotations = not any(free[:3])
         self._handle.disable_axes = not any(free[3:])

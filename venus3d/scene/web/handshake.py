@@ -1,10 +1,9 @@
-"""Who may connect to a page: its own page in a browser, and programs on this machine.
+"""Checks who may connect: our own page in a browser, and programs on this machine.
 
-Any page on the web can tell a browser to open a websocket to this machine, and a name that is
-rebound to this machine makes a foreign page look like ours. Both would see the camera and press
-the buttons. A browser tells the truth about two things: Host, the name by which it asked for us,
-and Origin, the page that asks. A program that is no browser sends no Origin, and may connect: it
-could send any.
+Any web page can make a browser open a websocket to this machine, and DNS rebinding makes a foreign
+page look like ours; both would see the camera and press the buttons. A browser is honest about
+Host, the name it asked for, and Origin, the asking page. Other programs send no Origin and may
+connect: they could forge any.
 """
 
 from __future__ import annotations
@@ -19,14 +18,12 @@ _PORTS = {"http": 80, "https": 443}
 
 
 class RefusedError(Exception):
-    """A request that is not answered; the text says why, to whoever reads it in a browser."""
+    """A refused request; the text tells the person in the browser why."""
 
 
 def check(headers: Headers, host: str) -> None:
-    """Check a request's headers for a server that listens on the address `host`.
-
-    Raises `RefusedError` if it is not from our own page, or from a program.
-    """
+    """Check a request's headers for a server that listens on `host`. Raises `RefusedError` if it
+    comes neither from our own page nor from a program."""
     hosts, origins = headers.get_all("host"), headers.get_all("origin")
     asked = _split(f"//{hosts[0]}") if len(hosts) == 1 else None
     if asked is None or not _is_ours(asked.hostname or "", host):
@@ -51,17 +48,15 @@ def check(headers: Headers, host: str) -> None:
 def _split(address: str) -> SplitResult | None:
     try:
         parts = urlsplit(address)
-        _ = parts.port  # raises for one that is none
+        _ = parts.port  # raises if it is invalid
         return parts
     except ValueError:
         return None
 
 
 def _is_ours(name: str, host: str) -> bool:
-    """Whether this name of a request is ours, on a server that listens on `host`.
-
-    An IP address can't be rebound, a name can: so of names only this machine's own count.
-    """
+    """Whether a request's host name is ours, on a server that listens on `host`. IP addresses
+    cannot be rebound; of names, only this machine's own count."""
     name = name.removesuffix(".")
     if name == "localhost":
         return True

@@ -1,6 +1,6 @@
-"""A page's commands: one list for hotkeys, the command palette, and the help that explains them.
+"""A page's commands: one list for hotkeys, the command palette and the help.
 
-What a command does is the page's. The help opens in the tab that asked for it, and in no other.
+The help opens only in the tab that asked for it.
 """
 
 from __future__ import annotations
@@ -34,25 +34,23 @@ from venus3d.scene.web.theme import Theme
 
 @dataclass(frozen=True)
 class Command:
-    """One thing that a person can ask for by a key or by its name."""
+    """An action that a person can call by key or by name."""
 
     label: str
     hotkey: Any
-    """A key of viser's, such as "N" or "space"; None: by its name only. Not W A S D Q E nor the
-    arrows: they fly the browser's camera. Not H and escape: the help has them."""
+    """A key of viser's, such as "N" or "space"; None: by name only. W A S D Q E and the arrows move
+    the browser's camera, and H and escape belong to the help."""
     description: str
     """What it does, in one short sentence without a full stop."""
     do: Callable[[], None]
-    """Called on viser's threads: it only queues, or changes a frozen state."""
+    """Called on viser's threads: only queues, or changes a frozen state."""
     shift: bool = False
     """Whether the key goes with Shift."""
 
 
 def add_commands(host: Host, commands: Sequence[Command]) -> None:
-    """Put the commands into the palette of a server or a tab, with their hotkeys.
-
-    Raises `ValueError` if two of them have one key.
-    """
+    """Add the commands to the palette of a server or a tab, with their hotkeys. Raises `ValueError`
+    if two share a key."""
     _check_keys(commands)
     for command in commands:
         handle = host.gui.add_command(
@@ -72,10 +70,10 @@ def _check_keys(commands: Sequence[Command]) -> None:
 
 
 class HelpOverlay:
-    """The help of one page: H shows it and puts it away, Esc puts it away."""
+    """A page's help: H toggles it, Esc closes it."""
 
     def __init__(self, host: Host, commands: Sequence[Command], *, dark: bool = True) -> None:
-        """Add the two commands of the help itself; `commands` are explained, not added."""
+        """Add the help's own two commands; `commands` are listed, not added."""
         self._commands = tuple(commands)
         self._theme = Theme(dark)
         self._lock = Lock()
@@ -87,15 +85,13 @@ class HelpOverlay:
         close.on_trigger(lambda event: _in_tab(event.client, self._close))
 
     def explain(self, commands: Sequence[Command]) -> None:
-        """Explain these as well from now on: others have added them to the page.
-
-        Raises `ValueError` if two commands have one key.
-        """
+        """List these too, which others have added to the page. Raises `ValueError` if two commands
+        share a key."""
         _check_keys((*self._commands, *commands))
         self._commands += tuple(commands)
 
     def show(self, theme: Theme) -> None:
-        """Take these colours, at once where the help is open."""
+        """Use these colours, at once if the help is open."""
         with self._lock:
             if theme == self._theme:
                 return
@@ -105,7 +101,7 @@ class HelpOverlay:
             sheet.content = theme.sheet
 
     def toggle(self, client: viser.ClientHandle) -> None:
-        """Show it in this tab, or put it away."""
+        """Open or close it in this tab."""
         if client.client_id in self._open:
             self._close(client)
         else:
@@ -129,8 +125,7 @@ class HelpOverlay:
 
 
 def keys_html(commands: Sequence[Command]) -> str:
-    """The table of the help: key, name and description of each command; below it the names of those
-    that have no key."""
+    """The help's table: key, name and description of each command; below it those without a key."""
     help_itself = Command(HELP_COMMAND, "H", HELP_COMMAND_HINT, lambda: None)
     rows = "".join(
         f"<tr><td><kbd class='v-key'>{escape(key_name(c.hotkey, shift=c.shift))}</kbd></td>"
@@ -151,11 +146,11 @@ def keys_html(commands: Sequence[Command]) -> str:
 
 
 def key_name(hotkey: Any, *, shift: bool = False) -> str:
-    """A key as a person finds it on the keyboard, with Shift or alone."""
+    """A key as labelled on the keyboard, with Shift or alone."""
     name = NO_KEY if hotkey is None else KEY_NAMES.get(hotkey, str(hotkey))
     return SHIFTED.format(key=name) if shift else name
 
 
 def _in_tab(client: viser.ClientHandle | None, do: Callable[[viser.ClientHandle], None]) -> None:
-    if client is not None:  # a key is always pressed in some tab
+    if client is not None:  # a key is always pressed in a tab
         do(client)

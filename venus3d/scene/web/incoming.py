@@ -1,8 +1,8 @@
-"""What a browser may tell a page: values, clicks, commands, and where it looks from.
+"""Validates what a browser sends: values, clicks, commands, and its viewpoint.
 
-Everything that comes in passes `is_heard` before viser sees it. viser itself checks little: whoever
-can open the websocket can set any property of a widget, or a camera that breaks what is computed
-from it, and the error comes up later, in a thread of ours.
+Every message passes `is_heard` before viser sees it. viser checks little: anybody who opens the
+websocket could set any property of a widget, or a camera that breaks later computations in our
+threads.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from venus3d.scene.web.viser_private import messages
 
 Find = Callable[[str], Any]
 _FARTHEST = 1e5
-"""No point is farther away, metres, and no window larger, pixels."""
+"""Largest coordinate, metres, and largest window, pixels."""
 _LONGEST_TEXT = 1000
 _SHORTEST = 1e-6
-"""A vector that is shorter has no direction."""
+"""Shortest vector that has a direction."""
 
 
 def is_point_of_view(raw: bytes) -> bool:
-    """Whether a browser says where it looks from, and nothing else."""
+    """Whether the message is a browser's viewpoint."""
     return _kind_of(raw) is messages.ViewerCameraMessage and is_heard(raw, lambda _: None)
 
 
 def is_heard(raw: bytes, find: Find) -> bool:
-    """Whether a message, as it came over the websocket, is one that a page listens to.
+    """Whether a raw websocket message is one that a page accepts.
 
     Args:
         find: gives the widget of that name that the browser may change, or None.
@@ -49,7 +49,7 @@ def is_heard(raw: bytes, find: Find) -> bool:
             and all(abs(number) <= _FARTHEST for number in _numbers(content.values()))
             and rule(content, find)
         )
-    # A browser sends no such things; whoever does may have thought of anything.
+    # No browser sends these; a sender of such may try anything.
     except Exception:
         return False
 
@@ -66,7 +66,7 @@ class _Tagged(msgspec.Struct):
 
 
 def _numbers(values: Iterable[Any]) -> Iterator[float]:
-    """All numbers in nested lists, NaN among them."""
+    """All numbers in nested lists, NaN included."""
     for value in values:
         if isinstance(value, (list, tuple)):
             yield from _numbers(value)  # pyright: ignore[reportUnknownArgumentType]
@@ -78,7 +78,7 @@ _Rule = Callable[[dict[str, Any], Find], bool]
 
 
 def _as(kind: type[Any]) -> _Rule:
-    """Whether all fields are there and of their types."""
+    """Checks that all fields are present and have their types."""
 
     def rule(content: dict[str, Any], _: Find) -> bool:
         msgspec.convert(content, kind)  # raises
@@ -88,7 +88,7 @@ def _as(kind: type[Any]) -> _Rule:
 
 
 class _View(msgspec.Struct):
-    """As viser's message, but strictly numbers: viser makes some of texts, too."""
+    """viser's message with strict numbers: viser also converts strings."""
 
     wxyz: tuple[float, float, float, float]
     position: tuple[float, float, float]
@@ -129,7 +129,7 @@ def _is_value(content: dict[str, Any], find: Find) -> bool:
 
 
 def _can_hold(widget: Any, value: Any) -> bool:
-    """Whether a person could give this widget this value. A kind that no page has holds nothing."""
+    """Whether a person could give this widget this value; False for kinds that no page has."""
     if widget.disabled or not widget.visible:
         return False
     if isinstance(widget, viser.GuiButtonHandle):
@@ -138,13 +138,12 @@ def _can_hold(widget: Any, value: Any) -> bool:
         return isinstance(value, bool)
     if isinstance(widget, viser.GuiDropdownHandle):
         return isinstance(value, str) and value in widget.options
-    # A row of buttons as well: its labels may have changed while the click was on its way, and
-    # pages know what they were.
+    # Button rows too: labels may change while a click is on its way, and pages know the old ones.
     if isinstance(widget, viser.GuiTextHandle | viser.GuiButtonGroupHandle):
         return isinstance(value, str) and len(value) <= _LONGEST_TEXT
     if isinstance(widget, viser.GuiSliderHandle):
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        # An end that is no whole number of steps may be rounded by the browser.
+        # A browser may round an end that is not a whole number of steps.
         return number and bool(widget.min - widget.step <= value <= widget.max + widget.step)
     return False
 

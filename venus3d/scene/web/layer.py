@@ -1,8 +1,8 @@
-"""A layer of a page's scene: shapes among the others, and a tab that tells of them.
+"""A layer of a page's scene: its own shapes, and a tab about them.
 
-The page knows nothing of what a layer is about, and the layer nothing of the page. For each moment
-that is drawn the page calls `put` (shapes), `bind` (gestures on what was drawn), `show` (the tab),
-and, when all that has been sent to the browsers, `show_late`.
+Page and layer know nothing of each other's contents. For each moment drawn the page calls `put`
+(shapes), `bind` (gestures on what was drawn), `show` (the tab) and, once everything has been sent
+to the browsers, `show_late`.
 """
 
 from __future__ import annotations
@@ -21,35 +21,35 @@ from venus3d.scene.web.theme import Theme
 
 
 class Layer(Protocol):
-    """What a page may be given; it outlives the servers on which the page is laid out."""
+    """A layer; it outlives the servers on which the page is laid out."""
 
     @property
     def title(self) -> str:
-        """Of its tab."""
+        """Title of its tab."""
         ...
 
     @property
     def icon(self) -> Any:
-        """Of its tab, one of viser's."""
+        """Icon of its tab, one of viser's."""
         ...
 
     @property
     def commands(self) -> Sequence[Command]:
-        """What can be asked for by key or name; the page adds them."""
+        """Its commands, which the page adds."""
         ...
 
     @property
     def is_moving(self) -> bool:
-        """Whether it is to be drawn soon, though nothing comes in."""
+        """Whether it must be redrawn soon without new input."""
         ...
 
     @property
     def caption(self) -> str:
-        """What it shows in the scene now, in one line; empty if nothing is to be said."""
+        """One line on what it shows in the scene; empty for none."""
         ...
 
     def lay_out(self, gui: viser.GuiApi) -> None:
-        """Make its widgets in the current panel, of a new server."""
+        """Create its widgets in the current panel of a new server."""
         ...
 
     def keep_picture(self, number: int, image: LivePicture) -> None:
@@ -57,17 +57,17 @@ class Layer(Protocol):
         ...
 
     def put(self, snapshot: Snapshot, shapes: tuple[Shape, ...], theme: Theme) -> tuple[Shape, ...]:
-        """The scene's shapes with its own; it may take others away."""
+        """The scene's shapes with its own; it may remove others."""
         ...
 
     def bind(self, scene: SceneView) -> None:
-        """Let what was drawn be clicked."""
+        """Make what was drawn clickable."""
         ...
 
     def show(self, snapshot: Snapshot, theme: Theme) -> None:
-        """Bring its tab up to date."""
+        """Update its tab."""
         ...
 
     def show_late(self, snapshot: Snapshot, theme: Theme) -> None:
-        """The same for what takes longer, once the scene has been sent."""
+        """Update the slow parts, once the scene has been sent."""
         ...

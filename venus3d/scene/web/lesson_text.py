@@ -1,7 +1,7 @@
 """A lesson's text as HTML that can neither run nor load anything, for the live page and exports.
 
-Lessons go from teacher to teacher, so what one says is not trusted: HTML in it is shown as text, a
-picture is a link to it, and a link leads to a web page or an address for mail, in a tab of its own.
+Lessons are passed between teachers and not trusted: HTML is shown as text, a picture becomes a link
+to it, and links lead only to web pages or mail addresses, in a new tab.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _LINKED = ("http://", "https://", "mailto:")
 
 def lesson_text_html(text: str) -> str:
     """Markdown (CommonMark, tables and strikethrough) as HTML."""
-    # Made anew each time: pages are drawn by several threads, and a parser is for one.
+    # A new parser each time: it is not thread-safe, and several threads draw pages.
     parser = MarkdownIt("commonmark", {"html": False})
     parser.enable(["table", "strikethrough"]).disable("image")
     parser.validateLink = _may_be_linked
@@ -30,7 +30,6 @@ def _may_be_linked(url: str) -> bool:
 
 
 def _link(renderer: Any, tokens: Sequence[Token], index: int, options: Any, env: Any) -> str:
-    # The page that opens can neither reach back into this one (that is in "noreferrer" too) nor
-    # learn its address.
+    # The opened page can neither access this one (also in "noreferrer") nor learn its address.
     tokens[index].attrs.update(target="_blank", rel="noreferrer")
     return str(renderer.renderToken(tokens, index, options, env))

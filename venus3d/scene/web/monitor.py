@@ -1,4 +1,5 @@
-"""What a run shows its snapshots and pictures to, beside the page that it is operated from."""
+"""Interface of a second monitor: shows a run's snapshots and pictures beside the operator's
+page."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from venus3d.render.annotated_picture import LivePicture
 
 
 class SecondMonitor(Protocol):
-    """Any thread may call it; nothing comes back, and nothing waits."""
+    """Any thread may call it; no call returns anything or blocks."""
 
     def show(self, snapshot: Snapshot) -> None:
         """Show this moment; the newest wins."""
@@ -21,5 +22,5 @@ class SecondMonitor(Protocol):
         ...
 
     def pause(self, on: bool) -> None:
-        """No pictures are taken for now, or they are again."""
+        """Say that pictures are paused, or are no longer."""
         ...

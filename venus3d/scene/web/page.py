@@ -1,4 +1,4 @@
-"""The base of a page that one server shows to all who open it, drawn by threads of its own.
+"""Base of a page that one server shows to all its visitors, drawn by its own threads.
 
     class Counter(Page[int]):
         def __init__(self, port: int = 8080) -> None:
@@ -15,10 +15,9 @@
 
     page = Counter(); page.change(more); page.wait(10); page.close()
 
-State is frozen and changed by any thread with `change`; one thread draws it, and the newest wins.
-What fails in drawing stays here: it is logged once, a new server takes the old one's place on the
-same port, the page is laid out on it, and whoever looks is told why. Whoever feeds the page hears
-nothing of it. Pages of which every tab has its own are `exercise`'s.
+State is frozen and changed with `change` by any thread; one thread draws the newest. A drawing
+error never reaches the page's caller: it is logged once, the page is laid out again on a new server
+on the same port, and visitors are told why. Pages with one instance per tab are `exercise`'s.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ _IDLE_S = 0.5
 
 
 class Page(ABC, Generic[State]):
-    """One page, shared by all tabs that are open on it; any thread may call it."""
+    """One page, shared by all its tabs; any thread may call it."""
 
     def __init__(
         self, server: LocalServer, *notes: str, state: State, period_s: float = 1 / 50
@@ -47,9 +46,9 @@ class Page(ABC, Generic[State]):
         """Take a running server; `_open` then shows the page on it.
 
         Args:
-            notes: what the terminal is to be told; empty ones are left out.
-            state: what is shown first.
-            period_s: at least so long between two calls of `_draw`.
+                notes: lines for the terminal; empty ones are left out.
+                state: the initial state.
+                period_s: shortest time between two calls of `_draw`.
         """
         self.server = server
         self.notes = tuple(note for note in notes if note)
@@ -66,11 +65,11 @@ class Page(ABC, Generic[State]):
 
     @property
     def state(self) -> State:
-        """What is shown now."""
+        """The state shown."""
         return self._state
 
     def change(self, change: Callable[[State], State]) -> State:
-        """Show something else; the new state. Nothing is drawn for the very same state."""
+        """Change the state and return the new one; nothing is drawn if it is the same object."""
         with self._lock:
             before, self._state = self._state, change(self._state)
             if self._state is not before:
@@ -79,13 +78,13 @@ class Page(ABC, Generic[State]):
             return self._state
 
     def wake(self) -> None:
-        """Have the page drawn again: something that it shows has changed."""
+        """Redraw: something that is shown has changed."""
         with self._lock:
             self._changed = True
             self._lock.notify_all()
 
     def nudge(self) -> None:
-        """Have `_draw` called soon, although nothing that it shows has changed."""
+        """Have `_draw` called soon although nothing shown has changed."""
         with self._lock:
             self._lock.notify_all()
 
@@ -102,11 +101,11 @@ class Page(ABC, Generic[State]):
 
     @abstractmethod
     def _lay_out(self, server: LocalServer) -> None:
-        """Put an empty page on a server without one."""
+        """Lay the page out on an empty server."""
 
     @abstractmethod
     def _draw(self, changed: bool, seconds: float) -> None:
-        """Bring the page up to date; on its own thread, again and again.
+        """Update the page; called repeatedly on its own thread.
 
         Args:
             changed: whether `change` or `wake` was called since the last time.
@@ -115,26 +114,26 @@ class Page(ABC, Generic[State]):
 
     @property
     def _is_moving(self) -> bool:
-        """Whether `_draw` has something to do soon although nothing changes."""
+        """Whether `_draw` is due soon without a change."""
         return False
 
     @property
     def _period_s(self) -> float:
-        """At least so long between two calls of `_draw`."""
+        """Shortest time between two calls of `_draw`."""
         return self._period
 
     def _wake_loops(self) -> None:
-        """Let every loop go on: the page is closed, or was laid out anew."""
+        """Wake every loop: the page was closed or laid out again."""
         self.wake()
 
     def _tell_of_failure(self, error: Exception) -> None:
-        """The page was laid out anew after this error: tell whoever is to know."""
+        """Report that the page was laid out again after this error."""
         tell_of_failure(self.server, error)
 
     # -- the machinery ---------------------------------------------------------------------------
 
     def _open(self, **loops: Callable[[], None]) -> None:
-        """Lay the page out and start drawing; `loops` are further threads, by their names."""
+        """Lay the page out and start drawing; `loops` are more threads, by name."""
         self._lay_out(self.server)
         self._threads = DrawingThreads(self._draw_anew, scene=self._loop, **loops)
         self._threads.start()
@@ -145,13 +144,13 @@ class Page(ABC, Generic[State]):
         return self._threads.stop
 
     def _advance(self, change: Callable[[State], State]) -> State:
-        """Let the state go on by itself while it is drawn."""
+        """Advance the state by itself while drawing."""
         with self._lock:
             self._state = change(self._state)
             return self._state
 
     def _draw_anew(self, error: Exception) -> None:
-        """A new server in the old one's place: whatever broke, nothing of it is left."""
+        """Lay the page out on a new server in the old one's place, free of whatever failed."""
         self.server = serve_anew(self.server, self._threads.stop)
         self._lay_out(self.server)
         self._tell_of_failure(error)
@@ -171,12 +170,12 @@ class Page(ABC, Generic[State]):
 
 
 def announce(*lines: str) -> None:
-    """Print these lines, empty ones left out; a terminal that is gone stops no page."""
+    """Print these lines without empty ones; a closed terminal is ignored."""
     with suppress(OSError):
         for line in filter(None, lines):
             print(line, flush=True)
 
 
 def announce_page(title: str, url: str, *notes: str) -> None:
-    """Print where a page is and how it is ended."""
+    """Print a page's address and how to end it."""
     announce(*notes, texts.PAGE_ANNOUNCED.format(title=title, url=url))

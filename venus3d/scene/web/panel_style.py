@@ -1,4 +1,4 @@
-"""The style sheet and the brightness of a page's panels."""
+"""The style sheet and brightness of a page's panels."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from venus3d.scene.web.theme import Theme
 
 
 class PanelStyle:
-    """The style sheet in each of a page's panels, and the brightness of viser's own things."""
+    """The style sheet in each panel, and the brightness of viser's own widgets."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        """Nothing has a style until `show`."""
+        """No styles until `show`."""
         self._gui = gui
         self._sheets: list[Any] = []
         self._theme: Theme | None = None
 
     def add(self) -> None:
-        """Put the style sheet into the current panel: one that is folded takes its sheet along, so
-        each has its own."""
+        """Add the style sheet to the current panel; each needs its own, since a folded panel
+        removes it."""
         self._sheets.append(self._gui.add_html(""))
 
     def show(self, theme: Theme) -> bool:
-        """Take these colours, in panels added since as well. Whether anything is another now."""
+        """Use these colours, in new panels too. Whether anything has changed."""
         if theme == self._theme and all(sheet.content for sheet in self._sheets):
             return False
         self._theme = theme

@@ -1,6 +1,6 @@
-"""The live picture's own loop: newest picture in, drawn on and shown, at most so many a second.
+"""The live picture's own loop: draws and shows the newest at a limited rate.
 
-So the picture waits for nothing else that is drawn, and nothing else for the picture.
+Neither the picture nor the rest of the page waits for the other.
 """
 
 from __future__ import annotations
@@ -17,41 +17,41 @@ PICTURE_PERIOD_S = 1 / 15
 
 
 class SeenPicture(NamedTuple):
-    """A picture (BGR or grey), and what was found in it if that is known."""
+    """A picture (BGR or grey), and what was detected in it, if known."""
 
     image: LivePicture
     observation: Observation | None = None
 
 
 class PictureFeed:
-    """A box with one slot in which the newest picture wins, and the loop that empties it."""
+    """A one-slot queue that keeps the newest picture, and the loop that empties it."""
 
     def __init__(
         self,
         draw: Callable[[SeenPicture], None],
         period_s: Callable[[], float] = lambda: PICTURE_PERIOD_S,
     ) -> None:
-        """`draw` shows one picture; there are at least `period_s()` seconds between two."""
+        """`draw` shows one picture, at least every `period_s()` seconds apart."""
         self._draw, self._period_s = draw, period_s
         self.newest: SeenPicture | None = None
         self._came, self._stop = threading.Event(), threading.Event()
 
     def put(self, image: LivePicture, observation: Observation | None) -> None:
-        """Show this one next."""
+        """Queue this picture."""
         self.newest = SeenPicture(image, observation)
         self._came.set()
 
     def again(self) -> None:
-        """Show the newest one once more: what is drawn on it has changed."""
+        """Show the newest picture again: its overlay has changed."""
         self._came.set()
 
     def stop(self) -> None:
-        """End the loop, after what is being drawn."""
+        """End the loop after the current picture."""
         self._stop.set()
         self._came.set()
 
     def loop(self) -> None:
-        """Show what comes, until `stop`."""
+        """Show pictures until `stop`."""
         while not self._stop.is_set():
             self._came.wait()
             self._came.clear()

@@ -1,7 +1,4 @@
-"""Six sliders with number fields for a board's pose: what a person sets a pose with.
-
-Shows and tells pose vectors in degrees and millimetres; what they mean is left to the page.
-"""
+"""Six sliders with number fields for a board's pose, in degrees and millimetres."""
 
 from __future__ import annotations
 
@@ -26,7 +23,7 @@ RANGES: tuple[tuple[float, float, float], ...] = (
 
 
 class PosePanel:
-    """The six sliders. `on_change` is called on viser's threads, only for what a person did."""
+    """The six sliders. `on_change` is called on viser's threads, only for a person's changes."""
 
     def __init__(
         self,
@@ -36,7 +33,7 @@ class PosePanel:
         *,
         ranges: Sequence[tuple[float, float, float]] = RANGES,
     ) -> None:
-        """Sliders that stand at `vector`: xr, yr, zr in degrees, xt, yt, zt in millimetres."""
+        """Sliders at `vector`: xr, yr, zr in degrees, xt, yt, zt in millimetres."""
         self._on_change = on_change
         self._sliders: list[Any] = []
         for label, hint, value, (low, high, step) in zip(
@@ -50,23 +47,23 @@ class PosePanel:
 
     @property
     def vector(self) -> Array:
-        """(6,) what the sliders say: degrees and millimetres."""
+        """(6,) the sliders' values: degrees and millimetres."""
         return np.array([float(slider.value) for slider in self._sliders])
 
     def show(self, vector: Sequence[float]) -> None:
-        """Let the sliders stand at this pose, (6,) degrees and millimetres; asks nobody."""
+        """Set the sliders to this pose, (6,) degrees and millimetres; `on_change` is not called."""
         for slider, value in zip(self._sliders, vector, strict=True):
             nearest = float(np.clip(round(value / slider.step) * slider.step, *_ends(slider)))
             if slider.value != nearest:
                 slider.value = nearest
 
     def enable(self, free: Sequence[bool]) -> None:
-        """Which of the six a person may move."""
+        """Enable only the free ones of the six."""
         for slider, on in zip(self._sliders, free, strict=True):
             slider.disabled = not on
 
     def _moved(self, event: Any) -> None:
-        # Values that the program sets come back without a client.
+        # Values set by the program come back without a client.
         if event.client is not None:
             self._on_change(self.vector)
 

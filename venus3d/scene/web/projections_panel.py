@@ -1,4 +1,4 @@
-"""The four steps as the camera itself would see them, two by two, the one shown now marked."""
+"""The four steps as the camera would see them, two by two, with the current one marked."""
 
 from __future__ import annotations
 
@@ -26,22 +26,21 @@ FAILED = "failed"
 
 @dataclass(frozen=True)
 class ShownSteps:
-    """Four steps and their pictures; both change together, since one explains the other."""
+    """Four steps and their pictures, replaced together."""
 
     steps: Steps
     sources: tuple[str, ...]
-    """Of the four images; an empty one is still being drawn, `FAILED` could not be."""
+    """Sources of the four images: empty while being drawn, `FAILED` if they could not be."""
 
 
 class ProjectionsPanel:
     """The four tiles of one server.
 
-    The pictures are large and change with the target; the mark is small and changes with the step.
-    So they are two pieces: a step turned over sends no picture again.
+    Pictures and mark are separate pieces, so that changing the step resends no picture.
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        """No pictures yet, in the current panel."""
+        """An empty panel inside the current one."""
         self._head, self._tiles = gui.add_html(""), gui.add_html("")
 
     @property
@@ -54,7 +53,7 @@ class ProjectionsPanel:
         self._head.visible = self._tiles.visible = on
 
     def show(self, shown: ShownSteps | None, step: int, theme: Theme, note: str = "") -> None:
-        """These pictures with their words, and `step` marked; None: no target."""
+        """Show these pictures with their words, and `step` marked; None: no target."""
         if shown is None:
             self._head.content, self._tiles.content = _EMPTY, ""
             return
@@ -66,13 +65,13 @@ _EMPTY = f"<div class='v-steps'><h3>{say.TILES_EMPTY}</h3></div>"
 
 
 def mark_html(step: int) -> str:
-    """The heading; the style sheet marks the tile of the step that it names."""
+    """The heading; the style sheet marks the tile of the step in it."""
     title = f"<h3 title='{escape(say.TILES_HINT)}'>{say.TILES_TITLE}</h3>"
     return f"<div class='v-steps' data-marked='{step}'>{title}</div>"
 
 
 def tiles_html(shown: ShownSteps, theme: Theme, note: str = "") -> str:
-    """The tiles, each with number, title, words and picture, and a note below them."""
+    """The tiles, each with number, title, words and picture; a note below."""
     pairs = zip(shown.steps, shown.sources, strict=True)
     tiles = "".join(_tile(step, source, theme) for step, source in pairs)
     foot = f"<div class='v-legend'>{escape(note)}</div>" if note else ""
@@ -104,7 +103,7 @@ def encoded(picture: Picture) -> str:
 
 
 class Tiles:
-    """The pictures of one target, taken over as they are finished."""
+    """The pictures of one target, as they are finished."""
 
     def __init__(self) -> None:
         """No pictures yet."""
@@ -120,11 +119,11 @@ class Tiles:
             self._shown = ShownSteps(steps, ("",) * len(futures))
 
     def forget(self) -> None:
-        """There is no target."""
+        """Drop the pictures: there is no target."""
         self.key = self._coming = self._shown = None
 
     def shown(self) -> ShownSteps | None:
-        """What there is to be seen now; never waits."""
+        """What can be shown now; never waits."""
         if self._coming is not None:
             steps, futures = self._coming
             if all(future.done() for future in futures):
@@ -135,6 +134,6 @@ class Tiles:
         try:
             return tuple(encoded(future.result()) for future in futures)
         except Exception as error:
-            # A mistake of ours, in these pictures only: the next target gets its own.
+            # Our error, in these pictures only: the next target gets its own.
             self._failures.tell(error, STEPS_FAILED)
             return (FAILED,) * len(futures)

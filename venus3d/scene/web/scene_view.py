@@ -1,9 +1,9 @@
 """Draws the list of shapes in the browser.
 
-A node is made once for each name; after that only what changed is set, all of one moment in one
-atomic batch, so that no tab ever shows half a step. A name that is no longer drawn is hidden and
-kept, since steps come and go. Names must not nest (no "/a" beside "/a/b"): viser would move the
-inner one along with the outer one, while every shape here stands in the camera's frame.
+A node is created once per name; later only changes are sent, all of one moment in one atomic batch,
+so that no tab shows half a step. Names that are no longer drawn are hidden and kept. Names must not
+nest (no "/a" beside "/a/b"): viser would move the inner shape with the outer one, while all shapes
+are in the camera's frame.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from venus3d.render.shapes import (
 )
 
 Host = viser.ViserServer | viser.ClientHandle
-"""Where a page or a scene lives: for everybody, or for one tab alone."""
+"""Where a page or a scene lives: all tabs, or one."""
 
 _FRUSTUM_PICTURE_WIDTH = 320
 _LABEL_SCALE = 1.25
@@ -41,10 +41,10 @@ class _Node:
 
 
 class SceneView:
-    """The 3D scene of one server, or of one tab. Used by one thread."""
+    """The 3D scene of a server, or of one tab. Used by one thread."""
 
     def __init__(self, host: Host) -> None:
-        """An empty scene with the camera's up direction and flat, even light."""
+        """An empty scene with the camera's up direction and even light."""
         self._host = host
         self._nodes: dict[str, _Node] = {}
         self._picture: NDArray[np.uint8] | None = None
@@ -52,8 +52,8 @@ class SceneView:
         scene.set_up_direction("-y")
         scene.configure_default_lights(enabled=False)
         scene.configure_environment_map(None)
-        # Even light from everywhere: a board must read as a pattern, not as a shaded thing. Both
-        # lights together come to about pi, which shows a colour as it is.
+        # Even ambient light, since a board must read as a pattern, not a shaded object. Both lights
+        # add up to about pi, which shows a colour unchanged.
         scene.add_light_ambient("/light/even", intensity=2.5)
         scene.add_light_directional(
             "/light/eye", intensity=0.9, position=(-0.6, -1.0, -1.0), cast_shadow=False
@@ -61,17 +61,17 @@ class SceneView:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the shapes that are visible now."""
+        """Names of the visible shapes."""
         nodes = tuple(self._nodes.items())  # another thread may be drawing
         return tuple(name for name, node in nodes if node.handle.visible)
 
     def node(self, name: str) -> Any:
-        """viser's handle of a shape that has been drawn, to bind gestures to; None before that."""
+        """viser's handle of a drawn shape, for binding gestures; None before it is drawn."""
         found = self._nodes.get(name)
         return None if found is None else found.handle
 
     def draw(self, shapes: tuple[Shape, ...], *, dark: bool) -> None:
-        """Make the scene show these shapes and nothing else of ours."""
+        """Show these shapes and no others of ours."""
         with self._host.atomic():
             for shape in shapes:
                 self._draw_one(shape, dark)
@@ -177,7 +177,7 @@ class SceneView:
 
 def _same_kind(old: Shape, new: Shape) -> bool:
     if isinstance(old, MeshShape) and isinstance(new, MeshShape):
-        # A textured mesh is one sealed GLB: another mesh is another node.
+        # A textured mesh is one opaque GLB: another mesh needs another node.
         return old.textured == new.textured and not (new.textured and old.mesh is not new.mesh)
     return type(old) is type(new)
 
@@ -214,6 +214,6 @@ def _update_line(node: _Node, shape: LineShape) -> None:
     _move(handle, shape.pose)
     if not (isinstance(old, LineShape) and old.segments is shape.segments):
         handle.points = shape.segments
-    # One colour for all: viser takes a colour for each point for linear light and shows it paler.
+    # One colour for all: viser takes per-point colours as linear light and shows them paler.
     handle.colors = np.asarray(shape.colour, np.uint8)
     handle.thickness = shape.width_px

@@ -1,7 +1,7 @@
-"""The web servers of the pages: viser's, bound with care and never tunnelled to the outside.
+"""The pages' web servers: viser's, restricted, and never tunnelled to the outside.
 
-`LocalServer` is for those who act; `ReadOnlyServer` is for those who only look. Who may connect is
-`handshake`'s, what is heard of a browser `incoming`'s.
+`LocalServer` is for operators, `ReadOnlyServer` for spectators. `handshake` decides who may
+connect, `incoming` which messages are accepted.
 """
 
 from __future__ import annotations
@@ -37,33 +37,33 @@ from venus3d.scene.web.viser_private import (
 _PORTS_TRIED = 100
 _EVERYWHERE = ("0.0.0.0", "::", "")
 _ON_ITS_WAY_BYTES = 131072
-"""A browser behind a slow line skips pictures; megabytes on their way would come seconds late."""
+"""Send-buffer size above which a slow browser skips pictures, which would come seconds late."""
 _FREE_AGAIN_S = 10.0
 _FAREWELL_S = 1.0
-"""So long a browser may take to close its connection when the server stops, seconds."""
+"""Seconds a browser may take to close its connection when the server stops."""
 _LARGEST_MESSAGE_BYTES = 16384
-"""From a browser. viser takes 50 MB, for uploads and screenshots; of our pages none has any."""
+"""Limit for a browser's message. viser allows 50 MB, for uploads and screenshots, unused here."""
 
 
 _Kind = TypeVar("_Kind", bound="LocalServer")
 
 
 class AddressError(VenusError):
-    """An address on which nothing can be served."""
+    """An address that cannot be served."""
 
 
 class LocalServer(viser.ViserServer):
-    """viser's server, without what would let others in or let a browser end the program.
+    """viser's server, secured against strangers and against browsers that end the program.
 
-    - Nobody can ask for the public tunnel.
-    - Only our own page may connect (`handshake`), and of a browser only what a person could do on
-      the page is heard (`incoming`).
-    - Any thread may change what is shown while any number of browsers come and go.
+    - The public tunnel is disabled.
+    - Only our own page may connect (`handshake`), and only what a person could do on it is accepted
+    (`incoming`).
+    - Any thread may change the page while any number of browsers come and go.
     """
 
     def __init__(self, host: str, port: int, **options: Any) -> None:
         """Serve on this address; `options` are viser's."""
-        self._complete = asyncio.Event()  # nobody is let in before
+        self._complete = asyncio.Event()  # nobody may connect before
         self._serves = False
         with _serve_as(lambda *given, **more: self._serve(host, *given, **more)):
             super().__init__(host, port, **options)
@@ -86,16 +86,16 @@ class LocalServer(viser.ViserServer):
         return f"http://{'localhost' if host in _EVERYWHERE else host}:{self.get_port()}"
 
     def request_share_url(self, verbose: bool = True) -> str | None:
-        """Refuse: a camera's picture stays on this machine."""
+        """Refuse: the camera's picture stays on this machine."""
         return None
 
     def stop(self) -> None:
-        """Serve no longer."""
+        """Stop serving."""
         with _viser_is_quiet():
             super().stop()
 
     def _hears(self, raw: bytes, client_id: int) -> bool:
-        """Whether viser is to be told of this message."""
+        """Whether viser should get this message."""
         client = self.get_clients().get(client_id)
 
         def find(uuid: str) -> Any:
@@ -109,11 +109,11 @@ class LocalServer(viser.ViserServer):
         connection_of(self._sockets, client.client_id).client_id = client.client_id
 
     def _make_safe(self, buffer: Any) -> None:
-        """Let any thread push messages: viser's event may be set in its own thread only, and is
-        set in any; with many browsers that raises in the thread that draws."""
+        """Let any thread push messages: viser sets its event outside the event's own thread, which
+        with many browsers raises in the drawing thread."""
         assert isinstance(buffer.message_event, asyncio.Event)
         buffer.message_event = _LoopEvent(self._sockets_thread)
-        # Whoever draws for a tab that has just gone made no mistake; viser would warn of it.
+        # Drawing for a tab that has just closed is no mistake, though viser would warn of it.
         allow_late_message(buffer)
 
     def _serve(self, host: str, handler: Any, *address: Any, **options: Any) -> Any:
@@ -141,11 +141,8 @@ class LocalServer(viser.ViserServer):
 
 
 class ReadOnlyServer(LocalServer):
-    """A server that shows and does not listen: nothing that a browser sends changes anything.
-
-    It hears where a browser looks from, which is that browser's own matter. So it does not matter
-    what is on the page: there is no way from a browser to a callback.
-    """
+    """A server that shows but accepts nothing: no message from a browser reaches a callback,
+    whatever is on the page. It only tracks each browser's own viewpoint."""
 
     def _hears(self, raw: bytes, client_id: int) -> bool:
         return is_point_of_view(raw)
@@ -159,10 +156,10 @@ class ReadOnlyServer(LocalServer):
 
 
 class _Connection(ServerConnection):
-    """A browser's connection; what is not heard of it is as if it had not been sent."""
+    """A browser's connection that drops messages which the page does not accept."""
 
     client_id = -1
-    """viser's number of it."""
+    """viser's number of this client."""
 
     def __init__(self, hears: Callable[[bytes, int], bool], *given: Any, **more: Any) -> None:
         super().__init__(*given, **more)
@@ -176,11 +173,8 @@ class _Connection(ServerConnection):
 
 
 class _LoopEvent(asyncio.Event):
-    """An event that is set by the thread of its loop only.
-
-    viser sets it where a message is pushed, in any thread, and has its loop do the same right
-    after: the former is left out.
-    """
+    """An event that only its loop's thread sets. viser also sets it directly in the pushing thread,
+    just before its loop does; that call is ignored."""
 
     def __init__(self, thread: int) -> None:
         super().__init__()
@@ -197,7 +191,7 @@ _serving, _silencing = threading.Lock(), threading.RLock()
 
 @contextlib.contextmanager
 def _viser_is_quiet() -> Generator[None, None, None]:
-    """While this lasts, viser prints nothing: what is printed is the command line's."""
+    """Silences viser's printing: the command line prints instead."""
     console = rich.get_console()
     with _silencing:
         before, console.quiet = console.quiet, True
@@ -209,7 +203,7 @@ def _viser_is_quiet() -> Generator[None, None, None]:
 
 @contextlib.contextmanager
 def _serve_as(serve: Callable[..., Any]) -> Generator[None, None, None]:
-    """While this lasts, viser opens its websocket with `serve`; it has no option for that."""
+    """Makes viser open its websocket with `serve`, for which it has no option."""
     with _serving:
         websockets_server.serve = serve  # pyright: ignore[reportAttributeAccessIssue]
         try:
@@ -219,10 +213,10 @@ def _serve_as(serve: Callable[..., Any]) -> Generator[None, None, None]:
 
 
 def start_server(host: str, port: int) -> tuple[LocalServer, str]:
-    """A running server, and a note if another port than the one asked for had to be taken.
+    """A running server, and a note if it had to take another port than `port`.
 
-    Raises `AddressError` if the address cannot be bound. It is tried first, because viser waits
-    for ever on one that cannot.
+    Raises `AddressError` if the address cannot be bound; this is tried first, since viser would
+    wait for ever.
     """
     _check_port(port)
     for candidate in range(port, min(port + _PORTS_TRIED, 65536)):
@@ -237,28 +231,24 @@ def start_server(host: str, port: int) -> tuple[LocalServer, str]:
 
 
 def start_read_only_server(host: str, port: int) -> ReadOnlyServer:
-    """A running server for those who only look, on this very port.
-
-    Raises `AddressError` if the address cannot be bound or the port is taken: the second screen
-    was told the address beforehand.
-    """
+    """A running read-only server on exactly this port, which the second screen already knows.
+    Raises `AddressError` if the address cannot be bound or the port is taken."""
     _check_port(port)
     taken = AddressError(f"Port {port} is taken on {host}; choose another with --audience.")
     if not _is_free(host, port):
         raise taken
     server = _quietly(ReadOnlyServer, host, port)
-    if server.get_port() != port:  # somebody was quicker
+    if server.get_port() != port:  # another program was quicker
         server.stop()
         raise taken
     return server
 
 
 def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
-    """A new server in this one's place, which is stopped: same kind, same address, nothing on it.
+    """A new, empty server of the same kind and address in place of this one, which is stopped.
 
-    Browsers that were connected come back by themselves. If `stop` is set meanwhile, nobody needs
-    the new one any more: it is stopped, too. Raises `AddressError` if the address is not free again
-    soon.
+    Browsers reconnect by themselves. If `stop` is set meanwhile, the new one is stopped too. Raises
+    `AddressError` if the address does not become free soon.
     """
     host, port = server.get_host(), server.get_port()
     server.stop()
@@ -268,7 +258,7 @@ def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
             raise AddressError(f"Port {port} on {host} is not free any more; start again.")
         time.sleep(0.05)
     anew = _quietly(type(server), host, port)
-    if stop.is_set() or anew.get_port() != port:  # somebody was quicker
+    if stop.is_set() or anew.get_port() != port:  # another program was quicker
         anew.stop()
     if anew.get_port() != port:
         raise AddressError(f"Port {port} on {host} was taken meanwhile.")
@@ -276,7 +266,7 @@ def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
 
 
 def _quietly(kind: type[_Kind], host: str, port: int) -> _Kind:
-    # viser prints a banner with the address; ours is printed by the command line.
+    # viser prints a banner with the address; our command line prints its own.
     with _viser_is_quiet():
         return kind(host=host, port=port, label="venus3d", verbose=False)
 
@@ -287,7 +277,7 @@ def _check_port(port: int) -> None:
 
 
 def _is_free(host: str, port: int) -> bool:
-    """Whether this port can be bound. Raises `AddressError` if none can on this address."""
+    """Whether this port can be bound. Raises `AddressError` if no port can on this address."""
     try:
         infos = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     except (socket.gaierror, UnicodeError):

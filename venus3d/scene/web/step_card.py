@@ -1,6 +1,6 @@
-"""The large text for whoever holds the board, as HTML: what to do now, how much of it is left.
+"""The large text for the board's holder, as HTML: what to do now, and how much is left.
 
-It must be readable at two metres, so it holds one headline, one sentence and four short facts.
+Readable at two metres: one headline, one sentence and four short facts.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ PICTURE_LEGEND_HTML = (
     + " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)
     + "</div></div>"
 )
-"""Under the live picture: what is drawn in it during the steps."""
+"""Legend of the live picture during the steps."""
 
 
 def guide_card(
@@ -35,7 +35,7 @@ def guide_card(
     foot: str = "",
     eyebrow: str = "",
 ) -> str:
-    """One card; `below` and `foot` are HTML, all else is text. A `note` takes the foot's place."""
+    """One card; `below` and `foot` are HTML, the rest is text. A `note` replaces the foot."""
     left = f"<div class='v-amount'>{escape(amount)}<small>{say.TO_GO}</small></div>"
     left = left if amount else ""
     above = f"<small>{escape(eyebrow)}</small> " if eyebrow else ""
@@ -49,19 +49,19 @@ def guide_card(
 
 
 def second_line(text: str) -> str:
-    """A smaller sentence below the first; nothing without a text."""
+    """A smaller sentence below the first; nothing for an empty text."""
     return f"<div class='v-second'>{escape(text)}</div>" if text else ""
 
 
 def hold_card(theme: Theme, below: str, note: str) -> str:
-    """The board is where it should be and only has to be held still."""
+    """The card for a board at its target that must be held still."""
     sentence = HOLD_STILL.holder
     return guide_card(theme.reached, "✓", say.HOLD_HEADLINE, sentence, below=below, note=note)
 
 
 def step_card(match: Match, number: int, theme: Theme, note: str, foot: str = "") -> str:
-    """One of the four steps. Without a `foot` it says what the camera sees of it, if the holder is
-    told something else."""
+    """One of the four steps. Without a `foot`, it gives the camera's view of the step if the
+    holder's words differ."""
     done = match.within[number - 1]
     words = STEP_RIGHT if done else step_prompt(match.steps[number - 1])
     if not foot and words.camera != words.holder:
@@ -81,17 +81,15 @@ def step_card(match: Match, number: int, theme: Theme, note: str, foot: str = ""
 
 
 def remaining_text(match: Match, step: int) -> str:
-    """What is left of one step, with its unit: "+31°" or "120 mm"."""
+    """What is left of one step, with unit: "+31°" or "120 mm"."""
     if step == 1:
         return f"{float((match.remaining_mm**2).sum()) ** 0.5:.0f} mm"
     return degrees(match.remaining_deg[step - 2])
 
 
 def step_chips(match: Match | None, steps: Steps | None, shown: int, theme: Theme) -> str:
-    """The four steps in one row, each with number, word, what is left and whether it is right.
-
-    Without a match, what each of the target's `steps` is in all; without these, nothing.
-    """
+    """The four steps in a row, each with number, word, remaining amount and whether it is done;
+    without a match, the whole amounts of the target's `steps`; without both, nothing."""
     if match is None and steps is None:
         return ""
     cells: list[str] = []

@@ -1,4 +1,4 @@
-"""What is said of the step that is active, wherever a board is guided to a target."""
+"""Labels around the active step; its instruction is in `engine/guidance/prompts.py`."""
 
 HOLD_HEADLINE = "Hold still"
 STEP_OF_FOUR = "Step {number} of 4:"

@@ -1,4 +1,4 @@
-"""What all pages say: the help with the keys, and how to get about."""
+"""Texts of all pages: the help with the keys, and navigation."""
 
 HELP_TITLE = "Keys and commands"
 HELP_INTRO = (
@@ -57,4 +57,4 @@ TILE_WAITING = "Step {number}"
 TILE_FAILED = "This picture could not be drawn; the terminal tells why."
 PAGE_ANNOUNCED = "{title}: {url}   (Ctrl-C ends it)"
 SWITCHED_ON = "✓ {label}"
-"""A button whose option is on."""
+"""Label of a button whose option is on."""

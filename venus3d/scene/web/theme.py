@@ -1,8 +1,8 @@
-"""The pages' colours, dark or light, and the style sheets that use them.
+"""The pages' dark and light colours, and the style sheets that use them.
 
-What the pages look like stands in the .css files beside this module: style.css for all pages that
-are worked with, audience.css for the second monitor, document.css (after style.css) and player.css
-for the exported lesson. Where panels stand is the pages' own.
+The .css files are beside this module: style.css for operated pages, audience.css for the second
+monitor, document.css (after style.css) and player.css for the exported lesson. Panel positions are
+the pages' own.
 """
 
 from __future__ import annotations
@@ -18,61 +18,61 @@ from venus3d.render.shapes import Colour
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours of the page, dark or light."""
+    """A page's colours, dark or light."""
 
     dark: bool
 
     @property
     def step_colours(self) -> tuple[Colour, Colour, Colour, Colour]:
-        """One colour for each of the four steps."""
+        """The four steps' colours."""
         one, two, three, four = (step_colour(n, dark=self.dark) for n in (1, 2, 3, 4))
         return (one, two, three, four)
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """The steps' colours in CSS."""
+        """The steps' colours as CSS."""
         return tuple(hex_of(colour) for colour in self.step_colours)
 
     @property
     def info(self) -> str:
-        """Something is going on, or is needed."""
+        """Colour of something that is going on or needed."""
         return hex_of(ground(self.dark).warning)
 
     @property
     def reached(self) -> str:
-        """Something is right; always with a tick and a word."""
+        """Colour of something correct; always with a tick and a word."""
         return hex_of(ground(self.dark).reached)
 
     @property
     def good(self) -> str:
-        """Plain text."""
+        """Colour of plain text."""
         return hex_of(ground(self.dark).text)
 
     @property
     def quiet(self) -> str:
-        """Nothing is going on."""
+        """Colour of idle states."""
         return hex_of(ground(self.dark).quiet_text)
 
     @property
     def brand(self) -> Colour:
-        """Of viser's own buttons and marks. Neutral: the steps have the colours."""
+        """Colour of viser's own buttons and marks; neutral, since the steps have the colours."""
         return (150, 163, 184) if self.dark else (70, 82, 102)
 
     @property
     def line(self) -> str:
-        """Thin lines between things."""
+        """Colour of thin separating lines."""
         return hex_of(mixed(ground(self.dark).background, ground(self.dark).text, 0.17))
 
     @property
     def tile(self) -> str:
-        """The ground of a tile that stands out a little from the panel."""
+        """Background of a tile, slightly off the panel's."""
         if not self.dark:
             return "#ffffff"
         return hex_of(mixed(ground(True).background, ground(True).text, 0.05))
 
     @property
     def panel(self) -> str:
-        """The ground of a panel, viser's own made to fit."""
+        """Background of a panel, which matches viser's own."""
         return hex_of(ground(self.dark).background)
 
     @property
@@ -91,12 +91,12 @@ class Theme:
 
     @property
     def sheet(self) -> str:
-        """The style sheet of the pages that are worked with, once for each panel."""
+        """The style sheet of operated pages, once per panel."""
         return f"<style>{self.variables}{style_sheet('style')}</style>"
 
 
 @cache
 def style_sheet(name: str) -> str:
-    """A style sheet of this folder, "style" for example, without its comments."""
+    """A style sheet of this folder, for example "style", without comments."""
     text = (Path(__file__).parent / f"{name}.css").read_text(encoding="utf-8")
     return " ".join(re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL).split())

@@ -1,7 +1,7 @@
-"""A short tour of a page: a few small steps over the page, each marking what it speaks of.
+"""A short guided tour: small steps over the page, each highlighting what it describes.
 
-It comes by itself the first time that a browser opens the page, and never again: the browser keeps
-in its local storage that it was there. It can be asked for again.
+It starts by itself when a browser first opens the page, which the browser remembers in its local
+storage; later only on request.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from venus3d.scene.web.help import Command
 from venus3d.scene.web.theme import Theme
 
 _PATIENCE_S = 20.0
-"""So long a browser may take to answer whether it has seen the tour, seconds."""
+"""Seconds a browser may take to answer whether it has seen the tour."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +30,12 @@ class TourStep:
     title: str
     text: str
     marks: str = ""
-    """What the style sheet frames meanwhile ([data-marks] there); empty: nothing."""
+    """What the style sheet frames meanwhile (its [data-marks]); empty: nothing."""
 
 
 @dataclass
 class _Open:
-    """The tour in one tab."""
+    """The open tour of one tab."""
 
     modal: Any
     content: Any
@@ -44,12 +44,13 @@ class _Open:
 
 
 class Tour:
-    """The tour of one server's page, in each tab by itself."""
+    """The tour of one server's page, separate in each tab."""
 
     def __init__(
         self, server: viser.ViserServer, key: str, steps: Sequence[TourStep], *, at_first: bool
     ) -> None:
-        """Offer the tour; with `at_first`, to each browser that has not kept `key` yet."""
+        """Offer the tour; with `at_first`, start it in each browser that has not stored `key`
+        yet."""
         self._key, self._steps = key, tuple(steps)
         self._theme = Theme(True)
         self._lock = Lock()
@@ -65,11 +66,11 @@ class Tour:
 
     @property
     def commands(self) -> tuple[Command, ...]:
-        """For the help to tell of; the tour has its commands already."""
+        """Its commands, for the help; they are already added."""
         return (Command(say.TOUR_COMMAND, None, say.TOUR_COMMAND_HINT, lambda: None),)
 
     def show(self, theme: Theme) -> None:
-        """Take these colours from now on."""
+        """Use these colours from now on."""
         if theme != self._theme:
             self._theme = theme
             with self._lock:
@@ -93,7 +94,7 @@ class Tour:
             modal = gui.add_modal(say.TOUR_ROW)
             with modal:
                 content = gui.add_html(self._html(0))
-                # The first button has the focus: Enter goes on.
+                # The first button has the focus: Enter continues.
                 forth = gui.add_button(say.TOUR_NEXT, hint=say.TOUR_NEXT_HINT)
                 labels = {"back": say.TOUR_BACK, "skip": say.TOUR_SKIP}
                 ButtonRow(gui, say.TOUR_ROW, labels, pressed, hint=say.TOUR_ROW_HINT)
@@ -104,7 +105,7 @@ class Tour:
         try:
             seen = client.local_storage.get_item(self._key, timeout=_PATIENCE_S)
         except (RuntimeError, TimeoutError):
-            return  # it has gone, or keeps nothing: then the tour would come each time
+            return  # closed, or without storage: then the tour would start each time
         if seen is None:
             self.start(client)
 

@@ -1,17 +1,17 @@
-"""What is private in viser and used here all the same: there is no public way to each of these.
+"""Private names of viser that are used here, for lack of public ones.
 
     server._websock_server                  the websocket server of a `ViserServer`: who connects
       ._server_thread                       its thread, the only one that may set its events
-      ._background_event_loop               its loop, to open the door once all is ready
+      ._background_event_loop               its loop, to accept clients once all is ready
       ._live_connections                    a client's connection: its number, its socket's buffer
       get_message_buffer().message_event    wakes the loop; replaced, since any thread sets it
-      ...._sanctioned_dead_writes           messages to a tab that has gone, which are no mistake
+      ...._sanctioned_dead_writes           messages to a closed tab, which are no mistake
     gui._gui_input_handle_from_uuid         the widget of a name that a browser sends
-    panel._placement_uuid                   the panel of which one tab alone is told the width
+    panel._placement_uuid                   the panel, to set its width in a single tab
     viser._messages                         the kinds of messages that a browser sends
 
-`missing` is asked when a server starts, and by a test: should viser rename one of them, no page is
-served rather than an open or a broken one.
+`missing` is checked at the start of a server and by a test: if viser renames one of them, no page
+is served rather than an unprotected or broken one.
 """
 
 from __future__ import annotations
@@ -66,33 +66,33 @@ def missing(server: viser.ViserServer) -> tuple[str, ...]:
 
 
 def sockets_of(server: viser.ViserServer) -> Any:
-    """The websocket server of a page's server."""
+    """The websocket server behind a page's server."""
     return vars(server)["_websock_server"]
 
 
 def loop_of(sockets: Any) -> tuple[Any, int]:
-    """Its event loop, and the number of the thread that runs it."""
+    """Its event loop, and the id of the loop's thread."""
     return sockets._background_event_loop, int(sockets._server_thread.ident)
 
 
 def connection_of(sockets: Any, client_id: int) -> Any:
-    """The connection of a client that is there."""
+    """The connection of a connected client."""
     return sockets._live_connections[client_id]
 
 
 def allow_late_message(buffer: Any) -> None:
-    """Let one message be pushed to a tab that has gone without viser's warning of it."""
+    """Let one message be pushed to a closed tab without viser's warning."""
     buffer._sanctioned_dead_writes += 1
 
 
 def widget_of(gui: viser.GuiApi, uuid: str) -> Any:
-    """The widget of a server or a tab that viser knows by this name; None if it has none."""
+    """The widget of a server or a tab with this name; None if there is none."""
     return vars(gui)["_gui_input_handle_from_uuid"].get(uuid)
 
 
 def panel_in(client: viser.ClientHandle, panel: Any) -> Any:
-    """A server's panel as one tab sees it alone."""
-    # viser tells one tab alone of its main panel only; the handle takes any panel's name.
+    """A server's panel as seen by one tab alone."""
+    # viser addresses only its main panel per tab; the handle takes any panel's name.
     handle: Any = client.gui.main_panel
     handle._placement_uuid = panel._placement_uuid
     return handle

@@ -1,4 +1,4 @@
-"""What follows the size of a browser's window: the widths of panels."""
+"""Adapts panel widths to the size of a browser's window."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from venus3d.scene.web.viser_private import panel_in
 
 
 def on_window(host: Host, act: Callable[[viser.ClientHandle], None]) -> None:
-    """Call `act` on viser's threads for each tab of a server, or for one tab: when it comes, and
-    whenever its camera or the size of its window changes."""
+    """Call `act` on viser's threads for each tab of a server, or for one tab, when it connects and
+    whenever its camera or window size changes."""
 
     def connected(client: viser.ClientHandle) -> None:
         act(client)
@@ -26,8 +26,8 @@ def on_window(host: Host, act: Callable[[viser.ClientHandle], None]) -> None:
 
 
 def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
-    """Give a panel the width (pixels) that suits the height of the window, in each tab of a server
-    for itself: another one may be on a large screen."""
+    """Give a panel the width (pixels) that suits the window's height, in each tab of a server
+    separately."""
     shown: dict[int, int] = {}
 
     def fit(client: viser.ClientHandle) -> None:

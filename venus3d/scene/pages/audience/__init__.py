@@ -1,1 +1,1 @@
-"""The second monitor: a page that shows and cannot be acted on, to be read at two metres."""
+"""The second monitor: a page without controls, to be read at two metres."""

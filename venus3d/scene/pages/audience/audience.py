@@ -1,9 +1,9 @@
-"""The second monitor: takes snapshots and pictures as the viewer does, and gives nothing back.
+"""The second monitor: takes snapshots and pictures like the viewer, and accepts no input.
 
-Any thread may call it. Two small threads draw, each from a one-slot box in which the newest wins;
-what goes wrong there is logged, told to the operator (`on_failure`), and the page is drawn anew.
-What its browsers send reaches nobody (`scene.web.server.ReadOnlyServer`). Another program can feed
-it: `Audience("127.0.0.1", 8090).show(snapshot)`.
+Any thread may call it, also of another program: `Audience("127.0.0.1", 8090).show(snapshot)`. Two
+threads draw the newest snapshot and picture; errors are logged, reported to the operator
+(`on_failure`), and the page is reloaded. Browser input is dropped
+(`scene.web.server.ReadOnlyServer`).
 """
 
 from __future__ import annotations
@@ -34,20 +34,18 @@ from venus3d.scene.web.theme import Theme
 PICTURE_WIDTH = 960
 _SCENE_PERIOD_S = 1 / 12
 _SENT_PER_S = 240
-"""To all browsers together: a class of 30 gets 8 pictures a second, so that the operator's page,
-which shares the machine, stays quick."""
+"""Pictures per second to all browsers together: 30 get 8 each, so that the operator's page stays
+responsive."""
 _SHOWN_S: dict[Cue, float] = {"reached": 0.9, "captured": 1.8}
-"""How long a person is given to see what was achieved."""
+"""How long an achievement is shown."""
 
 
 class Audience(Page[AudienceState]):
-    """One read-only page, for any number of browsers; its state is how things are shown."""
+    """A read-only page for any number of browsers; its state is how things are shown."""
 
     def __init__(self, host: str, port: int, choices: AudienceState | None = None) -> None:
-        """Serve the page, on this very port.
-
-        Raises `AddressError` if the address cannot be bound or the port is taken.
-        """
+        """Serve the page on exactly this port. Raises `AddressError` if the address cannot be bound
+        or the port is taken."""
         super().__init__(
             start_read_only_server(host, port),
             state=choices or AudienceState(),
@@ -64,7 +62,7 @@ class Audience(Page[AudienceState]):
         self._open(audience_picture=self._pictures.loop)
 
     def change(self, change: Callable[[AudienceState], AudienceState]) -> AudienceState:
-        """Change how it is shown; from any thread."""
+        """Change the display options; from any thread."""
         choices = super().change(change)
         self._pictures.again()
         return choices
@@ -72,18 +70,18 @@ class Audience(Page[AudienceState]):
     def show(self, snapshot: Snapshot) -> None:
         """Show this moment; the newest wins."""
         with self._lock:
-            # What was achieved is seen here, since not every snapshot is drawn.
+            # Achievements are detected here, since not every snapshot is drawn.
             self._achieved = achieved(self._snapshot, snapshot) or self._achieved
             self._snapshot = snapshot
         self.wake()
 
     def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
-        """Show this live picture (BGR or grey), with the corners of `observation`, or by default
-        of the newest snapshot; the newest wins."""
+        """Show this live picture (BGR or grey), with the corners of `observation`, or by default of
+        the newest snapshot; the newest wins."""
         self._pictures.put(image, observation)
 
     def pause(self, on: bool) -> None:
-        """Say that no pictures are taken for now, or take it back."""
+        """Say that pictures are paused, or are no longer."""
         self._paused = on
         self.wake()
 
@@ -100,7 +98,7 @@ class Audience(Page[AudienceState]):
     def _wake_loops(self) -> None:
         if self._stopping.is_set():
             self._pictures.stop()
-        self._pictures.again()  # who comes while no frame does sees the last one
+        self._pictures.again()  # a late visitor sees the last picture if no frame comes
         self.wake()
 
     @property

@@ -1,4 +1,4 @@
-"""The operator's choices about the second monitor: a folder and hotkeys on the operator's page."""
+"""The second monitor's options on the operator's page: a folder and hotkeys."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from venus3d.scene.web.help import Command, add_commands
 
 
 class AudienceControls:
-    """A folder in the current panel of the operator's server. Callbacks only change a value."""
+    """A folder in the current panel of the operator's page. Callbacks only change a value."""
 
     def __init__(self, server: viser.ViserServer, audience: Audience) -> None:
-        """Make the switches and the hotkeys."""
+        """Create the switches and hotkeys."""
         self._audience = audience
         self._boxes: dict[str, Any] = {}
         with server.gui.add_folder(texts.PANEL, expand_by_default=False):
@@ -31,12 +31,12 @@ class AudienceControls:
             Command(f"{texts.PANEL}: {label}", key, hint, self._toggled(name))
             for name, label, key, hint in texts.CONTROLS
         )
-        """In the palette; for the page's help as well."""
+        """Commands, already in the palette; for the page's help."""
         add_commands(server, self.commands)
 
     def _ticked(self, name: str) -> Callable[[Any], None]:
         def ticked(event: Any) -> None:
-            if event.client is not None:  # not set by us
+            if event.client is not None:  # not set by the program
                 self._audience.change(_with(name, bool(event.target.value)))
 
         return ticked

@@ -1,9 +1,8 @@
-"""The dial: what is left of the one degree of freedom that matters now, as SVG in HTML.
+"""The dial: what is left of the active step's degree of freedom, as SVG in HTML.
 
-A turn is a gauge: the hand stands where the board is, the green band at the top is where it is
-right, the arrow points the way. A move has three such scales, straight ones. Degrees and
-millimetres near zero are drawn larger (by the square root), since that is where they matter. Left
-and right are the holder's own, like the words. Sizes are in the picture's own units: 400 by 400.
+A turn is a gauge: the hand shows the board, the green band at the top the target, the arrow the
+direction. A move has three straight scales. A square-root scale magnifies values near zero. Left
+and right are the holder's. Sizes are in the drawing's units: 400 by 400.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from venus3d.scene.pages.audience import texts
 
 RIGHT_ON_DARK: Colour = DARK.reached
 RIGHT_ON_LIGHT: Colour = LIGHT.reached
-"""Something is right: always with a tick or a word."""
+"""Colour of something correct; always with a tick or a word."""
 LARGEST_DEG, LARGEST_MM = 90.0, 300.0
 """The ends of the scales."""
 _CENTRE, _RADIUS, _REACH_DEG = (200.0, 210.0), 150.0, 125.0
@@ -28,22 +27,22 @@ _LEFT, _RIGHT_END = 24.0, 376.0
 
 
 def right_colour(*, dark: bool) -> str:
-    """CSS colour of what is right."""
+    """CSS colour of something correct."""
     return hex_of(RIGHT_ON_DARK if dark else RIGHT_ON_LIGHT)
 
 
 def share(value: float, largest: float) -> float:
-    """Where a remaining amount stands on its scale, -1 ... 1; 0 is the target."""
+    """Position of a remaining amount on its scale, -1 ... 1; 0 is the target."""
     return float(np.sign(value) * np.sqrt(min(abs(value) / largest, 1.0)))
 
 
 def dial_html(match: Match, step: int) -> str:
-    """The dial of step 1 ... 4. Its colours are CSS's: --step, --done, --text, --soft, --line."""
+    """The dial of a step, 1 ... 4. CSS sets its colours: --step, --done, --text, --soft, --line."""
     return _move(match) if step == 1 else _turn(match, step)
 
 
 def tick_html() -> str:
-    """What stands in the dial's place when it is right."""
+    """The tick that replaces the dial when the step is done."""
     tick = (
         "<circle cx='200' cy='200' r='150' fill='var(--done)'/>"
         "<path d='M122 206l54 56 104-116' fill='none' stroke='var(--ground)' stroke-width='34' "
@@ -61,8 +60,8 @@ def amount_text(match: Match, step: int) -> str:
 
 def _turn(match: Match, step: int) -> str:
     left = float(match.remaining_deg[step - 2])
-    # A turn that is positive for the camera goes counter-clockwise for the holder: so the hand
-    # stands to the right of the top, and moves to the left.
+    # Positive for the camera is counter-clockwise for the holder: the hand is to the right of the
+    # top and moves left.
     at, band = share(left, LARGEST_DEG), share(match.limit_deg, LARGEST_DEG)
     hand, way = at * _REACH_DEG, np.sign(at) * band * _REACH_DEG
     parts = [
@@ -84,10 +83,10 @@ def _turn(match: Match, step: int) -> str:
 
 def _move(match: Match) -> str:
     x, y, z = (float(v) for v in match.remaining_mm)
-    # Each part's share of a tolerance that is for all three together.
+    # Each part's share of a tolerance common to all three.
     band = match.limit_mm / np.sqrt(3)
     rows = (
-        # What is to the right for the camera is to the holder's left.
+        # The camera's right is the holder's left.
         (-x, texts.MOVE_PARTS[0], texts.LEFT_RIGHT),
         (y, texts.MOVE_PARTS[1], texts.UP_DOWN),
         (z, texts.MOVE_PARTS[2], texts.NEAR_FAR),
@@ -103,7 +102,7 @@ def _move(match: Match) -> str:
 def _scale(
     y: float, towards: float, band: float, words: tuple[str, str], ends: tuple[str, str]
 ) -> str:
-    """One straight scale; the board has to go by `towards` millimetres, + to the second end."""
+    """One straight scale; the board has to move `towards` millimetres, + to the second end."""
     half = (_RIGHT_END - _LEFT) / 2
 
     def place(mm: float) -> float:
@@ -135,7 +134,7 @@ def _scale(
 
 
 def _point(angle_deg: float, radius: float) -> tuple[float, float]:
-    """On the gauge; 0 is the top, clockwise is positive."""
+    """A point on the gauge; 0 is the top, clockwise is positive."""
     angle = np.radians(angle_deg)
     return _CENTRE[0] + radius * float(np.sin(angle)), _CENTRE[1] - radius * float(np.cos(angle))
 

@@ -1,9 +1,8 @@
 """The second monitor's HTML: one sentence, the dial and the four steps around the picture.
 
-The layout is CSS's alone: the picture keeps the upper left corner (viser's canvas is put there),
-more than half of a wide screen; the dial stands to its right, the sentence below it. On a tall
-screen, a phone's, the picture has the whole width and the rest stands below it. All letters are
-sized by the screen's height.
+CSS alone makes the layout. The picture (viser's canvas) has the upper left corner and more than
+half of a wide screen, with the dial to its right and the sentence below; on a tall screen it has
+the whole width and the rest is below. Font sizes follow the screen's height.
 """
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from venus3d.scene.pages.audience.view_model import AudienceViewModel
 from venus3d.scene.web.theme import Theme, style_sheet
 
 _SCREEN, _HALF = 16 / 9, 0.505
-"""The picture has a little more than half of a screen of this shape."""
+"""The screen's aspect, and the picture's share of its width."""
 
 
 def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: bool) -> str:
-    """What is read and seen beside the picture at one moment."""
+    """The text and drawings beside the picture at one moment."""
     good = moment.kind == "good"
     if good:
         colour = right_colour(dark=dark)
@@ -39,7 +38,7 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
         dial = dial_html(moment.match, moment.step)
     else:
         dial = f"<div class='v-sign'>{escape(moment.badge)}</div>"
-    said = moment.sentence.replace(" mm", "\u00a0mm")  # a number keeps its unit
+    said = moment.sentence.replace(" mm", "\u00a0mm")  # no line break between number and unit
     views = 0 if snapshot is None else len(snapshot.views)
     views += moment.fresh and snapshot is not None and snapshot.phase == "captured"
     return (
@@ -54,14 +53,13 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
 
 
 def picture_share(aspect: float) -> tuple[float, float]:
-    """The part of the screen's width and height that a picture of this width / height has."""
+    """The shares of the screen's width and height taken by a picture of this aspect."""
     tall = float(np.sqrt(_HALF * _SCREEN / np.clip(aspect, 4 / 3, 2.0)))
     return _HALF / tall, tall
 
 
 def sheet(look: AudienceState, aspect: float = _SCREEN) -> str:
-    """The style sheet for this choice and pictures of this width / height: colours, layout,
-    mirror."""
+    """The style sheet for these options and pictures of this aspect: colours, layout, mirroring."""
     wide, tall = picture_share(aspect)
     place = (
         f":root{{--aspect:{aspect:.6f};--wide-screen:{100 * wide:.2f}vw;"

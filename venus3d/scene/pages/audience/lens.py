@@ -1,8 +1,8 @@
-"""The live picture as a pinhole sees it, and where it stands before the browser's camera.
+"""Undistorts the live picture, and places it in front of the browser's camera.
 
-The browser's camera is a symmetric pinhole in the real camera's place. The picture is no background
-but a plane in the scene, far behind everything: its corners are where the camera's rays pass, so it
-is centred on the principal point, and fits the 3D steps whatever the window's shape.
+The browser's camera is a symmetric pinhole in the real camera's place. The picture is a plane in
+the scene far behind everything, with its corners on the camera's rays: so it is centred on the
+principal point and matches the 3D steps in a window of any shape.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 
 _SPARE = 1.2
-"""A barrel lens sees more than its pinhole: up to so many times as far from the centre is shown."""
+"""A barrel lens sees more than its pinhole: show up to this factor farther from the centre."""
 
 
 @dataclass(frozen=True)
 class Plane:
-    """A picture's edges where they stand one metre before the lens, metres; +y is down."""
+    """A picture's edges at one metre from the lens, metres; +y is down."""
 
     left: float
     top: float
@@ -32,38 +32,38 @@ class Plane:
     bottom: float
 
     def fov_rad(self, aspect: float) -> float:
-        """The vertical field of view that shows all of it in a window of this width / height."""
+        """The vertical field of view that shows all of it in a window of this aspect."""
         half = max(-self.top, self.bottom, max(-self.left, self.right) / max(aspect, 0.05))
         return 2 * float(np.arctan(half))
 
 
 def plain_plane(image_size: tuple[int, int]) -> Plane:
-    """A picture as it comes, before the middle of the window."""
+    """The plane of an unmodified picture, in the middle of the window."""
     wide = image_size[0] / image_size[1]
     return Plane(-wide / 2, -0.5, wide / 2, 0.5)
 
 
 @dataclass(frozen=True, eq=False)
 class Undistortion:
-    """From a camera's picture of one size to what a pinhole in its place would see."""
+    """Maps a camera's picture of one size to what a pinhole in its place would see."""
 
     plane: Plane
     maps: tuple[NDArray[Any], NDArray[Any]]
-    """As `cv2.remap` wants them."""
+    """Maps for `cv2.remap`."""
 
     def straightened(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """The picture (H, W, 3) without the lens's distortion."""
+        """The picture (H, W, 3) without lens distortion."""
         return np.asarray(cv2.remap(rgb, *self.maps, cv2.INTER_LINEAR), np.uint8)
 
 
 @lru_cache(maxsize=4)
 def undistortion(camera: Camera) -> Undistortion:
-    """For pictures of the camera's own image size; made once for each camera."""
+    """For pictures of the camera's own image size; cached per camera."""
     low, high = _reach(camera)
     size = camera.image_size
     pinhole = camera.without_distortion()
     f = np.array([camera.fx, camera.fy])
-    # As many pixels as the picture has, spread over what is shown.
+    # As many pixels as the picture has, over the part shown.
     scale = np.array(size) / ((high - low) * f)
     K = np.array(pinhole.K)
     K[0, 0], K[1, 1] = f * scale

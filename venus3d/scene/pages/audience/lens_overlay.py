@@ -1,5 +1,5 @@
-"""The 3D steps over the live picture: the target, and what the active step does, from where the
-board is now. The board itself is in the picture, and the numbers are the dial's."""
+"""The 3D steps over the live picture: the target, and the active step from the board's current
+pose. The picture shows the board, the dial the numbers."""
 
 from __future__ import annotations
 
@@ -21,25 +21,22 @@ from venus3d.render.step_shapes import instruction_shapes
 from venus3d.scene.pages.audience.state import AudienceState
 
 _GHOST_OPACITY = 0.25
-"""The board in the picture shows through."""
+"""Opacity at which the board in the picture shows through."""
 _BEHIND = 1.004
-"""A casing is so many times as far away: hidden by its line, and in the same place as it."""
+"""Relative distance of a line's casing, which the line then hides."""
 _SEEN_DEG, _SEEN_MM = 0.7, 2.0
-"""A hand trembles by less: arrows made anew for it would only be sent about."""
+"""Below this motion (a hand's tremor) arrows are not rebuilt."""
 
 
 class LensOverlay:
-    """What is drawn over the picture. Used by one thread.
-
-    Always in the colours of a dark ground: the ground is the picture. No letters: in a mirror
-    they could not be read.
-    """
+    """Shapes over the picture, in the colours of a dark ground and without letters, which a mirror
+    would reverse. Used by one thread."""
 
     def __init__(self) -> None:
         self._drawn: tuple[Snapshot, tuple[Shape, ...]] | None = None
 
     def shapes(self, snapshot: Snapshot | None, look: AudienceState) -> tuple[Shape, ...]:
-        """The shapes for this moment; nothing unless the look is through the lens."""
+        """The shapes for this moment; none unless the lens view is on."""
         if not look.lens or snapshot is None or snapshot.target is None:
             return ()
         if snapshot.phase not in ("startup", "guiding"):
@@ -88,7 +85,7 @@ def _step_shapes(board: Board, camera: Camera, step: Step) -> list[Shape]:
 
 
 def _cased(line: LineShape) -> tuple[Shape, Shape]:
-    """The line with a dark edge, to be seen on white paper."""
+    """The line with a dark edge, visible on white paper."""
     casing = replace(
         line,
         name=f"{line.name}_casing",

@@ -1,4 +1,4 @@
-"""How the address of the second monitor is told."""
+"""Announces the address of the second monitor."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _HERE = ("127.0.0.1", "::1", "localhost")
 
 
 def announcement(audience: Audience) -> str:
-    """One line on where it is and who can look."""
+    """One line on its address and who can see it."""
     host = _address_for_others() if audience.host in _EVERYWHERE else audience.host
     reach = texts.THIS_MACHINE if audience.host in _HERE else texts.NETWORK
     shown = "localhost" if audience.host in _HERE else host
@@ -20,10 +20,10 @@ def announcement(audience: Audience) -> str:
 
 
 def _address_for_others() -> str:
-    """The address by which others in the network reach this machine, as far as it knows."""
+    """This machine's address in the network, as far as it knows."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            probe.connect(("192.0.2.1", 9))  # sends nothing: only asks which way it would go
+            probe.connect(("192.0.2.1", 9))  # sends nothing: only finds the route
         except OSError:
             return socket.gethostname()
         return str(probe.getsockname()[0])

@@ -1,7 +1,7 @@
-"""Two short tones as HTML: a browser plays them when they come, if somebody has clicked before.
+"""Two short tones as HTML, played by an `<audio autoplay>` that is put into the page.
 
-A page of viser's has no sound of its own; an `<audio autoplay>` that is put into the page plays.
-Browsers keep silent until the page was clicked once, so the page asks for it while sounds are on.
+Browsers stay silent until the page has been clicked once, so the page asks for a click while sounds
+are on.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _NOTES: dict[Cue, tuple[tuple[float, float], ...]] = {
     "reached": ((784.0, 0.16),),
     "captured": ((784.0, 0.13), (1175.0, 0.30)),
 }
-"""Hertz and seconds, one after the other."""
+"""Hertz and seconds of each note."""
 
 
 @lru_cache(maxsize=2)
@@ -32,7 +32,7 @@ def tone_wav(cue: Cue) -> bytes:
     waves: list[Array] = []
     for hertz, seconds in _NOTES[cue]:
         t = np.arange(round(_RATE * seconds)) / _RATE
-        # Swells and fades within hundredths of a second: a hard edge would crack.
+        # Fade in and out within hundredths of a second: a hard edge would click.
         envelope = np.minimum(1, t / 0.01) * np.minimum(1, (seconds - t) / 0.05)
         waves.append(0.4 * envelope * np.sin(2 * np.pi * hertz * t))
     samples = np.round(np.concatenate(waves) * 32767).astype("<i2")
@@ -46,13 +46,13 @@ def tone_wav(cue: Cue) -> bytes:
 
 
 def tone_html(cue: Cue, number: int) -> str:
-    """Plays once, when a page takes it in; `number` makes one unlike the last."""
+    """Plays once when added to a page; `number` makes it differ from the last."""
     sound = base64.b64encode(tone_wav(cue)).decode("ascii")
     return f"<audio autoplay data-number='{number}' src='data:audio/wav;base64,{sound}'></audio>"
 
 
 def hint_html() -> str:
-    """Asks for the click; gone once it was made. It reaches nobody but the browser itself."""
+    """Asks for the click and vanishes after it; handled by the browser alone."""
     return (
         "<label class='v-hint'><input type='checkbox'>"
         f"<span>♪ {escape(texts.SOUND_HINT)}</span></label>"

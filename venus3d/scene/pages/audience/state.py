@@ -1,4 +1,4 @@
-"""What may be chosen about the second monitor; the operator chooses, nobody at the monitor can."""
+"""Display options of the second monitor, which only the operator can change."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class AudienceState:
-    """How the second monitor shows what it shows. Frozen, so that threads may share it."""
+    """How the second monitor shows things. Frozen, so that threads may share it."""
 
     mirror: bool = False
-    """The picture and what is drawn on it as in a mirror; letters stay as they are."""
+    """Mirror the picture and its overlay; text stays readable."""
     lens: bool = False
-    """The 3D steps in the undistorted picture, instead of outlines on the picture as it comes."""
+    """Draw the 3D steps in the undistorted picture, instead of outlines on the original."""
     light: bool = False
-    """For a bright room."""
+    """Light colours, for a bright room."""
     sound: bool = False
-    """A tone when a step is right, two when a view is captured."""
+    """Play a tone when a step is done, two when a view is captured."""

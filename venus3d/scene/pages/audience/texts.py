@@ -1,7 +1,7 @@
-"""All that the second monitor says, and what the operator's page says about it.
+"""Texts of the second monitor, and of its controls on the operator's page.
 
-One sentence at a time, in the words of the person who holds the board. The sentences that tell how
-to move it are the engine's (`engine/words.py`).
+One sentence at a time, addressed to the board's holder. How to move the board is said by
+`engine/guidance/prompts.py`.
 """
 
 STARTING = ("…", "Starting", "Waiting for the first picture.")
@@ -28,13 +28,13 @@ RIGHT = "right"
 LEFT_RIGHT = ("left", "right")
 UP_DOWN = ("up", "down")
 NEAR_FAR = ("nearer", "farther")
-"""The ends of the three scales of a move; left and right are the holder's own."""
+"""Ends of the three scales of a move; left and right are the holder's."""
 MOVE_PARTS = (
     ("← {mm} mm", "{mm} mm →"),
     ("↑ {mm} mm", "{mm} mm ↓"),
     ("{mm} mm", "{mm} mm"),
 )
-"""How far, towards the first and towards the second end of each scale; no arrow shows depth."""
+"""Amount towards the first and the second end of each scale; no arrow shows depth."""
 
 DIAL_LABEL = "{amount} to go; right within {limit}"
 SOUND_HINT = "Click here once: browsers stay silent until somebody has clicked."
@@ -52,7 +52,7 @@ CONTROLS = (
     ("light", "Bright room", None, "Dark letters on a light ground"),
     ("sound", "Sounds", None, "A short tone when a step is right, two when a view is captured"),
 )
-"""Field, label, key and hint of each choice."""
+"""Field, label, key and hint of each option."""
 
 ANNOUNCED = "Second monitor: {url}   (it only shows; {open_to})"
 THIS_MACHINE = "for this machine"

@@ -1,7 +1,6 @@
-"""The second monitor's page in viser: a picture in the scene, HTML around it, and nothing to press.
+"""The second monitor's page in viser: a picture in the scene, HTML around it, no controls.
 
-Every browser's camera stands in the real camera's place and looks along its axis; where it was
-moved away, it is put back. What is said is `moment`'s and `glance`'s.
+Every browser's camera is put in the real camera's place, and back if it was moved.
 """
 
 from __future__ import annotations
@@ -24,17 +23,17 @@ from venus3d.scene.web.server import LocalServer
 
 JPEG_QUALITY = 80
 _DISTANCE = 30.0
-"""Where the picture stands, metres: behind everything."""
+"""Distance of the picture, metres: behind everything."""
 _HERE, _AHEAD, _UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 _USUAL_ASPECT = 16 / 9
 
 
 class AudienceView:
-    """The page for all who look. All methods but the callback belong to the drawing threads."""
+    """The page for all spectators. All methods but the callback belong to the drawing threads."""
 
     def __init__(self, server: LocalServer, on_window: Callable[[], None]) -> None:
-        """Lay everything out. `on_window` is called, on any thread, when a browser's window or the
-        picture's shape has changed: `fit` is due then, on the thread that calls `show`."""
+        """Lay the page out. `on_window` is called, on any thread, when a browser's window or the
+        picture's shape has changed and the thread that calls `show` must call `fit`."""
         self._server, self._on_window = server, on_window
         self._plane = plain_plane((16, 9))
         self._fitted: dict[int, tuple[float, Plane]] = {}
@@ -59,11 +58,11 @@ class AudienceView:
 
     @property
     def watched(self) -> int:
-        """How many browsers look."""
+        """Number of connected browsers."""
         return len(self._server.get_clients())
 
     def dress(self, look: AudienceState) -> None:
-        """Take over the choices that concern the whole page."""
+        """Apply the options of the whole page."""
         self._server.gui.configure_theme(
             dark_mode=not look.light, show_logo=False, show_share_button=False
         )
@@ -73,16 +72,16 @@ class AudienceView:
         self._hint.visible = look.sound
 
     def show(self, moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: bool) -> None:
-        """Say what there is to say."""
+        """Show this moment's texts."""
         self._glance.content = glance_html(moment, snapshot, dark=dark)
 
     def play(self, cue: Cue | None) -> None:
-        """Play a tone; None takes the last one away, so that no late comer hears it."""
+        """Play a tone; None removes the last one, so that no later visitor hears it."""
         self._tones += cue is not None
         self._tone.content = "" if cue is None else tone_html(cue, self._tones)
 
     def show_picture(self, rgb: NDArray[np.uint8], plane: Plane) -> None:
-        """Show this picture (H, W, 3) RGB; it fills this plane."""
+        """Show this picture (H, W, 3) RGB on this plane."""
         self._aspect = rgb.shape[1] / rgb.shape[0]
         if plane == self._hung:
             self._image.image = rgb
@@ -111,7 +110,7 @@ class AudienceView:
         self._on_window()
 
     def fit(self) -> None:
-        """Every browser sees the whole picture, whatever its window, from the real camera."""
+        """Show the whole picture from the real camera in every browser, whatever its window."""
         if self._aspect != self._shown_aspect:
             self._shown_aspect = self._aspect
             self.dress(self._look)
@@ -126,7 +125,7 @@ class AudienceView:
             if not astray and self._fitted.get(number) == (aspect, self._plane):
                 continue
             self._fitted[number] = (aspect, self._plane)
-            # A browser may say something else meanwhile; whatever it says stops nobody.
+            # A browser may report another camera meanwhile; ignore it.
             with contextlib.suppress(ValueError), client.atomic():
                 if astray:
                     camera.up_direction, camera.position, camera.look_at = _UP, _HERE, _AHEAD

@@ -1,7 +1,4 @@
-"""What the second monitor says at one moment, and what has just been achieved.
-
-The sentences are the engine's and `texts.audience`'s; how they look is `page`'s.
-"""
+"""The second monitor's message at one moment, and what has just been achieved."""
 
 from __future__ import annotations
 
@@ -16,29 +13,29 @@ from venus3d.scene.pages.audience import texts
 from venus3d.scene.web.diagnoses import another_board, doubt
 
 Kind = Literal["wait", "unseen", "step", "good"]
-"""Nothing to do; something is missing; a step is to be done; something is right."""
+"""Nothing to do; something is missing; a step to do; something is right."""
 Cue = Literal["reached", "captured"]
-"""What a person is glad to hear: a step is right; a view is captured."""
+"""Achievements: a step is right; a view is captured."""
 
 
 @dataclass(frozen=True)
 class AudienceViewModel:
-    """One moment in a badge, a title and one sentence."""
+    """One moment as a badge, a title and one sentence."""
 
     kind: Kind
     badge: str
     title: str
     sentence: str
     step: int = 0
-    """1 ... 4: the step that is active, or just done; 0 for none."""
+    """1 ... 4: the active step, or the one just done; 0 for none."""
     match: Match | None = None
-    """How far the board is from its target, where that is of interest."""
+    """The board's distance from its target, where it matters."""
     fresh: bool = False
-    """Whether a view has been captured that does not count yet."""
+    """Whether a view was captured that does not count yet."""
 
 
 def view_model_of(snapshot: Snapshot | None, paused: bool = False) -> AudienceViewModel:
-    """What to say now."""
+    """The message for this moment."""
     if paused:
         return AudienceViewModel("wait", *texts.PAUSED)
     if snapshot is None:
@@ -76,13 +73,13 @@ def _unseen(snapshot: Snapshot) -> AudienceViewModel:
 
 
 def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, AudienceViewModel] | None:
-    """What became right between two snapshots, and how it is said."""
+    """What became right between two snapshots, and its message."""
     if before is None:
         return None
     was = before.match
     there = was is not None and (was.reached or all(was.within))
     taken = before.phase in ("startup", "guiding") and now.phase == "captured" and there
-    # A view that was asked for by a key is known to be one only when it counts.
+    # A view captured by a key is known only when it counts.
     later = before.phase == "captured" and len(now.views) > len(before.views)
     if taken or later:
         return "captured", AudienceViewModel("good", *texts.CAPTURED, fresh=True)
