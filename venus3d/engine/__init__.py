@@ -1,4 +1,4 @@
 """The calibration engine: poses, camera, board, calibration, search, guidance.
 
-It knows no screen, no thread and no file, and imports nothing of ours outside itself.
+It has no screen, thread or file access, and imports only from within itself.
 """

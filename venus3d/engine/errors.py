@@ -1,16 +1,16 @@
-"""The one family of errors that is meant for a person.
+"""Errors that are meant for a person.
 
-Everything a user can get wrong ends in a `VenusError` whose text is one sentence that names the
-cause and the cure. Programming mistakes keep Python's own exceptions.
+Every user mistake ends in a `VenusError` whose text is one sentence with the cause and the cure.
+Programming mistakes keep Python's own exceptions.
 """
 
 
 class VenusError(Exception):
-    """A mistake that the user can mend; the text says how."""
+    """A mistake that the user can correct; the text says how."""
 
 
 class BoardError(VenusError):
-    """Board options that make no board."""
+    """Board options that do not make a board."""
 
 
 class CalibrationError(VenusError):
@@ -18,7 +18,7 @@ class CalibrationError(VenusError):
 
 
 class PoseError(VenusError):
-    """Numbers that are no pose."""
+    """Numbers that do not make a pose."""
 
 
 class SourceError(VenusError):
@@ -26,4 +26,4 @@ class SourceError(VenusError):
 
 
 class StorageError(VenusError):
-    """A file that cannot be written or read back."""
+    """A file that cannot be written or read."""

@@ -1,8 +1,7 @@
-"""Bundle adjustment: observations to a camera and its covariance.
+"""Bundle adjustment: from observations to a camera and its covariance.
 
-OpenCV finds the optimum (`cv2.calibrateCamera`, Zhang 2000, eq. (9) of the paper); the covariance
-is ours, since OpenCV gives standard deviations only. Which frames to take is left to
-`view_selection`, the first estimate from a single moving view to `guidance.startup`.
+OpenCV finds the optimum (`cv2.calibrateCamera`, Zhang 2000, eq. (9) of the paper) but returns
+standard deviations only, so the full covariance is computed here.
 """
 
 from __future__ import annotations
@@ -26,9 +25,9 @@ Model = Literal["full", "startup"]
 PARALLEL_DEG = 0.5
 """Views whose normals differ by less count as parallel: they share one vanishing line."""
 UNDETERMINED = 0.1
-"""A focal length whose sigma is more than this share of it is not determined."""
-# The least corner noise to judge by, since exact corners must not make a degenerate set look
-# determined. The start-up model blames a lens's distortion on f, so it is judged more strictly.
+"""A focal length whose sigma exceeds this share of it is undetermined."""
+# Lower bound of the corner noise: exact corners must not make a degenerate set look determined.
+# Higher for the start-up model, which mistakes distortion for focal length.
 _NOMINAL_NOISE_PX: dict[Model, float] = {"full": 0.05, "startup": 0.25}
 _UNTIED = (
     "The focal length is not determined by these views: {why}; "
@@ -53,20 +52,20 @@ def calibrate(
     start: Camera | None = None,
     numbers: Sequence[int] | None = None,
 ) -> Calibration:
-    """The camera that explains the observations best, in pixels least squares.
+    """The camera with the least sum of squared reprojection errors.
 
     Args:
-        board: gives the corners about its centre, so that a view's pose is `T_camera_board`.
-        observations: views of one image size; any subset of at least 4 corners each.
+        board: its corners are relative to its centre, so a view's pose is `T_camera_board`.
+        observations: views of one image size, each with at least 4 corners of the board.
         model: "full" estimates all nine parameters. "startup" (3.1) estimates one focal length
-            and holds the rest: no distortion, principal point at the image's centre, and fx = fy,
-            because a board tilted about one axis alone does not show both.
-        start: where to start from; None lets OpenCV find a start in closed form.
+            (fx = fy, as a board tilted about one axis does not show both) and assumes no distortion
+            and the principal point at the image's centre.
+        start: initial guess; None: OpenCV's closed form.
         numbers: the views' numbers; 1, 2, ... if not given.
 
     Raises:
         CalibrationError: no or unusable views, mixed image sizes, views that do not determine the
-            focal length (all parallel, all frontal), or a result that no real camera has.
+            focal length (all parallel, all frontal), or an implausible result.
     """
     size = _checked(observations)
     corners = sum(o.count for o in observations)
@@ -115,7 +114,7 @@ def largest_angle_deg(calibration: Calibration) -> float:
 
 
 def determines_homography(corners: Array) -> bool:
-    """Whether corners (N, 2) are at least four and not all on one line: they fix a homography."""
+    """Whether corners (N, 2) fix a homography: at least four, not all collinear."""
     if corners.shape[0] < 4:
         return False
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
@@ -123,7 +122,7 @@ def determines_homography(corners: Array) -> bool:
 
 
 def _checked(observations: Sequence[Observation]) -> tuple[int, int]:
-    """The one image size (width, height) of observations that can be calibrated."""
+    """The common image size (width, height); raises unless the observations can be calibrated."""
     if not observations:
         raise CalibrationError(
             "There is no view to calibrate from: the board was found in no image; check its size "
@@ -151,7 +150,7 @@ def _optimum(
     model: Model,
     start: Camera | None,
 ) -> tuple[Camera, list[Pose]]:
-    # OpenCV takes single precision here: 6e-5 px at 1000 px, far below what corners are good for.
+    # OpenCV takes single precision here: 6e-5 px at 1000 px, far below the corner noise.
     objects: list[Any] = [p.astype(np.float32).reshape(-1, 1, 3) for p in points]
     images: list[Any] = [o.corners.astype(np.float32).reshape(-1, 1, 2) for o in observations]
     flags = _STARTUP_FLAGS if model == "startup" else 0
@@ -164,7 +163,7 @@ def _optimum(
         )
         camera = Camera.from_opencv(K, distortion, size)
     except (cv2.error, CalibrationError) as error:
-        # OpenCV's own words ("focal length must be positive") help nobody.
+        # OpenCV's message ("focal length must be positive") does not help a user.
         raise CalibrationError(_UNTIED.format(why="they may all be frontal or parallel")) from error
     return camera, [Pose.from_rvec_tvec(r, t) for r, t in zip(rvecs, tvecs, strict=True)]
 

@@ -1,4 +1,4 @@
-"""The board's pose from one observation by a known camera (PnP)."""
+"""The board's pose from one observation by a calibrated camera (PnP)."""
 
 from __future__ import annotations
 
@@ -12,18 +12,17 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 
 _FEWEST_CORNERS = 6
-# A pose whose corners miss by more than this share of the image width is no pose of this board.
+# A larger reprojection error, as a share of the image width, is not a pose of this board.
 _LARGEST_ERROR = 0.02
 
 
 def estimate_pose(
     camera: Camera, board: Board, observation: Observation, previous: Pose | None = None
 ) -> Pose | None:
-    """`T_camera_board` of an observation, or None if its corners do not carry a pose.
+    """`T_camera_board` of an observation, or None if its corners do not determine a pose.
 
-    A plane seen from afar fits two tilts almost equally well (Schweighofer and Pinz 2006); of the
-    two solutions the better one is taken, and where they hardly differ, the one nearer to
-    `previous`.
+    A plane far away fits two tilts almost equally well (Schweighofer and Pinz 2006): the better one
+    is taken or, if they hardly differ, the one nearer to `previous`.
     """
     if observation.count < _FEWEST_CORNERS:
         return None

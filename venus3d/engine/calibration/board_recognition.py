@@ -1,9 +1,8 @@
-"""Whether a picture without the board shows another board than the one asked for.
+"""Recognises a board other than the expected one in images where detection failed.
 
-OpenCV finds no corner at all where rows and columns are swapped or the dictionary is another one,
-and gives no reason. The markers tell: of which dictionary are they, and on how many columns do they
-lie? Each try takes one more detection, so tries are rare and of one dictionary at a time. Another
-layout is found by `detection`.
+OpenCV finds no corners if rows and columns are swapped or the dictionary is wrong, and gives no
+reason. The dictionary and column count are inferred from the markers, one dictionary per try, since
+each costs a detection. Another layout is handled by `detection`.
 """
 
 from __future__ import annotations
@@ -22,18 +21,18 @@ from venus3d.engine.geometry.pose import Array
 # Frames without the board before the first try, between tries, and after all were tried.
 _PATIENCE, _EVERY, _PAUSE = 8, 4, 60
 _FEWEST_MARKERS = 4
-"""So many different markers of one dictionary are no accident."""
+"""Different markers of one dictionary that rule out a chance detection."""
 _FEWEST_PLACED = 6
-"""So many are needed to judge how they lie."""
+"""Markers needed to judge their arrangement."""
 _MOST_COLUMNS = 30
 _IN_PLACE = 0.8
-"""Share of the markers that have to lie where a layout has them; one may be misread."""
+"""Share of the markers that must be where a layout has them; one may be misread."""
 _NEAR = 0.25
-"""A marker lies there if it is this close, in sides of a marker: room for a lens's distortion."""
+"""Largest deviation from that place, in marker sides: allows for lens distortion."""
 
 
 class BoardRecognition:
-    """Finds other boards in pictures in which the board was missed. Used by one thread."""
+    """Looks for other boards in images where the board was missed. Used by one thread."""
 
     def __init__(self, board: Board) -> None:
         self._board = board
@@ -51,21 +50,21 @@ class BoardRecognition:
 
     @property
     def diagnosis(self) -> Diagnosis | None:
-        """What the pictures show instead of the board; None: nothing was found."""
+        """What the images show instead of the board; None if unknown."""
         return self._diagnosis
 
     def found(self) -> None:
-        """The board was found: whatever else was seen, it is the right one."""
+        """The board was found: discards whatever else was seen."""
         self._misses, self._turn, self._diagnosis = 0, 0, None
 
     def missed(self, grey: NDArray[np.uint8]) -> None:
-        """The board was not found in this whole picture (H, W); tries now and then."""
+        """The board was not found in this whole image (H, W); tries a dictionary now and then."""
         self._misses += 1
         if self._misses >= _PATIENCE and self._misses % _EVERY == 0:
             self.try_next(grey)
 
     def try_next(self, grey: NDArray[np.uint8]) -> bool:
-        """Try one dictionary on a picture (H, W). True if it settles what the picture shows."""
+        """Try one dictionary on an image (H, W). True if this identifies what it shows."""
         name = self.dictionaries[self._turn]
         ids, quads = _markers(self._board, name, grey)
         seen = len(np.unique(ids)) >= _FEWEST_MARKERS
@@ -75,7 +74,7 @@ class BoardRecognition:
             self._diagnosis = _wrong_dictionary(self._board, name, len(np.unique(ids)))
         else:
             self._diagnosis = _misplaced(self._board, ids, quads)
-        if not seen:  # a dictionary that was found is tried again
+        if not seen:  # retry a dictionary that was found
             self._turn = (self._turn + 1) % len(self.dictionaries)
         if seen or self._turn == 0:
             self._misses = -_PAUSE
@@ -83,10 +82,10 @@ class BoardRecognition:
 
 
 def recognise_board(board: Board, pictures: Iterable[NDArray[np.uint8]]) -> Diagnosis | None:
-    """What the first of the grey pictures (H, W) that shows markers shows instead of `board`.
+    """What the first of the grey images (H, W) with markers shows instead of `board`.
 
-    None if no picture shows markers, or if they lie as on the board. Tries every dictionary on
-    every picture: some 0.2 s each at 720p.
+    None if no image shows markers, or if they are arranged as on the board. Tries every dictionary
+    on every image: about 0.2 s each at 720p.
     """
     for picture in pictures:
         check = BoardRecognition(board)
@@ -107,7 +106,7 @@ def _wrong_dictionary(board: Board, name: str, count: int) -> Diagnosis:
 
 
 def _misplaced(board: Board, ids: NDArray[np.intp], quads: Array) -> Diagnosis | None:
-    """What is wrong with the place of markers that are of the right dictionary; None if nothing."""
+    """What is wrong with the arrangement of markers of the right dictionary; None if nothing."""
     if ids.size < _FEWEST_PLACED or _lie_on(board.columns, ids, quads):
         return None
     fitting = [n for n in range(3, _MOST_COLUMNS + 1) if _lie_on(n, ids, quads)]
@@ -135,17 +134,15 @@ def _misplaced(board: Board, ids: NDArray[np.intp], quads: Array) -> Diagnosis |
 def _markers(board: Board, name: str, grey: NDArray[np.uint8]) -> tuple[NDArray[np.intp], Array]:
     """Ids (N,) and corners (N, 4, 2) of the markers of a dictionary, black or white.
 
-    Only the markers that a board of about this size carries: OpenCV 5 compares every candidate with
-    every marker, so a whole dictionary of 1000 would take twenty times as long.
+    Only markers of a board of about this size: OpenCV 5 compares every candidate with every marker,
+    so a whole dictionary of 1000 would take twenty times as long.
     """
     whole: Any = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
     count = min(max(board.marker_count, 50), len(whole.bytesList))
     some = cv2.aruco.Dictionary(whole.bytesList[:count], whole.markerSize, 0)
     parameters = cv2.aruco.DetectorParameters()
     parameters.detectInvertedMarker = True
-    parameters.errorCorrectionRate = (
-        0.0  # a marker read as another one would accuse the wrong board
-    )
+    parameters.errorCorrectionRate = 0.0  # a misread marker could name the wrong board
     corners, ids, _ = cv2.aruco.ArucoDetector(some, parameters).detectMarkers(grey)
     if ids is None or len(ids) == 0:
         return np.zeros(0, np.intp), np.zeros((0, 4, 2))
@@ -154,13 +151,13 @@ def _markers(board: Board, name: str, grey: NDArray[np.uint8]) -> tuple[NDArray[
 
 
 def _lie_on(columns: int, ids: NDArray[np.intp], quads: Array) -> bool:
-    """Whether markers lie as on a board of so many columns, in either layout.
+    """Whether markers are arranged as on a board with this many columns, in either layout.
 
-    Markers count row by row over every second square, so the rows do not matter. Since a board is
-    flat, its squares and their picture are joined by a homography.
+    They are numbered row by row on every second square, so the row count does not matter. A
+    homography maps the flat board's squares to the image.
     """
     side = float(np.median(np.linalg.norm(np.diff(quads, axis=1), axis=2)))
-    for first in (1, 0):  # the second square of the first row carries a marker, or the first does
+    for first in (1, 0):  # the first row's second square carries a marker, or its first does
         index = np.arange(columns * (2 * int(ids.max()) // columns + 3))
         column, row = index % columns, index // columns
         squares = np.stack([column, row], axis=1)[(column + row) % 2 == first]
@@ -178,6 +175,6 @@ def _family(dictionary: str) -> str:
 
 
 def _size(dictionary: str) -> tuple[bool, str, int]:
-    """Sorts the dictionaries: ArUco's families with sizes first, each by size."""
+    """Sort key of the dictionaries: ArUco's families with sizes first, each by size."""
     size = dictionary.rpartition("_")[2]
     return (not size.isdigit(), _family(dictionary), int(size) if size.isdigit() else 0)

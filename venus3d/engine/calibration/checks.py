@@ -1,8 +1,7 @@
-"""What makes a calibration less trustworthy than its numbers look, each with cause and cure.
+"""Signs that a calibration is less trustworthy than its numbers, each with cause and cure.
 
-A small rms and small sigmas say that the model fits these views; they do not say that the views
-were worth fitting. `diagnose` looks at the views as a set; whether the pictures show another board
-than the one asked for is found by `board_recognition`. docs/diagnoses.md argues for the thresholds.
+A small rms and small sigmas mean that the model fits these views, not that the views were good.
+`diagnose` looks at the views as a set. docs/diagnoses.md justifies the thresholds.
 """
 
 from __future__ import annotations
@@ -21,51 +20,51 @@ from venus3d.engine.geometry.pose import Array
 from venus3d.engine.sentences import listed
 
 WEAK_ANGLE_DEG = 20.0
-"""Views whose normals differ by less, all of them, are near parallel."""
+"""If the normals of all views differ by less, the views are nearly parallel."""
 WEAK_SIGMA = 0.01
-"""A focal length whose sigma is more than this share of it is weak."""
+"""A focal length whose sigma exceeds this share of it is weak."""
 UNSEEN_SIDE = 0.25
 """A strip of this share of the image along one side without any corner is unseen."""
 UNSEEN_CORNER = 0.4
-"""A rectangle of this share of width and height at an image corner, likewise."""
+"""The same for a rectangle of this share of width and height at an image corner."""
 SAME_DEPTH = 1.25
-"""Farthest over nearest board corner of all views; below it depth has not been varied."""
+"""Farthest over nearest board corner of all views; below it depth was not varied."""
 OUTLYING_RATIO, OUTLYING_SPREADS = 1.75, 5.0
 """An outlying view's rms: this many medians, and this many robust spreads above the median."""
 LEAST_OUTLYING_PX = 0.1
-"""No view's error is called outlying below this rms."""
+"""No view is called outlying below this rms."""
 CORRELATED = 0.99
-"""Two parameters with a larger |correlation| are known together only, except for these:"""
+"""Parameters with a larger |correlation| are not separately determined, except for these:"""
 CORRELATED_FOCAL = 0.9985
-"""fx and fy share one scale; here it is known 36 times worse than their ratio."""
+"""fx and fy share one scale; at this value it is known 36 times worse than their ratio."""
 CORRELATED_RADIAL = 0.995
 """k1, k2 and k3 are terms of one series: 0.97 to 0.99 in good sets."""
 NEAREST_M, FARTHEST_M = 0.05, 20.0
-"""No board is calibrated with nearer to the lens, or farther away."""
+"""Distances from the lens, metres; no board is used nearer or farther."""
 
 _TILT = "Add views tilted by 20-45° in different directions."
 _GROUPS = ("f", "f", "cx", "cy", "k", "k", "p1", "p2", "k")
-# Corner errors of one view scatter its rms by some 8 % (40 corners, two axes): spread at least so.
+# Minimum relative spread of the views' rms: corner noise alone gives 8 % (40 corners, two axes).
 _LEAST_SPREAD = 0.08
 
 
 @dataclass(frozen=True)
 class _Check:
-    """One diagnosis, and from how many views on it is made: while views still come, at the end."""
+    """One diagnosis, and the least number of views for it: while views still come, at the end."""
 
     growing: int
     final: int
     find: Callable[[Calibration], Iterable[Diagnosis]]
     needs_full: bool = True
-    """Only where all nine parameters were estimated."""
+    """Only if all nine parameters were estimated."""
 
 
 def diagnose(calibration: Calibration, *, growing: bool = False) -> tuple[Diagnosis, ...]:
     """What is doubtful about a calibration; worst first, empty if nothing is.
 
     Args:
-        growing: more views are still being taken. What every set lacks at its beginning (all of
-            the picture, several depths) is then diagnosed later than of a set that is final.
+        growing: more views are still being taken, so what every set lacks at first (coverage of the
+            image, several depths) is diagnosed later than for a final set.
     """
     count, full = len(calibration.views), all(calibration.free)
     found: list[Diagnosis] = []
@@ -183,14 +182,14 @@ def _same_depth(calibration: Calibration) -> Iterator[Diagnosis]:
 def _correlated(calibration: Calibration) -> Iterator[Diagnosis]:
     sigma = calibration.sigma
     correlation = np.abs(calibration.covariance / np.outer(sigma, sigma))
-    # How near to 1 each pair is, as a share of what its kind is allowed: below 1 is too near.
+    # Each pair's distance from |correlation| 1 over the least allowed; below 1: too near.
     pairs = [
         ((1 - float(correlation[i, j])) / (1 - _allowed(i, j)), i, j)
         for i, j in combinations(range(9), 2)
     ]
     tight = [pair for pair in sorted(pairs) if pair[0] < 1]
     if _focal_share(calibration) > WEAK_SIGMA or largest_angle_deg(calibration) < WEAK_ANGLE_DEG:
-        tight = [pair for pair in tight if pair[1:] != (0, 1)]  # is told as a weak focal length
+        tight = [pair for pair in tight if pair[1:] != (0, 1)]  # reported as a weak focal length
     if not tight:
         return
     i, j = tight[0][1:]
@@ -213,7 +212,7 @@ def _correlated(calibration: Calibration) -> Iterator[Diagnosis]:
 
 
 def _allowed(i: int, j: int) -> float:
-    """The largest |correlation| of two parameters, by their indices, that good sets show."""
+    """The largest |correlation| of two parameters, by their indices, in good sets."""
     same = _GROUPS[i] == _GROUPS[j]
     return CORRELATED if not same else CORRELATED_FOCAL if _GROUPS[i] == "f" else CORRELATED_RADIAL
 
@@ -236,7 +235,7 @@ def _impossible(calibration: Calibration) -> Iterator[Diagnosis]:
 
 
 def _focal_share(calibration: Calibration) -> float:
-    """Sigma of the focal length as a share of it, the larger one of the two axes."""
+    """Relative sigma of the focal length, the larger of the two axes."""
     return float(np.max(calibration.sigma[:2] / calibration.camera.parameters[:2]))
 
 

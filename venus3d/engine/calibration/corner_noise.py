@@ -1,7 +1,7 @@
-"""How well a board's corners are found under a pose: worse with tilt and with small squares.
+"""How corner detection depends on the pose: worse with tilt and with small squares.
 
-The curve's figures come from renders of the simulated camera (`study.noise` measures and fits them;
-docs/costs.md shows them). What a pose is worth all the same is left to `costs`.
+The curve is fitted to renders of the simulated camera (`study.noise`, docs/costs.md). It does not
+decide what a pose is worth: see `costs`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, rotations_of
 
 MEASURED_PX = (15.0, 80.0)
-"""Widths of a square between which the curve was measured; beyond them it is held."""
+"""Widths of a square between which the curve was measured; constant beyond."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +30,11 @@ class NoiseModel:
     """
 
     reference_px: float
-    """At this width, frontal, the relative noise is 1."""
+    """The width at which, frontal, the relative noise is 1."""
     noise_power: float
     tilt_power: float
     found_px: float
-    """At this width, frontal, half of the corners are found."""
+    """The width at which, frontal, half of the corners are found."""
     found_power: float
     found_tilt_power: float
 
@@ -46,13 +46,13 @@ class NoiseModel:
         ) ** -self.tilt_power
 
     def found(self, tilt_deg: ArrayLike, width_px: ArrayLike) -> Array:
-        """Share of the corners that is found, 0 ... 1, elementwise."""
+        """Share of the corners found, 0 ... 1, elementwise."""
         half = self.found_px * _cosine(tilt_deg) ** self.found_tilt_power
         width = np.maximum(np.asarray(width_px, dtype=np.float64), 1e-3)
         return 1 / (1 + (half / width) ** self.found_power)
 
     def weight(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
-        """(N,) by what the information of a view under each pose vector (N, 6) is multiplied.
+        """(N,) factors on the information of a view under each pose vector (N, 6).
 
         The share of corners found over the square of their relative noise.
         """
@@ -60,9 +60,9 @@ class NoiseModel:
         return self.found(tilt, width) / self.sigma(tilt, width) ** 2
 
     def relative_to(self, camera: Camera, board: Board, vectors: ArrayLike) -> NoiseModel:
-        """The same with another reference: the mean variance under these poses (N, 6) is 1.
+        """The model rescaled so that the mean variance under these poses (N, 6) is 1.
 
-        For noise that was measured on views of those poses: it is theirs, not the reference's.
+        For noise measured on views of those poses instead of the reference.
         """
         variance = float(np.mean(self.sigma(*tilt_and_width(camera, board, vectors)) ** 2))
         reference = self.reference_px * variance ** (-0.5 / self.noise_power)
@@ -77,8 +77,8 @@ RENDERED = NoiseModel(
     found_power=14.9,
     found_tilt_power=0.22,
 )
-"""Fitted to 600 renders of the simulated camera with its default noise and blur, tilts 0 ... 65
-degrees, squares 12 ... 80 px wide. At the reference sigma is 0.032 px. Standard deviations of the
+"""Fitted to 600 renders of the simulated camera with its default noise and blur: tilts 0 ... 65
+degrees, squares 12 ... 80 px wide. Sigma at the reference is 0.032 px. Standard deviations of the
 fit: 0.07, 0.16, 0.14 px, 0.7 and 0.02."""
 
 
@@ -86,7 +86,7 @@ def tilt_and_width(camera: Camera, board: Board, vectors: ArrayLike) -> tuple[Ar
     """Tilt to the line of sight, degrees, and width of a square at the board's centre, pixels.
 
     Both (N,). The width is the smallest over all directions, so a tilted square is narrow: the
-    smaller singular value of the projection's derivative at the centre, distortion left out.
+    smaller singular value of the projection's derivative at the centre, without distortion.
     """
     p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
     R, t = rotations_of(p), p[:, 3:]
@@ -102,5 +102,5 @@ def tilt_and_width(camera: Camera, board: Board, vectors: ArrayLike) -> tuple[Ar
 
 
 def _cosine(tilt_deg: ArrayLike) -> Array:
-    # At 90 degrees nothing is seen at all; the curve stays finite.
+    # Nothing is visible at 90 degrees; keep the curve finite.
     return np.maximum(np.cos(np.radians(np.asarray(tilt_deg, dtype=np.float64))), 0.05)

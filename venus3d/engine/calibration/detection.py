@@ -1,8 +1,7 @@
-"""An image to an observation of the board: corners, their ids, how sharp they are.
+"""From an image to an observation of the board: corners, their ids, sharpness.
 
-OpenCV finds the markers and the corners; here its results get one shape whatever its version, and
-the board's layout and polarity are determined. Subpixel corners are left to `refinement`, other
-boards in the picture to `board_recognition`, the choice of frames to `view_selection`.
+OpenCV finds the markers and corners; here its results get the same shape for every version, and
+the board's layout and polarity are determined. Subpixel corners: `refinement`.
 """
 
 from __future__ import annotations
@@ -32,31 +31,31 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
 
 Region = tuple[int, int, int, int]
-"""Search region x0, y0, x1, y1 in pixels; x1 and y1 are not part of it."""
+"""Search region x0, y0, x1, y1 in pixels; x1 and y1 are exclusive."""
 
-# Evidence for a layout: this many frames with corners, one reading this much ahead of the others.
+# Evidence for a layout: this many frames with corners, one reading ahead by this many corners.
 _FRAMES_TO_SETTLE = 3
 _FRAMES_AT_MOST = 12
 _LEAD = 2.0
-# OpenCV searches markers under three thresholds in turn (windows of 3, 13 and 23 px). One of 7 px
-# takes less than half the time, and where a square's narrow side has so many pixels it finds as
-# much: no corner of 5985 was lost on real recordings, none of 2262 on simulated tilted boards
+# OpenCV searches markers with three threshold windows (3, 13 and 23 px). A single one of 7 px takes
+# less than half the time, and finds as much where a square's narrow side has this many pixels: no
+# corner of 5985 was lost on real recordings, none of 2262 on simulated tilted boards
 # (docs/method.md). Smaller squares need all three.
 QUICK_FROM_PX = 40.0
 _QUICK_WINDOW_PX = 7
-# So many of the last whole pictures without the board are kept for `explain_misses`.
+# Number of recent whole images without the board kept for `explain_misses`.
 _KEPT_MISSED = 3
 
 
 class Detector:
-    """Finds one board in images. Used by one thread, since it learns which board it is."""
+    """Finds one board in images. Used by one thread; learns the board's layout as it goes."""
 
     def __init__(self, board: Board, *, find_layout: bool = True, refine: bool = True) -> None:
         """A detector for `board`.
 
         Args:
-            find_layout: find out whether the board is printed in the other layout, or inverted.
-            refine: sharpen the corners with windows of the local square's size.
+            find_layout: detect whether the board is printed in the other layout, or inverted.
+            refine: refine the corners in windows that follow the local size of a square.
         """
         self._asked = board
         self._board = board
@@ -72,17 +71,17 @@ class Detector:
 
     @property
     def board(self) -> Board:
-        """The board with the layout and polarity that the images so far show."""
+        """The board with the layout and polarity seen so far."""
         return self._board
 
     @property
     def settled(self) -> bool:
-        """Whether enough frames agree on the board's layout; it then stays."""
+        """Whether enough frames agree on the board's layout, which then stays."""
         return self._settled
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on how the board differs from the one given and is read all the same."""
+        """Sentences on harmless differences between the board and the one given."""
         if self._board.inverted == self._asked.inverted:
             return ()
         colours = ("white on black", "black on white")[:: 1 if self._board.inverted else -1]
@@ -90,7 +89,7 @@ class Detector:
 
     @property
     def diagnoses(self) -> tuple[Diagnosis, ...]:
-        """Another board in the pictures, or another layout than the one given."""
+        """Another board in the images, or another layout than the one given."""
         found = () if self._check.diagnosis is None else (self._check.diagnosis,)
         if self._board.legacy == self._asked.legacy:
             return found
@@ -104,12 +103,12 @@ class Detector:
         return (*found, layout)
 
     def explain_misses(self) -> tuple[Diagnosis, ...]:
-        """What the last pictures without the board show instead; may take a second."""
+        """What the last images without the board show instead; may take a second."""
         found = recognise_board(self._asked, self._missed)
         return () if found is None else (found,)
 
     def settle(self, images: Iterable[Any]) -> Board:
-        """Detect in images until the layout is settled; returns the board as it is read then."""
+        """Detect in images until the layout is settled; returns the board with that layout."""
         for image in images:
             if self._settled:
                 break
@@ -125,17 +124,14 @@ class Detector:
         time_s: float = 0.0,
         name: str = "",
     ) -> Observation:
-        """What is seen of the board in an image.
+        """The observation of the board in an image; empty without four non-collinear corners.
 
         Args:
             image: (H, W) grey or (H, W, 3) BGR, 8 or 16 bit.
             region: the part to search; corners are in pixels of the whole image.
-            quick: under one threshold only; finds as much in a sharp picture whose squares have
+            quick: one threshold only; finds as much in a sharp image whose squares have
                 `QUICK_FROM_PX`, less in a blurred one.
             time_s, name: passed on to the observation.
-
-        Returns:
-            The observation; without corners if fewer than four that are not on one line are found.
 
         Raises:
             VenusError: the image is neither grey nor BGR, 8 or 16 bit.
@@ -173,7 +169,7 @@ class Detector:
         return Observation(ids, corners + np.array([x0, y0]), size, sharpness)
 
     def _read(self, grey: Grey, quick: bool) -> tuple[NDArray[np.intp], Array]:
-        """Ids (N,) and corners (N, 2) of the believed board; compares the readings if need be."""
+        """Ids (N,) and corners (N, 2) of the presumed board; compares readings until settled."""
         if self._settled:
             ids, corners, _ = self._detect_board(self._board, grey, quick=quick)
             return ids, corners
@@ -185,7 +181,7 @@ class Detector:
                     ids, corners, markers = self._detect_board(board, grey, markers)
                     found[board] = (ids, corners)
             if any(ids.size for ids, _ in found.values()):
-                break  # a board has one polarity: looking for the other would find nothing
+                break  # a board has one polarity: the other would give nothing
         self._weigh({board: ids.size for board, (ids, _) in found.items()})
         nothing = (np.zeros(0, np.intp), np.zeros((0, 2)))
         return found.get(self._board, nothing)
@@ -193,15 +189,14 @@ class Detector:
     def _weigh(self, counts: dict[Board, int]) -> None:
         """Add a frame's evidence: the right reading finds more corners over several frames.
 
-        The wrong one finds some too, and even with a lower reprojection error, so neither a single
-        corner nor an error is proof.
+        The wrong one finds some too, even with a lower reprojection error: neither is proof.
         """
         if not any(counts.values()):
             return
         self._frames += 1
         for board, count in counts.items():
             self._evidence[board] += count
-        # The first of equals wins, and the board that was asked for comes first.
+        # The first of equals wins, and the board as given comes first.
         self._board = max(self._evidence, key=lambda board: self._evidence[board])
         best, *others = sorted(self._evidence.values(), reverse=True)
         clear = all(best >= _LEAD * other for other in others)
@@ -212,8 +207,7 @@ class Detector:
     ) -> tuple[NDArray[np.intp], Array, Any]:
         """Ids (N,) ascending, corners (N, 2), and the markers, which another layout can reuse.
 
-        OpenCV 4 gives (N, 1, 2) and (N, 1), 5 gives (N, 2)
-        and (N,), both give None or empty arrays where nothing is found.
+        OpenCV 4 gives (N, 1, 2) and (N, 1), OpenCV 5 (N, 2) and (N,); both None or empty if none.
         """
         if (board, quick) not in self._finders:
             self._finders[board, quick] = _finder(board, quick)
@@ -241,8 +235,7 @@ def search_region(
         image_size: (width, height) of the next frame.
         grow: share of the corners' extent added on each side; at least `least_px`.
 
-    Returns:
-        None if the whole image has to be searched: nothing was seen, or it saves nothing.
+    Returns None if nothing was seen or a region saves nothing: search the whole image.
     """
     if observation.count == 0 or observation.image_size != image_size:
         return None
@@ -263,8 +256,8 @@ def _finder(board: Board, quick: bool) -> Any:
 
 
 def _readings(board: Board) -> list[Board]:
-    """The board as asked for, then the other ways in which it may be printed."""
-    # Where the row count is odd both layouts are the same board.
+    """The board as given, then the other ways in which it may be printed."""
+    # With an odd row count both layouts are the same board.
     layouts = (board.legacy, not board.legacy) if board.rows % 2 == 0 else (board.legacy,)
     return [
         replace(board, legacy=legacy, inverted=inverted)
@@ -289,7 +282,7 @@ def _grey(image: Any) -> Grey:
     if colour:
         picture = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
     if picture.dtype == np.uint16:
-        # A 10 or 12 bit camera fills the lower bits only: stretch by what is there.
+        # A 10 or 12 bit camera uses the lower bits only: stretch by the largest value.
         peak = max(int(picture.max()), 1)
         picture = np.rint(picture * (255.0 / peak)).astype(np.uint8)
     return np.ascontiguousarray(picture, dtype=np.uint8)

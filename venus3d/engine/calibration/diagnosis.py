@@ -1,4 +1,4 @@
-"""A sentence on what may be wrong with a calibration or with the board, its cause and its cure."""
+"""One sentence on a possible problem with a calibration or the board: cause and cure."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ DiagnosisKind = Literal[
     "same-depth",
     "wrong-layout",
 ]
-"""Worst first: a wrong number given, then weak views, then a layout that is read rightly."""
+"""Worst first: a wrong number given, then weak views, then a layout that is read anyway."""
 _WORST_FIRST: tuple[DiagnosisKind, ...] = get_args(DiagnosisKind)
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Something about a calibration that makes its numbers less trustworthy than they look."""
+    """A reason why a calibration is less trustworthy than its numbers."""
 
     kind: DiagnosisKind
     cause: str
-    """One sentence: what is the matter, with figures."""
+    """One sentence: the problem, with figures."""
     cure: str
-    """One sentence: what to do about it."""
+    """One sentence: the remedy."""
     views: tuple[int, ...] = ()
     """Numbers of the views concerned; empty for all."""
 

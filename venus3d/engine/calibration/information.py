@@ -1,13 +1,13 @@
-"""The Fisher information of a view on the nine intrinsic parameters, before it is taken.
+"""Fisher information of a view on the nine intrinsic parameters, before it is taken.
 
-With unit noise, a view's corners have Jacobians Ji by the intrinsics and Je by the view's own pose.
-The pose is unknown and of no interest, so it is eliminated by the Schur complement:
+With unit noise, a view's corners have Jacobians Ji by the intrinsics and Je by the view's pose. The
+pose is a nuisance parameter, eliminated by the Schur complement:
 
     I_view = Ji^T Ji - Ji^T Je (Je^T Je)^-1 Je^T Ji        (9, 9)
 
 Views are independent, so their informations add, and `sigma^2 (sum I)^-1` is the covariance of the
-intrinsics (Triggs et al. 2000, "Bundle Adjustment", section 6; it is what OpenCV's
-`stdDeviationsIntrinsics` holds on its diagonal). A hypothetical view is one 9 x 9 addition.
+intrinsics (Triggs et al. 2000, "Bundle Adjustment", section 6; its diagonal is the square of
+OpenCV's `stdDeviationsIntrinsics`). A hypothetical view is one 9 x 9 addition.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def normal_matrices(
 ) -> Array:
     """J^T J (N, 15, 15) of views, the six of the pose first; arguments as `view_information`.
 
-    With weights (M,) each point counts so many times.
+    With weights (M,) for the points.
     """
     J = camera.jacobians(points, R, t)
     if weights is not None:
@@ -54,10 +54,10 @@ def normal_matrices(
 def covariance_of(information: ArrayLike, sigma_px: float = 1.0) -> Array:
     """Covariance (..., 9, 9) of an information (..., 9, 9), for corner noise `sigma_px`.
 
-    Raises numpy's `LinAlgError` if the information is singular: some parameter is not determined.
+    Raises numpy's `LinAlgError` if the information is singular.
     """
     matrix = np.asarray(information, dtype=np.float64)
-    # Information of f and of k3 differ by 1e9 and more; invert the matrix with a unit diagonal.
+    # Informations of f and k3 differ by 1e9 and more; invert the matrix with a unit diagonal.
     scale = 1.0 / np.sqrt(np.einsum("...ii->...i", matrix))
     outer = scale[..., :, None] * scale[..., None, :]
     return sigma_px**2 * np.linalg.inv(matrix * outer) * outer
@@ -66,8 +66,8 @@ def covariance_of(information: ArrayLike, sigma_px: float = 1.0) -> Array:
 def prior_information(camera: Camera, sigma_px: float = 1.0) -> Array:
     """(9, 9) a wide prior for any webcam, far weaker than one good view.
 
-    It lets the search rank second views while one view alone leaves parameters undetermined.
-    Never part of a reported covariance. In the units of `view_information`.
+    Lets the search rank second views while one alone leaves parameters undetermined. Never part of
+    a reported covariance. In the units of `view_information`.
     """
     f, w = (camera.fx + camera.fy) / 2, camera.width
     believed = np.array([0.3 * f, 0.3 * f, 0.1 * w, 0.1 * w, 0.5, 1.0, 0.02, 0.02, 2.0])

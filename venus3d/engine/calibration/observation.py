@@ -1,4 +1,4 @@
-"""What was seen of the board in one image."""
+"""An observation, the board's corners in one image, and a view, a captured observation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from venus3d.engine.geometry.pose import Array, Pose
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """Corners of one board found in one image (or none of them: then `count` is 0)."""
+    """Corners of one board found in one image; none if `count` is 0."""
 
     ids: NDArray[np.intp]
     """(N,) corner ids, ascending."""
@@ -25,28 +25,28 @@ class Observation:
     sharpness: float = 0.0
     """Contrast of the board's edges per pixel, 0 ... 1; higher is sharper."""
     time_s: float = 0.0
-    """When the frame was taken, by the source's own clock."""
+    """When the frame was taken, by the source's clock."""
     name: str = ""
-    """Where it came from: a file name, a frame number."""
+    """File name or frame number."""
     board: Board | None = None
-    """The board as it was read, with the layout found so far; None: as it was given."""
+    """The board with the layout found so far; None: as given."""
     board_diagnoses: tuple[Diagnosis, ...] = ()
-    """How the board in the pictures so far differs from the one given."""
+    """How the board in the images so far differs from the one given."""
     image: NDArray[np.uint8] | None = field(default=None, repr=False)
-    """(H, W[, 3]) the picture that shows it, where it is kept."""
+    """(H, W[, 3]) the image, if it is kept."""
 
     @property
     def count(self) -> int:
-        """How many corners were found."""
+        """Number of corners found."""
         return int(self.ids.size)
 
     def without_image(self) -> Observation:
-        """The same without the picture, to be kept for long."""
+        """A copy without the image, for long-term storage."""
         return self if self.image is None else replace(self, image=None)
 
     @staticmethod
     def nothing(image_size: tuple[int, int], time_s: float = 0.0, name: str = "") -> Observation:
-        """An image in which no board was found."""
+        """The observation of an image in which no board was found."""
         return Observation(
             np.zeros(0, np.intp), np.zeros((0, 2)), image_size, time_s=time_s, name=name
         )
@@ -54,10 +54,10 @@ class Observation:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A captured observation with its pose and error in the present calibration."""
+    """A captured observation with its pose and error in the current calibration."""
 
     number: int
-    """Counts from 1 in the order of capture; kept when another view is dropped."""
+    """Counts from 1 in the order of capture; unchanged when another view is dropped."""
     observation: Observation
     pose: Pose
     rms_px: float

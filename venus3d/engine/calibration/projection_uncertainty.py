@@ -1,8 +1,8 @@
-"""What an uncertain camera means in pixels over the image, common turns taken out.
+"""Uncertainty of a camera in pixels over the image, with common rotations removed.
 
-A change of the intrinsics moves the pixel of every ray; a turn of the camera moves them too. Since
-a camera's own orientation is never given, a move that a turn undoes costs nobody anything: it is
-projected out of every uncertainty in pixels. How covariances become costs is left to `costs`.
+A change of the intrinsics moves the pixel of every ray, and so does a rotation of the camera. As
+a camera's orientation is not known anyway, a move that a rotation undoes does no harm: it is
+projected out of every uncertainty in pixels. `costs` turns covariances into costs.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ ERE_GRID = (5, 5)
 def projection_weight(camera: Camera) -> Array:
     """(9, 9) matrix W with `trace(W cov)` = mean variance of a projected pixel, px^2.
 
-    A change d of the intrinsics moves the pixel of ray k by `Jk d`. A common turn w (3,) of all
-    rays moves it by `Gk w`; the turn that best undoes the move is `w = -(G^T G)^-1 G^T J d`, where
-    G (2n, 3) and J (2n, 9) stack all rays. What is left is `P J d` with the projector
+    A change d of the intrinsics moves the pixel of ray k by `Jk d`. A common rotation w (3,) of all
+    rays moves it by `Gk w`; the rotation that best undoes the move is `w = -(G^T G)^-1 G^T J d`,
+    where G (2n, 3) and J (2n, 9) stack all rays. The rest is `P J d` with the projector
     `P = 1 - G (G^T G)^-1 G^T`. Its mean square length over the n rays is `d^T (J^T P J / n) d`, and
-    the expectation of that over d with covariance C is `trace(W C)`, W = J^T P J / n. Both pixel
-    axes are summed: the root is the rms distance in the image.
+    the expectation over d with covariance C is `trace(W C)`, W = J^T P J / n. Both pixel axes are
+    summed: the root is the rms distance in the image.
     """
     left = _pixel_derivatives(camera, grid_pixels(camera.image_size))[1].reshape(-1, 9)
     return 2 * left.T @ left / len(left)
@@ -41,9 +41,9 @@ def projection_weight(camera: Camera) -> Array:
 
 @lru_cache(maxsize=16)
 def border_derivatives(camera: Camera) -> Array:
-    """(n, 2, 9) how the pixels of MaxERE's rays move with the intrinsics, the best turn taken out.
+    """(n, 2, 9) derivatives E_k of MaxERE's pixels by the intrinsics, best rotation removed.
 
-    The ray's pixel has the covariance `E_k C E_k^T` for intrinsics of the covariance C.
+    For intrinsics of covariance C the ray's pixel has the covariance `E_k C E_k^T`.
     """
     width, height = camera.image_size
     u, v = np.linspace(0, width - 1, ERE_GRID[0]), np.linspace(0, height - 1, ERE_GRID[1])
@@ -60,8 +60,8 @@ def projection_uncertainty_px(camera: Camera, covariance: ArrayLike) -> float:
 def uncertainty_map(camera: Camera, covariance: ArrayLike, grid: tuple[int, int] = GRID) -> Array:
     """(down, across) expected projection error, pixels, at the centres of a `grid` of equal cells.
 
-    NaN where no ray reaches the pixel. The turn taken out is the one that best undoes the move at
-    the pixels of `GRID`: there the mean square of the map is that of `projection_uncertainty_px`.
+    NaN where no ray reaches the pixel. The rotation removed is the best one for the pixels of
+    `GRID`: there the map's mean square is that of `projection_uncertainty_px`.
     """
     at, derivatives = _map_derivatives(camera, grid)
     variance = np.einsum(
@@ -108,12 +108,11 @@ def grid_pixels(image_size: tuple[int, int], grid: tuple[int, int] = GRID) -> Ar
 def _pixel_derivatives(
     camera: Camera, pixels: Array, at: Array | None = None
 ) -> tuple[NDArray[np.intp], Array]:
-    """(n, 2, 9) derivatives of pixels' rays by the intrinsics, the turn taken out that best undoes
-    the move at `pixels`; and (n,) which of the pixels a ray reaches. They are `at`, or `pixels`.
-    """
+    """(n, 2, 9) derivatives by the intrinsics of the pixels `at` (default: `pixels`), with the best
+    rotation for `pixels` removed; and (n,) which of these a ray reaches."""
     seen, rays = _rays(camera, pixels)
     if len(rays) < len(pixels) // 2:
-        # The estimate's distortion folds back within the image: better to plan without it.
+        # The estimate's distortion folds back within the image: planning without it is better.
         camera = camera.without_distortion()
         seen, rays = _rays(camera, pixels)
     J, G = _derivatives(camera, rays)
@@ -125,7 +124,7 @@ def _pixel_derivatives(
 
 
 def _derivatives(camera: Camera, rays: Array) -> tuple[Array, Array]:
-    """Derivatives of the pixels of rays (n, 3) by the intrinsics (2n, 9) and a turn (2n, 3)."""
+    """Derivatives of the pixels of rays (n, 3) by the intrinsics (2n, 9) and a rotation (2n, 3)."""
     _, intrinsic, pose = camera.project_with_jacobians(rays, np.eye(3)[None], np.zeros((1, 3)))
     return intrinsic.reshape(-1, 9), pose.reshape(-1, 6)[:, :3]
 
@@ -138,5 +137,5 @@ def _rays(camera: Camera, pixels: Array) -> tuple[NDArray[np.intp], Array]:
 
 
 def _unlimited_pixels(camera: Camera, rays: Array) -> Array:
-    """Like `Camera.project`, but beyond the radius where the model folds too: finite errors."""
+    """Like `Camera.project`, but finite beyond the radius where the model folds, too."""
     return camera.distorted_pixels(*(rays[:, :2] / rays[:, 2:]).T).T

@@ -1,4 +1,4 @@
-"""Corners to a few hundredths of a pixel: cornerSubPix in a window that follows the square."""
+"""Subpixel corners: cornerSubPix in a window that follows the size of a square."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from venus3d.engine.geometry.pose import Array
 
 Grey = NDArray[np.uint8]
 
-# cornerSubPix's half-window as a share of the room up to the nearest marker edge: 0.106 of the
-# square on a frontal board whose markers measure 3/4 of it, less where it is foreshortened.
+# cornerSubPix's half-window as a share of the distance to the nearest marker edge: 0.106 of a
+# square on a frontal board with markers of 3/4 of a square, less where it is foreshortened.
 _WINDOW = 0.85
 _SMALLEST_WINDOW = 2
 _LARGEST_WINDOW = 30
@@ -22,7 +22,7 @@ _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
 def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
     """(N, 2, 2) derivatives of the image by the board's x, y at each corner, pixels per metre.
 
-    By a homography through all corners; distortion changes the scale of a square by little.
+    From a homography through all corners; distortion changes the scale of a square only a little.
     """
     points = board.points_of(ids)[:, :2]
     H, _ = cv2.findHomography(points, corners)
@@ -42,15 +42,15 @@ def refinement_windows(board: Board, scales: Array) -> NDArray[np.intp]:
     along = np.linspace(gap, board.square / 2, 5)
     edge = np.stack([np.full_like(along, gap), along])
     mirror = np.array([[-1.0], [1.0]])
-    # The two edges of a marker that face the corner, in both diagonal directions: which two of the
-    # four squares hold a marker depends on the layout, and the other two lie symmetrically.
+    # The two marker edges that face the corner, in both diagonal directions: which two of the four
+    # squares hold a marker depends on the layout, and the other two are symmetrical.
     edges = np.hstack([edge, edge[::-1], mirror * edge, mirror * edge[::-1]])
     room = np.abs(scales @ edges).max(axis=1).min(axis=1)
     return np.minimum(np.floor(_WINDOW * room), _LARGEST_WINDOW).astype(np.intp)
 
 
 def refine_corners(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
-    """Corners (N, 2) after cornerSubPix in half-windows (N,); those under 2 px are left alone."""
+    """Corners (N, 2) after cornerSubPix in half-windows (N,); unchanged where under 2 px."""
     better = corners.copy()
     for window in np.unique(windows[windows >= _SMALLEST_WINDOW]):
         members = windows == window
@@ -58,7 +58,7 @@ def refine_corners(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Arr
         start = corners[members].astype(np.float32).reshape(-1, 1, 2)
         moved = cv2.cornerSubPix(grey, start.copy(), half, (-1, -1), _REFINE_CRITERIA)
         moved = np.asarray(moved, dtype=np.float64).reshape(-1, 2)
-        # A corner that runs away has found another edge.
+        # A corner that moves far has found another edge.
         near = np.linalg.norm(moved - corners[members], axis=1) <= max(1.0, window / 2)
         better[members] = np.where(near[:, None], moved, corners[members])
     return better
@@ -67,8 +67,8 @@ def refine_corners(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Arr
 def edge_sharpness(grey: Grey, corners: Array, squares: Array) -> float:
     """Contrast of the board's edges per pixel, 0 ... 1.
 
-    The steepest grey step per pixel around each corner over the contrast there: 1 for a step from
-    black to white within one pixel, 1/w for one smeared over w pixels. Median over the corners.
+    The steepest grey step per pixel around a corner over the contrast there: 1 for a step within
+    one pixel, 1/w for one over w pixels. Median over the corners.
     """
     height, width = grey.shape
     values: list[float] = []

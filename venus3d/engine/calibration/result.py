@@ -14,7 +14,7 @@ from venus3d.engine.geometry.pose import Array
 
 
 def rms_distance(errors: Array) -> float:
-    """Root mean square length of the vectors (N, 2)."""
+    """Root mean square length of vectors (N, 2)."""
     return float(np.sqrt((errors**2).sum(axis=1).mean()))
 
 
@@ -23,7 +23,7 @@ class Calibration:
     """The calibrated camera with its covariance and its views."""
 
     board: Board
-    """The board by whose corners the views were calibrated."""
+    """The board whose corners the views show."""
     camera: Camera
     covariance: Array
     """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed."""
@@ -42,9 +42,9 @@ class Calibration:
 
     @property
     def uncertainty_px(self) -> float:
-        """The projection uncertainty: expected rms error of a projected point over the image.
+        """Projection uncertainty: expected rms error of a projected point over the image.
 
-        Common rotations of the camera are taken out. NaN unless all nine parameters were estimated.
+        Common rotations of the camera are removed. NaN unless all nine parameters were estimated.
         """
         if not all(self.free):
             return float("nan")

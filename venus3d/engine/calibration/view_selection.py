@@ -1,8 +1,7 @@
-"""Which frames of a recording to calibrate from: those that carry information.
+"""Selects the frames of a recording to calibrate from: those that carry information.
 
-A video shows nearly the same view many times, and every n-th frame weighs what the board did
-longest. Here each frame taken adds the most information on the camera to those taken before
-(D-optimal design, greedy). Calibrating itself is left to `adjustment`.
+A video shows nearly the same view many times, and every n-th frame favours where the board rested
+longest. Here each frame taken adds the most information to those taken before (D-optimal, greedy).
 """
 
 from __future__ import annotations
@@ -22,10 +21,10 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 
-_SHARP = 0.7  # of the median sharpness; below it a frame counts as blurred
-_FITS = 3.0  # times the median error; above it a frame's corners are not this board's
+_SHARP = 0.7  # of the median sharpness; below it a frame is blurred
+_FITS = 3.0  # times the median error; above it a frame's corners do not fit this board
 _FIRST_FRAMES = 20  # evenly spread, for the camera by which all frames are judged
-_NOISE_PX = 0.3  # of a corner; weighs the frames against what is believed beforehand
+_NOISE_PX = 0.3  # of a corner; weighs the frames against the prior
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,19 +38,16 @@ class _Candidate:
 def select_views(
     board: Board, observations: Sequence[Observation], *, limit: int = 40, same: float = 0.0025
 ) -> list[int]:
-    """Indices of the observations to calibrate from, ascending; at most `limit`.
+    """Indices of the observations to calibrate from, ascending; empty if none is usable.
 
     Args:
-        board: what the observations show.
-        observations: of one image size, in the order of time; those without a board are passed
-            over, so are blurred ones and those whose corners do not fit the board.
-        limit: how many to take at most.
-        same: a view is a duplicate if its corners lie on average nearer to a chosen view's than
+        board: the board in the observations.
+        observations: of one image size, in order of time; those without a board, blurred ones and
+            those whose corners do not fit the board are ignored.
+        limit: the maximum number to take.
+        same: a view is a duplicate if its corners are on average nearer to a chosen view's than
             this share of the image's width. Repeating a view averages its noise, but not what is
             the same in both: a bent board, a lens that the model does not fit.
-
-    Returns:
-        An empty list if no observation is of use.
     """
     usable = [i for i, o in enumerate(observations) if determines_homography(o.corners)]
     if not usable:
@@ -64,7 +60,7 @@ def select_views(
     same_px = same * camera.width
     chosen: list[_Candidate] = []
     while candidates and len(chosen) < limit:
-        # The determinant of a covariance is the volume of its ellipsoid: no units to weigh.
+        # The determinant of a covariance is its ellipsoid's squared volume: no units to weigh.
         informations = known + np.array([c.information for c in candidates])
         gains = np.linalg.slogdet(informations)[1]
         best = candidates[int(np.argmax(gains))]
@@ -81,7 +77,7 @@ def _first_camera(board: Board, observations: list[Observation]) -> Camera:
         return calibrate(board, spread).camera
     except CalibrationError:
         # A frame's information depends on the board's pose, hardly on the exact camera; whether the
-        # frames determine a camera at all, the calibration that follows finds out.
+        # frames determine one is checked by the calibration that follows.
         return Camera.guess(observations[0].image_size)
 
 
@@ -107,7 +103,7 @@ def _candidates(
 
 
 def shift_px(one: Observation, other: Observation) -> float:
-    """Mean distance of the corners that both show, pixels; inf if they share fewer than half."""
+    """Mean distance of the corners common to both, pixels; inf if they share fewer than half."""
     _, mine, theirs = np.intersect1d(one.ids, other.ids, assume_unique=True, return_indices=True)
     if 2 * mine.size < max(one.count, other.count):
         return float("inf")

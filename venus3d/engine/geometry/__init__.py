@@ -1,1 +1,1 @@
-"""Poses, the camera model, the board, and a pose taken apart into four steps."""
+"""Poses, the camera model, the board, and the decomposition of a pose into four steps."""

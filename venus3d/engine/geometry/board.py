@@ -1,6 +1,6 @@
-"""The ChArUco board: its corners, its ids, its picture.
+"""The ChArUco board: its corners, their ids, its image.
 
-All coordinates are about the board's centre, x along the columns, y along the rows, z = 0.
+All coordinates are relative to the board's centre, x along the columns, y along the rows, z = 0.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ DICTIONARIES: tuple[str, ...] = tuple(
         name for name in dir(cv2.aruco) if name.startswith("DICT_") and "CUSTOM" not in name.upper()
     )
 )
-"""Names of the marker dictionaries this OpenCV has."""
+"""Names of the marker dictionaries of this OpenCV version."""
 
 
 @dataclass(frozen=True)
 class Board:
-    """A ChArUco board. Lengths in metres. Raises `BoardError` for options that make no board."""
+    """A ChArUco board. Lengths in metres. Raises `BoardError` for invalid options."""
 
     columns: int = 9
     """Squares along x."""
@@ -38,7 +38,7 @@ class Board:
     """Side of a marker, metres."""
     dictionary: str = "DICT_5X5_100"
     legacy: bool = False
-    """Layout of boards printed before OpenCV 4.6 (they differ where the row count is even)."""
+    """Layout of boards printed before OpenCV 4.6; differs if the row count is even."""
     inverted: bool = False
     """White markers on black."""
 
@@ -68,12 +68,12 @@ class Board:
             )
 
     def __reduce__(self) -> tuple[type[Board], tuple[Any, ...]]:
-        """Pickled as its options: OpenCV's objects, kept once made, go to no other process."""
+        """Pickled as its options, without the cached OpenCV objects."""
         return Board, astuple(self)
 
     @property
     def marker_count(self) -> int:
-        """How many markers the board carries."""
+        """Number of markers."""
         return self.columns * self.rows // 2
 
     @property
@@ -82,10 +82,10 @@ class Board:
 
     @cached_property
     def cv_dictionary(self) -> Any:
-        """OpenCV's dictionary object, cut down to the markers that are on this board.
+        """OpenCV's dictionary object, cut down to the markers on this board.
 
-        OpenCV 5 compares every candidate with every marker: of `DICT_5X5_1000` that is six times
-        the work of a board's 48.
+        OpenCV 5 compares every candidate with every marker: six times the work for `DICT_5X5_1000`
+        as for a board's 48.
         """
         whole = self._predefined
         return cv2.aruco.Dictionary(
@@ -94,7 +94,7 @@ class Board:
 
     @cached_property
     def cv_board(self) -> Any:
-        """OpenCV's `CharucoBoard` (its corners count from the top left, not from the centre)."""
+        """OpenCV's `CharucoBoard` (its origin is the top left corner, not the centre)."""
         board = cv2.aruco.CharucoBoard(
             (self.columns, self.rows), self.square, self.marker, self.cv_dictionary
         )
@@ -118,7 +118,7 @@ class Board:
 
     @cached_property
     def corners(self) -> Array:
-        """(M, 3) inner corners about the centre, in order of their ids, metres."""
+        """(M, 3) inner corners relative to the centre, in order of their ids, metres."""
         x = (np.arange(1, self.columns) - self.columns / 2) * self.square
         y = (np.arange(1, self.rows) - self.rows / 2) * self.square
         across, down = np.tile(x, y.size), np.repeat(y, x.size)
@@ -126,7 +126,7 @@ class Board:
 
     @cached_property
     def outline(self) -> Array:
-        """(4, 3) the board's own corners: clockwise from the top left; metres."""
+        """(4, 3) the board's outer corners, clockwise from the top left; metres."""
         w, h = self.width / 2, self.height / 2
         return np.array([[-w, -h, 0], [w, -h, 0], [w, h, 0], [-w, h, 0]], dtype=np.float64)
 
@@ -148,7 +148,7 @@ class Board:
         return column, row
 
     def texture(self, square_px: int = 60) -> NDArray[np.uint8]:
-        """Grey picture (rows * square_px, columns * square_px) of the board without a margin."""
+        """Grey image (rows * square_px, columns * square_px) of the board without a margin."""
         size = (self.columns * square_px, self.rows * square_px)
         picture = np.asarray(self.cv_board.generateImage(size, marginSize=0), dtype=np.uint8)
         return 255 - picture if self.inverted else picture

@@ -1,7 +1,7 @@
 """The camera model: pinhole with Brown's five-coefficient distortion, eqs (1)-(5).
 
-Everything is in closed form and batched over poses, since the search looks at thousands of them.
-Pixels: integer coordinates are pixel centres (OpenCV).
+Closed form and batched over poses, since a search evaluates thousands. Integer pixel coordinates
+are pixel centres (OpenCV).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.pose import Array
 
 PARAMETERS: tuple[str, ...] = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
-"""The nine intrinsic parameters in the one order used everywhere (OpenCV's distortion order)."""
+"""The nine intrinsic parameters in the order used everywhere (OpenCV's distortion order)."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Camera:
 
     @staticmethod
     def guess(image_size: tuple[int, int], fov_deg: float = 60.0) -> Camera:
-        """A camera nobody has calibrated yet: a horizontal field of view and no distortion."""
+        """An uncalibrated camera with this horizontal field of view and no distortion."""
         width, height = image_size
         f = width / 2 / np.tan(np.radians(fov_deg) / 2)
         return Camera(width, height, f, f, (width - 1) / 2, (height - 1) / 2)
@@ -99,15 +99,15 @@ class Camera:
 
     @property
     def image_corners(self) -> Array:
-        """(4, 2) centres of the pixels in the image's corners."""
+        """(4, 2) centres of the image's corner pixels."""
         return np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * (np.array(self.image_size) - 1.0)
 
     def without_distortion(self) -> Camera:
-        """The same pinhole with a perfect lens."""
+        """The same pinhole without distortion."""
         return replace(self, k1=0.0, k2=0.0, p1=0.0, p2=0.0, k3=0.0)
 
     def scaled(self, image_size: tuple[int, int]) -> Camera:
-        """The same lens on an image of another size; half a pixel is kept at the borders."""
+        """The same lens with another image size; half a pixel is kept at the borders."""
         sx, sy = image_size[0] / self.width, image_size[1] / self.height
         return replace(
             self,
@@ -121,9 +121,9 @@ class Camera:
 
     @cached_property
     def radius_limit(self) -> float:
-        """Largest normalised radius up to which the radial model still grows, inf if always.
+        """Largest normalised radius up to which the radial model grows; inf if it always does.
 
-        Beyond it the polynomial folds back and points outside the view land inside the image.
+        Beyond it the polynomial folds back, and points outside the view project into the image.
         """
         # d/dr of r(1 + k1 r^2 + k2 r^4 + k3 r^6) = 0, in w = 1/r^2: so 1 leads whatever k3 is.
         roots = np.roots([1.0, 3 * self.k1, 5 * self.k2, 7 * self.k3])
@@ -132,7 +132,7 @@ class Camera:
         return float(1 / np.sqrt(largest)) if largest > 1e-12 else float("inf")
 
     def distort(self, normalised: ArrayLike) -> Array:
-        """Eq. (4): ideal normalised coordinates (..., 2) to distorted ones."""
+        """Eq. (4): ideal to distorted normalised coordinates (..., 2)."""
         xy = np.asarray(normalised, dtype=np.float64)
         x, y = xy[..., 0], xy[..., 1]
         r2 = x * x + y * y
@@ -161,7 +161,7 @@ class Camera:
     def project(self, points: ArrayLike) -> Array:
         """Eq. (5): points (..., 3) in the camera's frame, metres, to pixels (..., 2).
 
-        Points at or behind the lens, and points beyond `radius_limit`, come out as NaN.
+        NaN for points at or behind the lens, and beyond `radius_limit`.
         """
         xyz = np.asarray(points, dtype=np.float64)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -173,7 +173,7 @@ class Camera:
     def unproject(self, pixels: ArrayLike) -> Array:
         """Pixels (..., 2) to ideal normalised coordinates (..., 2): the ray is (x, y, 1).
 
-        Newton's method on eq. (4); a pixel that no ray reaches comes out as NaN.
+        Newton's method on eq. (4); NaN for a pixel that no ray reaches.
         """
         uv = np.asarray(pixels, dtype=np.float64)
         wanted = (uv - [self.cx, self.cy]) / [self.fx, self.fy]
@@ -191,7 +191,7 @@ class Camera:
         return np.where(good[..., None], xy, np.nan)
 
     def project_board(self, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
-        """Board points (M, 3) under many poses R (N, 3, 3), t (N, 3): pixels (N, M, 2)."""
+        """Pixels (N, M, 2) of board points (M, 3) under poses R (N, 3, 3), t (N, 3)."""
         board = np.asarray(points, dtype=np.float64)
         rotations, positions = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64)
         return self.project(board @ np.swapaxes(rotations, -1, -2) + positions[:, None, :])
@@ -207,8 +207,8 @@ class Camera:
 
         Returns:
             pixels (N, M, 2); by the nine `PARAMETERS` (N, M, 2, 9); by the pose (N, M, 2, 6).
-            The pose moves as `R <- exp(w) R, t <- t + v`: (w, v) are a turn (rad) about the
-            camera's axes through the board's centre and a translation (m).
+            The pose is perturbed as `R <- exp(w) R, t <- t + v`: a rotation w (rad) about the
+            camera's axes through the board's centre and a translation v (m).
         """
         J = self.jacobians(points, R, t)
         u = self.fx * J[:, 6, 0] + self.cx
@@ -219,7 +219,7 @@ class Camera:
     def jacobians(self, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
         """The same derivatives as (N, 15, 2, M): six of the pose (w, v), nine of the intrinsics.
 
-        Each of the 15 lies in one piece, u of all points and then v: no copy on the way to J J^T.
+        Each of the 15 is contiguous, u of all points and then v: J J^T needs no copy.
         """
         rotations, positions = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64)
         arm = rotations @ np.asarray(points, dtype=np.float64).T
@@ -261,10 +261,10 @@ class Camera:
 
 
 def planning_camera(camera: Camera) -> Camera:
-    """The camera to plan with: without distortion while its estimate folds back in the image.
+    """The camera to plan with: without distortion if its estimate folds back within the image.
 
-    From two or three views the high orders are nearly free, and the model may fold back within
-    the image: then no pose near the border seems possible, just where the next view is needed.
+    From two or three views the high orders are nearly free. If the model folds back, no pose near
+    the border seems possible, just where the next view is needed.
     """
     corners = camera.image_corners
     reach = np.linalg.norm((corners - [camera.cx, camera.cy]) / [camera.fx, camera.fy], axis=1)

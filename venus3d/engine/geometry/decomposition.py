@@ -1,10 +1,8 @@
-"""A pose taken apart into four steps that a person can do one after the other (3.4, eq. 15).
+"""Decomposition of a pose into four steps that a person can do one by one (3.4, eq. 15).
 
-Step 1 brings the board's centre to its place, steps 2, 3 and 4 turn the board about the camera's
-fixed X, Y and Z axes through that centre. From the frontal, upright board this is eq. (15) to the
-letter. From any other orientation R0 the same reading holds for the turn that is left,
-`R R0^T = Rz Ry Rx`: each step still moves one degree of freedom, by what remains of
-it now.
+Step 1 translates the board's centre; steps 2, 3 and 4 turn the board about the camera's fixed X, Y
+and Z axes through that centre. From the frontal, upright board this is eq. (15). From any other
+orientation R0 the remaining rotation `R R0^T = Rz Ry Rx` is decomposed in the same way.
 """
 
 from __future__ import annotations
@@ -21,7 +19,7 @@ from venus3d.engine.geometry.pose import AXES, Array, Axis, Pose
 
 StepKind = Literal["move", "turn"]
 HOME_DISTANCE = 0.5
-"""Distance of the frontal board that the steps start from, metres."""
+"""Distance of the frontal board from which the steps start, metres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +38,7 @@ class Step:
     translation: Array
     """(3,) displacement of the centre, metres; zero for a turn."""
     corners_outside: tuple[int, ...]
-    """Ids of the inner corners that are not in the image after this step."""
+    """Ids of the inner corners outside the image after this step."""
 
     @property
     def is_visible(self) -> bool:
@@ -49,7 +47,7 @@ class Step:
 
     @property
     def is_idle(self) -> bool:
-        """Whether there is nothing to do: less than half a degree, less than half a millimetre."""
+        """Whether there is nothing to do: less than half a degree or half a millimetre."""
         return abs(self.angle_deg) < 0.5 and float(np.linalg.norm(self.translation)) < 0.0005
 
 
@@ -66,7 +64,7 @@ def decompose(target: Pose, camera: Camera, board: Board, start: Pose | None = N
 
     Args:
         target, start: `T_camera_board`.
-        camera, board: used only to say which corners leave the image on the way.
+        camera, board: used only to find the corners that leave the image.
     """
     begin = home_pose() if start is None else start
     rest = Pose(target.R @ begin.R.T, np.zeros(3))
@@ -76,8 +74,8 @@ def decompose(target: Pose, camera: Camera, board: Board, start: Pose | None = N
 def decompose_vector(vector: ArrayLike, camera: Camera, board: Board) -> Steps:
     """The four steps from `home_pose()` that turn by a pose vector's own angles.
 
-    The same as `decompose` of its pose, but in gimbal lock too, where other angles would do as
-    well. `vector` is (6,): degrees and metres. Raises `PoseError` unless it is six finite numbers.
+    Like `decompose` of its pose, but keeps the angles in gimbal lock, where they are not unique.
+    `vector` is (6,): degrees and metres. Raises `PoseError` unless it is six finite numbers.
     """
     target = Pose.from_vector(vector)
     return _steps(home_pose(), target, np.asarray(vector, dtype=np.float64)[:3], camera, board)
@@ -90,7 +88,7 @@ def _steps(begin: Pose, target: Pose, angles: Array, camera: Camera, board: Boar
     steps = [Step(1, "move", None, begin, placed, 0.0, target.t - begin.t, outside)]
     for number, (axis, angle) in enumerate(zip(AXES, angles, strict=True), start=2):
         before = steps[-1].after
-        # The last step ends on the target itself, not on the product of three rounded turns.
+        # End on the target itself, not on the product of three rounded turns.
         after = target if number == 4 else before.turned(axis, float(angle))
         outside = corners_outside(after, camera, board)
         steps.append(Step(number, "turn", axis, before, after, float(angle), nothing, outside))
@@ -98,7 +96,7 @@ def _steps(begin: Pose, target: Pose, angles: Array, camera: Camera, board: Boar
 
 
 def corners_outside(pose: Pose, camera: Camera, board: Board) -> tuple[int, ...]:
-    """Ids of the board's inner corners that the camera does not see under this pose."""
+    """Ids of the board's inner corners that the camera does not see in this pose."""
     pixels = camera.project(pose.apply(board.corners))
     with np.errstate(invalid="ignore"):
         inside = ((pixels >= -0.5) & (pixels < np.array(camera.image_size) - 0.5)).all(axis=1)

@@ -1,13 +1,13 @@
 """Rigid poses of the board in the camera's frame, and the paper's pose vector.
 
-World is the camera's optical frame (+x right, +y down, +z forward). The board's frame sits at the
+World is the camera's optical frame (+x right, +y down, +z forward). The board's frame is at the
 board's centre: +x along the columns, +y along the rows, +z away from a camera that it faces.
 
 The pose vector `p = [xr, yr, zr, xt, yt, zt]` holds three angles in degrees and the position of the
 board's centre in metres. The angles are turns about the camera's *fixed* axes through the board's
 centre, X first, then Y, then Z: `R = Rz @ Ry @ Rx` (Figure 5's "system axes", scipy's "xyz").
-The other reading, the board's own axes in the same order (`R = Rx @ Ry @ Rz`, scipy's "XYZ"), is
-there for teaching under the name "own".
+The board's own axes in the same order (`R = Rx @ Ry @ Rz`, scipy's "XYZ") are available for
+teaching as "own".
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ GIMBAL_LOCK_DEG = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """`T_camera_board`: takes board coordinates (m) to camera coordinates (m). `@` composes."""
+    """`T_camera_board`: board to camera coordinates, metres. `@` composes."""
 
     R: Array
     """(3, 3) rotation matrix."""
@@ -44,7 +44,7 @@ class Pose:
 
     @staticmethod
     def identity() -> Pose:
-        """The pose that moves nothing."""
+        """The identity transform."""
         return Pose(np.eye(3), np.zeros(3))
 
     @staticmethod
@@ -77,7 +77,7 @@ class Pose:
     def from_matrix(T: ArrayLike) -> Pose:
         """Pose of a homogeneous matrix (4, 4); the rotation part is made orthonormal.
 
-        Raises `PoseError` if the matrix is not finite or turns space inside out.
+        Raises `PoseError` if the matrix is not finite or is a reflection.
         """
         matrix = np.asarray(T, dtype=np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
@@ -93,7 +93,7 @@ class Pose:
 
     @cached_property
     def wxyz(self) -> Array:
-        """(4,) unit quaternion, scalar first, scalar not negative."""
+        """(4,) unit quaternion, scalar first and non-negative."""
         quaternion = Rotation.from_matrix(self.R).as_quat(canonical=True, scalar_first=True)
         return np.asarray(quaternion, dtype=np.float64)
 
@@ -112,14 +112,14 @@ class Pose:
 
     @property
     def is_gimbal_locked(self) -> bool:
-        """Whether Y is so near +-90 degrees that only the sum or difference of X and Z counts."""
+        """Whether Y is so near +-90 degrees that only the sum or difference of X and Z matters."""
         return 90.0 - abs(self.angle_y_deg) < GIMBAL_LOCK_DEG
 
     def vector(self, axes: Axes = "fixed") -> Array:
         """The pose vector (6,): angles in degrees (X, Z in -180 ... 180, Y in -90 ... 90), metres.
 
-        In gimbal lock (see `is_gimbal_locked`) the last angle is set to 0 and the first takes up
-        the whole turn: the vector still describes this very pose, but it is not the only one.
+        In gimbal lock (see `is_gimbal_locked`) the last angle is 0 and the first takes the whole
+        turn: the vector describes this pose, but is not unique.
         """
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Gimbal lock", category=UserWarning)
@@ -127,7 +127,7 @@ class Pose:
         return np.concatenate([np.asarray(angles, dtype=np.float64), self.t])
 
     def inverse(self) -> Pose:
-        """`T_board_camera`: takes camera coordinates to board coordinates."""
+        """`T_board_camera`: camera to board coordinates."""
         return Pose(self.R.T.copy(), -self.R.T @ self.t)
 
     def __matmul__(self, other: Pose) -> Pose:
@@ -135,7 +135,7 @@ class Pose:
         return Pose(self.R @ other.R, self.R @ other.t + self.t)
 
     def apply(self, points: ArrayLike) -> Array:
-        """Points (..., 3) from the board's frame into the camera's, metres."""
+        """Points (..., 3) from the board's to the camera's frame, metres."""
         return np.asarray(points, dtype=np.float64) @ self.R.T + self.t
 
     def turned(self, axis: Axis, angle_deg: float) -> Pose:
@@ -147,33 +147,32 @@ class Pose:
         return Pose(self.R.copy(), self.t + np.asarray(translation, dtype=np.float64))
 
     def angle_to_deg(self, other: Pose) -> float:
-        """The one angle, 0 ... 180 degrees, that turns this orientation into the other's."""
+        """Angle, 0 ... 180 degrees, of the single rotation from this orientation to the other."""
         # The chord between two rotation matrices is 2 sqrt(2) sin(angle / 2).
         chord = float(np.linalg.norm(other.R - self.R)) / np.sqrt(8)
         return float(np.degrees(2 * np.arcsin(min(chord, 1.0))))
 
     def distance_to(self, other: Pose) -> float:
-        """Distance of the two board centres, metres."""
+        """Distance between the board centres, metres."""
         return float(np.linalg.norm(other.t - self.t))
 
 
 def turn(axis: Axis, angle_deg: float) -> Array:
-    """(3, 3) rotation about one coordinate axis, right-handed, degrees."""
+    """(3, 3) right-handed rotation about one coordinate axis, degrees."""
     return _matrix(Rotation.from_euler(axis, angle_deg, degrees=True))
 
 
 def interpolate(start: Pose, end: Pose, fraction: float) -> Pose:
-    """The pose a `fraction` (0 ... 1) of the way, along the shortest turn and a straight line."""
+    """The pose at `fraction` (0 ... 1) of the way, by the shortest rotation and a straight line."""
     rotvec = Rotation.from_matrix(end.R @ start.R.T).as_rotvec()
     R = _matrix(Rotation.from_rotvec(rotvec * fraction)) @ start.R
     return Pose(R, start.t + fraction * (end.t - start.t))
 
 
 def rotations_of(vectors: ArrayLike) -> Array:
-    """Rotation matrices (N, 3, 3) of many pose vectors (N, 6), fixed axes: `Rz Ry Rx`.
+    """Rotation matrices (N, 3, 3) of pose vectors (N, 6), fixed axes: `Rz Ry Rx`.
 
-    Written out, since a search asks for thousands: scipy's `from_euler("xyz")` in a fifth of its
-    time.
+    Written out because a search needs thousands: five times as fast as scipy's `from_euler("xyz")`.
     """
     angles = np.radians(np.atleast_2d(np.asarray(vectors, dtype=np.float64))[:, :3]).T
     (sx, sy, sz), (cx, cy, cz) = np.sin(angles), np.cos(angles)
@@ -187,7 +186,7 @@ def rotations_of(vectors: ArrayLike) -> Array:
 def angles_of(R: ArrayLike) -> Array:
     """(N, 3) angles of the pose vector, degrees, of rotations (N, 3, 3); Y within -90 ... 90.
 
-    The inverse of `rotations_of`, but in gimbal lock, where the angles are some that do.
+    The inverse of `rotations_of`, except in gimbal lock, where the angles are not unique.
     """
     rotations = np.asarray(R, dtype=np.float64)
     x = np.arctan2(rotations[:, 2, 1], rotations[:, 2, 2])

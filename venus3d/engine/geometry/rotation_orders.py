@@ -1,6 +1,6 @@
-"""Three turns one after the other: about fixed axes or the board's own, in any order.
+"""Three successive turns about fixed axes or the board's own, in any order.
 
-For teaching. Guidance uses one reading only: the camera's fixed axes, X, Y, Z (`decomposition`).
+For teaching. Guidance uses the camera's fixed axes in the order X, Y, Z only (`decomposition`).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from venus3d.engine.errors import PoseError
 from venus3d.engine.geometry.pose import AXES, Array, Axes, Axis, Pose
 
 ORDERS: tuple[str, ...] = ("xyz", "xzy", "yxz", "yzx", "zxy", "zyx")
-"""The six orders in which three axes can follow each other."""
+"""The six orders of three axes."""
 _ALMOST_LOCKED_DEG = 6.0
 
 
@@ -24,16 +24,16 @@ class Turn:
     """One of three turns in a row."""
 
     number: int
-    """1 ... 3: which comes when."""
+    """1 ... 3, in order of execution."""
     axis: Axis
     angle_deg: float
     direction: Array
-    """(3,) the axis as it stands during this turn, camera frame."""
+    """(3,) the axis during this turn, camera frame."""
     before: Pose
     after: Pose
 
     def pose_at(self, fraction: float) -> Pose:
-        """Where the board is a `fraction` (0 ... 1) of the way."""
+        """The board's pose at `fraction` (0 ... 1) of the turn."""
         turned = Rotation.from_rotvec(np.radians(fraction * self.angle_deg) * self.direction)
         return Pose(np.asarray(turned.as_matrix()) @ self.before.R, self.before.t)
 
@@ -46,8 +46,8 @@ def turns(
 ) -> TurnSequence:
     """The turns of `start` by the angles (3,) about X, Y and Z, degrees, in this order of axes.
 
-    About "fixed" axes each turn is about an axis of the camera; about the board's "own", the axis
-    has been turned along by the turns before. Both through the board's centre.
+    With "fixed" axes each turn is about an axis of the camera, with "own" about a board axis as
+    turned by the turns before; always through the board's centre.
 
     Raises `PoseError` for an order that is none of `ORDERS`.
     """
@@ -58,7 +58,7 @@ def turns(
     pose = start
     for number, letter in enumerate(order, start=1):
         i = "xyz".index(letter)
-        # The board's own axes start where the camera's are, whatever the board's start.
+        # The board's own axes start as the camera's, whatever the board's start.
         direction = np.eye(3)[i] if axes == "fixed" else pose.R @ start.R.T[:, i]
         turn = Turn(number, AXES[i], float(angles[i]), direction, pose, pose)
         pose = turn.pose_at(1.0)
@@ -67,5 +67,5 @@ def turns(
 
 
 def is_near_gimbal_lock(angle_y_deg: float) -> bool:
-    """Whether a turn about Y comes so near to +-90 degrees that X and Z turn nearly alike."""
+    """Whether a turn about Y is so near to +-90 degrees that X and Z turn nearly alike."""
     return 90.0 - abs(angle_y_deg) < _ALMOST_LOCKED_DEG

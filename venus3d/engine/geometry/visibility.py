@@ -1,7 +1,6 @@
 """A board's outline under many poses: distances, pixels, sizes of squares.
 
-Poses run along the last axis: largest and smallest values of few points are quick along a first
-axis only. What is allowed is left to `planning.limits`.
+Poses are the last axis: minima and maxima of few points are fast along the first axis only.
 """
 
 from __future__ import annotations
@@ -19,20 +18,20 @@ from venus3d.engine.geometry.pose import Array, rotations_of
 
 @dataclass(frozen=True, eq=False)
 class Visibility:
-    """A board under N poses, as a camera sees 16 points of it: its corners, mid-edges, squares."""
+    """16 points of a board (corners, mid-edges, squares) as a camera sees them under N poses."""
 
     R: Array
     """(3, 3, N) rotations, `T_camera_board`."""
     cosine: Array
-    """(N,) of the tilt: between the board's normal and the line of sight to its centre."""
+    """(N,) of the tilt, between the board's normal and the line of sight to its centre."""
     depth: Array
     """(16, N) along the optical axis, metres."""
     near: Array
-    """(N,) the board's corner nearest to the lens, metres."""
+    """(N,) distance of the board's nearest corner from the lens, metres."""
     far: Array
-    """(N,) and the farthest."""
+    """(N,) distance of the farthest, metres."""
     pixels: Array
-    """(2, 16, N); nonsense where a point is not `seen`."""
+    """(2, 16, N); meaningless where the board is not `seen`."""
     low: Array
     """(2, N) smallest x and y of the pixels."""
     high: Array
@@ -40,10 +39,10 @@ class Visibility:
     side: Array
     """(N,) the shortest side of the squares in the board's corners, pixels."""
     seen: NDArray[np.bool_]
-    """(N,) all of the board is in front of the lens and within the model's radius."""
+    """(N,) whether all of the board is in front of the lens and within the model's radius."""
 
     def of(self, chosen: NDArray[np.intp]) -> Visibility:
-        """Of some of the poses, by their numbers (K,)."""
+        """A subset of the poses, by their indices (K,)."""
         return Visibility(*(getattr(self, field.name).take(chosen, -1) for field in fields(self)))
 
 
@@ -54,7 +53,7 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
     across, down = _probe(board)
     points = R[:, 0, None] * across + R[:, 1, None] * down + t[:, None]
     corners = points[:, :4]
-    # A search may look absurdly far away; what overflows there is beyond every limit.
+    # A search may try absurd distances; what overflows is beyond every limit.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         squares = np.sum(corners * corners, axis=0)
         cosine = np.sum(R[:, 2] * t, axis=0) / np.sqrt(np.sum(t * t, axis=0))
@@ -63,7 +62,7 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
         seen = points[2].min(axis=0) > 0
         if np.isfinite(camera.radius_limit):
             seen &= (x * x + y * y).max(axis=0) < camera.radius_limit**2
-        # A square's neighbour along x, and the one along y, of each of the four corners.
+        # For each of the four corners, the square's neighbours along x and y.
         sides = pixels[:, 4:12].reshape(2, 2, 4, -1) - pixels[:, None, :4]
         side = np.sqrt(np.min(np.sum(sides * sides, axis=0), axis=(0, 1)))
     return Visibility(
@@ -84,8 +83,8 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
 def _probe(board: Board) -> Array:
     """(2, 16, 1) x and y of the board points that decide, metres.
 
-    The outline, its neighbours a square along x and along y, the mid-edges: these because
-    distortion bows a straight edge outwards.
+    The outline, its neighbours a square along x and y, and the mid-edges, as distortion bows a
+    straight edge outwards.
     """
     outline = board.outline[:, :2]
     inward = -np.sign(outline) * board.square

@@ -1,1 +1,1 @@
-"""A guided calibration from the first frame to convergence, and the words that guide."""
+"""A guided calibration from the first frame to convergence, and its instructions."""

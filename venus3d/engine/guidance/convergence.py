@@ -1,4 +1,4 @@
-"""When the parameters have settled: eqs (16) and (17), as printed and repaired (3.5)."""
+"""Convergence of the parameters: eqs (16) and (17), as printed and repaired (3.5)."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ Rule = Literal["repaired", "printed"]
 MIN_VIEWS = 6
 """The repaired rule gives no verdict from fewer views.
 
-Nine parameters and six more per view are estimated from few views; until then the residual noise,
-which scales every sigma, is itself known only roughly and a ratio near 1 is easily chance.
+With few views the residual noise, which scales every sigma, is itself known only roughly, and a
+ratio near 1 is easily chance.
 """
 
 
@@ -25,20 +25,20 @@ class Convergence:
     """Eqs (16), (17) per parameter."""
 
     ratio: Array
-    """(9,) variance now over variance before; NaN where there is no before."""
+    """(9,) current variance over the previous one; NaN if there is none."""
     parameters: tuple[bool, ...]
-    """(9,) which have converged."""
+    """(9,) whether each parameter has converged."""
     rule: Rule
 
     @property
     def converged(self) -> bool:
-        """Whether all parameters have."""
+        """Whether all parameters have converged."""
         return all(self.parameters)
 
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """One calibration's summary, for the plots of how things went."""
+    """Summary of one calibration, for the plots over the session."""
 
     views: int
     rms_px: float
@@ -47,11 +47,11 @@ class Progress:
     sigma: Array
     """(9,) standard deviations."""
     uncertainty_px: float
-    """Mean projection error over the image that the covariance predicts, pixels."""
+    """Mean projection error over the image expected from the covariance, pixels."""
     predicted_sigma: Array = field(default_factory=lambda: np.full(9, np.nan))
-    """(9,) what the last view's target had promised; NaN if it was not taken at a target."""
+    """(9,) predicted by the last view's target; NaN if it was not taken at a target."""
     predicted_uncertainty_px: float = float("nan")
-    """What the last view's target had promised for `uncertainty_px`; NaN likewise."""
+    """`uncertainty_px` as predicted by the last view's target; NaN likewise."""
 
 
 def check_convergence(
@@ -62,13 +62,13 @@ def check_convergence(
 ) -> Convergence:
     """Which parameters have converged after the last calibration in `history`.
 
-    "printed" is eqs (16), (17) to the letter, `1 - sigma^2_(n+1) / sigma^2_n <= epsilon`, looking
-    at the last two calibrations only. It also calls a parameter converged whose variance grew.
+    "printed" is eqs (16), (17) as they stand, `1 - sigma^2_(n+1) / sigma^2_n <= epsilon`, on the
+    last two calibrations only. It also accepts a parameter whose variance grew.
 
-    "repaired" asks `0 <= 1 - sigma_(n+1) / sigma_n < epsilon` of the standard deviations, so that a
-    variance that grew is not converged, gives no verdict before `min_views` views, and keeps a
-    parameter's verdict once reached, as Rojtberg's program does: later views are chosen for the
-    other parameters and may move it a little either way.
+    "repaired" requires `0 <= 1 - sigma_(n+1) / sigma_n < epsilon` of the standard deviations, so a
+    grown variance is not convergence; gives no verdict before `min_views` views; and keeps a
+    verdict once reached, as Rojtberg's program does: later views serve the other parameters and may
+    move this one a little either way.
     """
     unknown = np.full(9, np.nan)
     if len(history) < 2:
@@ -88,7 +88,7 @@ def check_convergence(
 
 
 def _ratio(before: Progress, after: Progress) -> Array:
-    """Eq. (16), (9,): NaN where a parameter was held fixed before or after (its sigma is 0)."""
+    """Eq. (16), (9,): NaN if a parameter was held fixed before or after (its sigma is 0)."""
     old, new = np.asarray(before.sigma) ** 2, np.asarray(after.sigma) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((old > 0) & (new > 0), new / old, np.nan)

@@ -1,7 +1,6 @@
-"""Practising: which target a level asks for, and how far the board was moved to get there.
+"""Practice: a level's targets, and the path of the board towards them.
 
-Pure values: no clock (a time is passed in), no screen. When a pose counts as reached is left to
-`matching`; who practises, and with which help, to the page.
+Pure values: no clock (times are passed in), no screen. `matching` decides when a pose is reached.
 """
 
 from __future__ import annotations
@@ -18,16 +17,16 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.limits import Limits, Mask
 
 LEVELS = (1, 2, 3, 4, 5, 6)
-"""A level is how many of the six numbers of the pose have to be found."""
+"""The level is the number of pose parameters to find, out of six."""
 HOLD_S = 1.0
-"""How long the board has to stay where it is, within the tolerances, to count as reached."""
+"""Seconds that the board must stay within the tolerances to count as reached."""
 LEAST_TURN_DEG = 15.0
-"""A turn that is asked for is at least so large."""
+"""Smallest turn that a target asks for."""
 LEAST_SHIFT = 0.15
-"""And a shift at least this fraction of the board's width."""
+"""Smallest shift, as a fraction of the board's width."""
 REST_S = 1.0
-"""A jump counts as a way taken once the board has stood for so long where it brought it: typed with
-one finger, the next digit takes most of a second."""
+"""A jump counts towards the path length once the board has rested there this long: when typing
+with one finger, the next digit takes most of a second."""
 _TRIES, _DRAWS = 40, 512
 
 Free = tuple[bool, bool, bool, bool, bool, bool]
@@ -38,10 +37,10 @@ NAMES = ("xr", "yr", "zr", "xt", "yt", "zt")
 
 
 def start_pose(camera: Camera, board: Board, limits: Limits) -> Pose:
-    """Where each pose begins: frontal and upright on the optical axis.
+    """Start of each exercise: frontal and upright on the optical axis.
 
-    At the usual distance if the limits allow it, else in the middle of what they allow. Raises
-    `VenusError` if they allow no such board at all.
+    At the usual distance if the limits allow it, else in the middle of their range. Raises
+    `VenusError` if they allow no such pose.
     """
     depths = np.geomspace(limits.nearest, limits.farthest, 200)
     vectors = np.zeros((len(depths) + 1, 6))
@@ -58,10 +57,10 @@ def start_pose(camera: Camera, board: Board, limits: Limits) -> Pose:
 
 
 def choose_free(level: int, generator: np.random.Generator) -> Free:
-    """Which numbers a target of this level changes.
+    """The pose parameters that a target of this level changes.
 
-    1 any one; 2 a turn and a shift; 3 all turns or all shifts; 4, 5 all shifts and one or two
-    turns; 6 all.
+    1: any one; 2: a turn and a shift; 3: all turns or all shifts; 4, 5: all shifts and one or two
+    turns; 6: all.
     """
     turns, shifts = generator.permutation(3), 3 + generator.permutation(3)
     whole = bool(generator.integers(2))
@@ -85,10 +84,10 @@ def practice_target(
     level: int,
     generator: np.random.Generator,
 ) -> tuple[Pose, Free]:
-    """A target within the limits, and which numbers of the pose lead from `start` to it.
+    """A target within the limits, and which pose parameters differ from `start`.
 
-    Each free number differs clearly from the start's; the others are the start's own. Raises
-    `VenusError` if the limits leave no room for one.
+    Each free parameter differs clearly from the start's; the others are equal. Raises `VenusError`
+    if the limits leave no room.
     """
     for _ in range(_TRIES):
         free = choose_free(level, generator)
@@ -105,8 +104,8 @@ def practice_target(
 def _drawn(
     camera: Camera, limits: Limits, start: Pose, free: Free, generator: np.random.Generator
 ) -> Array:
-    """(N, 6) pose vectors: free angles over their range, the centre over the image, the distance
-    over the logarithm of its range."""
+    """(N, 6) random pose vectors: free angles uniform over their range, the centre over the image,
+    the distance over the logarithm of its range."""
     unit = generator.random((_DRAWS, 6))
     vectors = np.tile(start.vector(), (_DRAWS, 1))
     for number in range(3):
@@ -128,14 +127,14 @@ def _far_enough(vectors: Array, start: Pose, free: Free, board: Board) -> Mask:
 
 
 def with_free_only(pose: Pose, start: Pose, free: Free) -> Pose:
-    """This pose with the numbers that are not free put back to the start's."""
+    """This pose with the parameters that are not free reset to the start's."""
     if all(free):
         return pose
     return Pose.from_vector(np.where(free, pose.vector(), start.vector()))
 
 
 def reach_of(camera: Camera, limits: Limits) -> Reach:
-    """How far a practised board can be moved at all: farther than any target needs."""
+    """The range in which a practice board can be moved, larger than any target needs."""
     far = 1.2 * limits.farthest
     right, down = (
         0.05 * float(np.ceil(far * half / 0.05))
@@ -146,7 +145,7 @@ def reach_of(camera: Camera, limits: Limits) -> Reach:
 
 
 def within_reach(pose: Pose, reach: Reach) -> Pose:
-    """This pose, with each number that is out of reach put to the end of its range."""
+    """This pose with each parameter clipped to the range."""
     vector, (low, high) = pose.vector(), np.array(reach).T
     if ((vector >= low) & (vector <= high)).all():
         return pose
@@ -155,24 +154,24 @@ def within_reach(pose: Pose, reach: Reach) -> Pose:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """One target and how the board has been moved towards it; times are seconds of any clock."""
+    """One target and the board's path towards it; times are seconds of any clock."""
 
     start: Pose
     target: Pose
     free: Free
     pose: Pose
-    """Where the board is."""
+    """The board's current pose."""
     began_s: float | None = None
-    """When it was moved first; None while it has not been."""
+    """Time of the first move; None before it."""
     moved_s: float = 0.0
-    """When it was moved last."""
+    """Time of the last move."""
     jumped: bool = False
-    """Whether that was a jump."""
+    """Whether the last move was a jump."""
     corner: Pose | None = None
-    """Where the last straight leg of its way begins; None for the start."""
+    """Start of the last straight segment of the path; None for the start pose."""
     legs_mm: float = 0.0
     legs_deg: float = 0.0
-    """Length of the way up to there."""
+    """Length of the path up to there."""
 
     @staticmethod
     def at(start: Pose, target: Pose, free: Free) -> Attempt:
@@ -180,10 +179,10 @@ class Attempt:
         return Attempt(start, target, free, start)
 
     def moved(self, pose: Pose, now_s: float, *, jump: bool = False) -> Attempt:
-        """After the board was brought to `pose`, of which only the free numbers count.
+        """After the board was moved to `pose`, of which only the free parameters count.
 
-        A `jump` that goes on within `REST_S` is one with the next: only the way from where the
-        jumps began to where they end counts. So "450" is not by way of "4" and "45".
+        Jumps within `REST_S` of each other count as one, from the first start to the last end:
+        typing "450" does not go by way of "4" and "45".
         """
         pose = with_free_only(pose, self.start, self.free)
         if self.pose.distance_to(pose) < 1e-9 and self.pose.angle_to_deg(pose) < 1e-4:
@@ -201,12 +200,12 @@ class Attempt:
 
     @property
     def path_mm(self) -> float:
-        """Length of the way of its centre, millimetres."""
+        """Path length of the board's centre, millimetres."""
         return self.legs_mm + 1000 * (self.corner or self.start).distance_to(self.pose)
 
     @property
     def path_deg(self) -> float:
-        """All its turns added up, degrees."""
+        """Sum of all turns, degrees."""
         return self.legs_deg + (self.corner or self.start).angle_to_deg(self.pose)
 
     def taken_s(self, now_s: float) -> float:
@@ -219,19 +218,19 @@ class Attempt:
 
     @property
     def shortest_mm(self) -> float:
-        """The straight line from the start to the target, millimetres."""
+        """Straight line from the start to the target, millimetres."""
         return 1000 * self.start.distance_to(self.target)
 
     @property
     def shortest_deg(self) -> float:
-        """The one turn from the start to the target, degrees."""
+        """Single rotation from the start to the target, degrees."""
         return self.start.angle_to_deg(self.target)
 
 
 def detour(path_mm: float, shortest_mm: float, path_deg: float, shortest_deg: float) -> float:
-    """How many times the shortest way was taken: the larger of the shift's and the turn's ratio.
+    """Path length over the shortest path: the larger of the shift's and the turn's ratio.
 
-    NaN where the target asks for neither.
+    NaN if the target needs neither.
     """
     pairs = ((path_mm, shortest_mm), (path_deg, shortest_deg))
     ratios = [path / shortest for path, shortest in pairs if shortest >= 1.0]

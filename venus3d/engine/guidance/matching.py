@@ -1,4 +1,4 @@
-"""How the board as it is compares with where it should be, step by step and as a silhouette."""
+"""Compares the board's pose with the target, step by step and by silhouette."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Steps, decompose
 from venus3d.engine.geometry.pose import Array, Pose
 
-_NEAR_PLANE = 0.01  # metres; what is closer to the lens's plane is cut off before projecting
+_NEAR_PLANE = 0.01  # metres; anything nearer to the lens is clipped before projection
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """When a step counts as done."""
+    """Tolerances within which a step is done."""
 
     mm: float | None = None
-    """Distance of the board's centre to its place, millimetres; None: by `fraction`."""
+    """Distance of the board's centre to its target, millimetres; None: by `fraction`."""
     fraction: float = 0.035
     """The same as a fraction of the board's shorter side: 6 mm for the default board."""
     deg: float = 2.5
-    """What is left of a turn, degrees.
+    """Remaining turn, degrees.
 
-    Measured on random targets: a pose with all four steps just within these tolerances overlaps by
-    more than 0.85 in 99.8 %, so "all steps done" and "reached" agree.
+    On random targets, a pose with all four steps just within these tolerances overlaps by more than
+    0.85 in 99.8 %, so "all steps done" and "reached" agree.
     """
     hysteresis: float = 1.6
-    """A step that was done is open again only beyond this multiple, so that it does not flicker."""
+    """A step that was done reopens only beyond this multiple, to avoid flicker."""
     reached_deg: float = 15.0
-    """Beyond this turn the pose is not reached whatever the overlap: a silhouette hardly tells a
-    board tilted forwards from one tilted backwards, nor the right way up from upside down."""
+    """Beyond this turn the pose is not reached whatever the overlap: a silhouette hardly
+    distinguishes a forward from a backward tilt, or upright from upside down."""
 
     def __post_init__(self) -> None:
         if min(self.mm or 0.0, self.fraction, self.deg) < 0 or self.hysteresis < 1:
@@ -46,30 +46,30 @@ class Tolerance:
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """How the board as it is now compares with where it should be."""
+    """Comparison of the board's current pose with the target."""
 
     steps: Steps
-    """From the board's current pose to the target: what remains of each degree of freedom now."""
+    """From the board's current pose to the target: what remains of each degree of freedom."""
     active_step: int
-    """1 ... 4: the first step whose degree of freedom is not yet within tolerance (4 if none)."""
+    """1 ... 4: the first step whose degree of freedom is not within tolerance (4 if none)."""
     within: tuple[bool, bool, bool, bool]
     """For each step, whether its degree of freedom is within tolerance."""
     remaining_mm: Array
     """(3,) target minus current position, camera frame, millimetres."""
     remaining_deg: Array
-    """(3,) turns about X, Y, Z that are left, degrees."""
+    """(3,) remaining turns about X, Y, Z, degrees."""
     corner_distance_px: float
     """Mean distance of the projected inner corners, pixels."""
     overlap: float
     """Jaccard overlap of the two silhouettes in the image, 0 ... 1."""
     motion_px: float
-    """How far the corners moved since the last frame, pixels; inf if there was none."""
+    """Motion of the corners since the last frame, pixels; inf without one."""
     reached: bool
     """The overlap is large enough and the corners are still."""
     limit_mm: float
-    """The centre is in its place within this distance, millimetres."""
+    """Tolerance of the centre, millimetres."""
     limit_deg: float
-    """A turn is done within this angle, degrees."""
+    """Tolerance of a turn, degrees."""
 
 
 def match(
@@ -98,7 +98,7 @@ def match(
     remaining_mm = 1000 * (target.t - pose.t)
     remaining_deg = np.array([step.angle_deg for step in steps[1:]])
     limit_mm = allowed.centre_mm(board)
-    # Each step's rest in units of its tolerance; in the order of the four steps.
+    # What remains of each step in units of its tolerance, in the order of the four steps.
     rest = [float(np.linalg.norm(remaining_mm)) / max(limit_mm, 1e-9)]
     rest += [abs(float(angle)) / max(allowed.deg, 1e-9) for angle in remaining_deg]
     done = (False,) * 4 if previous is None else previous.within
@@ -123,7 +123,7 @@ def match(
 
 
 def motion_px(before: Observation | None, now: Observation | None) -> float:
-    """Mean shift, pixels, of the corners that both observations hold; inf if there are none."""
+    """Mean shift of the corners common to both observations, pixels; inf if there are none."""
     if before is None or now is None:
         return float("inf")
     _, old, new = np.intersect1d(before.ids, now.ids, assume_unique=True, return_indices=True)
@@ -136,8 +136,8 @@ def motion_px(before: Observation | None, now: Observation | None) -> float:
 def silhouette_overlap(camera: Camera, board: Board, one: Pose, other: Pose) -> float:
     """Jaccard overlap, 0 ... 1, of the board's two silhouettes.
 
-    By the undistorted pinhole and beyond the image's border, where the lens model has no meaning:
-    straight edges stay straight and a board partly outside still compares.
+    By the undistorted pinhole, also beyond the image's border where the lens model is meaningless:
+    straight edges stay straight and a partly visible board can be compared.
     """
     a, b = _silhouette(camera, board, one), _silhouette(camera, board, other)
     common = _area(_clipped(a, b))
@@ -146,10 +146,10 @@ def silhouette_overlap(camera: Camera, board: Board, one: Pose, other: Pose) -> 
 
 
 def _clipped(polygon: Array, convex: Array) -> Array:
-    """The part of a convex polygon (K, 2) within another convex one.
+    """The intersection of a convex polygon (K, 2) with another one.
 
-    Sutherland and Hodgman's algorithm in double precision; `cv2.intersectConvexConvex` fails on
-    polygons that nearly coincide, which is just what is compared here.
+    Sutherland and Hodgman in double precision; `cv2.intersectConvexConvex` fails on nearly
+    coincident polygons, which is the case here.
     """
     turns = np.sign(_signed_area(convex))
     for start, end in zip(convex, np.roll(convex, -1, axis=0), strict=True):
@@ -182,7 +182,7 @@ def _area(polygon: Array) -> float:
 
 
 def _silhouette(camera: Camera, board: Board, pose: Pose) -> Array:
-    """(K, 2) convex polygon in pixels, cut off at a plane just before the lens."""
+    """(K, 2) convex polygon in pixels, clipped at a plane just in front of the lens."""
     outline = pose.apply(board.outline)
     points = _kept_side(outline, outline[:, 2] - _NEAR_PLANE)
     return points[:, :2] / points[:, 2:] * [camera.fx, camera.fy]

@@ -1,4 +1,4 @@
-"""A snapshot of a board whose pose another program has found: what a viewer shows of it."""
+"""A snapshot of a board whose pose another program has found, for display."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def pose_snapshot(
     target: Pose | Target | None = None,
     before: Snapshot | None = None,
 ) -> Snapshot:
-    """The board at a pose, and what is left of the way to a target.
+    """The board at a pose, and the remaining steps to a target.
 
     Args:
         pose: `T_camera_board`; None while the board is not seen.
-        target: where it is to be brought, if anywhere.
-        before: the snapshot a moment ago. With it a step that was done stays done in spite of a
-            tremor, and the board's motion is known, without which no target is reached.
+        target: the pose to reach, if any.
+        before: the previous snapshot: needed for hysteresis, and for the board's motion, without
+            which no target is reached.
     """
     seen = Observation.nothing(camera.image_size)
     if pose is not None:
@@ -71,7 +71,7 @@ def pose_snapshot(
 def _target_at(
     target: Pose | Target | None, camera: Camera, board: Board, before: Snapshot | None
 ) -> Target | None:
-    """The target; the one of the moment before, if that was at the same pose."""
+    """The target; the previous snapshot's, if it has the same pose."""
     if target is None or isinstance(target, Target):
         return target
     if before is None or before.target is None:

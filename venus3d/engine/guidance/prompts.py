@@ -1,8 +1,8 @@
-"""The sentences of guidance, as seen by the camera and as seen by the person who holds the board.
+"""The sentences of guidance, from the camera's and from the holder's point of view.
 
-Signs (DESIGN): +X brings the top edge towards the camera, +Y the edge on the image's right, +Z
-turns the board clockwise in the image. The holder faces the camera, so left and right, clockwise
-and counter-clockwise swap for them; up, down, nearer and farther do not.
+Signs (docs/conventions.md): +X brings the top edge towards the camera, +Y the edge on the image's
+right, +Z turns the board clockwise in the image. The holder faces the camera, so left and right,
+clockwise and counter-clockwise swap for them; up, down, nearer and farther do not.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ PARAMETER_DESCRIPTIONS = (
     "tangential distortion, 2nd",
     "radial distortion, 3rd",
 )
-"""What each of the nine parameters is, in their order. The image centre is the principal point:
-where the optical axis meets the picture."""
+"""Descriptions of the nine parameters, in their order. The image centre is the principal point:
+where the optical axis meets the image."""
 
 
 @dataclass(frozen=True)
@@ -38,13 +38,13 @@ class Prompt:
     """One instruction in two wordings."""
 
     camera: str
-    """As seen in the camera's picture."""
+    """As seen in the camera's image."""
     holder: str
     """As seen by the person who holds the board and faces the camera."""
 
 
 def step_prompt(step: Step) -> Prompt:
-    """What to do in one of the four steps."""
+    """The instruction for one of the four steps."""
     if step.axis is None:
         return translation_prompt(step.translation)
     return turn_prompt(step.axis, step.angle_deg)
@@ -123,12 +123,12 @@ _AFTER_CAPTURE: dict[Phase, tuple[str, Prompt]] = {
 def headline_and_prompt(
     phase: Phase, match: Match | None, seen: bool, by_user: bool = True
 ) -> tuple[str, Prompt]:
-    """Two or three words for the state, and the one sentence that says what to do now.
+    """Two or three words for the state, and the one instruction to follow now.
 
     Args:
         match: None without a board or without a target.
-        seen: whether the board is.
-        by_user: whether the user has ended the session.
+        seen: whether the board is seen.
+        by_user: whether the user ended the session.
     """
     if phase == "finished" and not by_user:
         return "Finished", ENOUGH
@@ -144,7 +144,7 @@ def headline_and_prompt(
 
 
 def startup_headline_and_prompt(seen: int, corners: int) -> tuple[str, Prompt]:
-    """The same before all of the board was seen once: `seen` of its `corners` are."""
+    """The same before the whole board was first seen: `seen` of its `corners` are."""
     if seen == 0:
         return "Show the board", _both("Hold the board upright in front of the camera.")
     return "Show the board", _both(

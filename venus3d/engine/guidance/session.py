@@ -1,11 +1,11 @@
-"""A guided calibration as a plain state machine: `observe(observation) -> Snapshot`.
+"""Decides when a view is captured and what follows, as a state machine: `observe -> Snapshot`.
 
     startup --capture--> captured --outcome--> guiding --capture--> captured ... --> converged
                                                                              `-----> finished
 
-Live and replayed sessions run the same code. What takes time (calibrating, searching) is handed
-out as a frozen `Work` in `pending`. `run_pending` does it on the spot; to go on observing
-meanwhile, run it on any thread and give the outcome back with `apply`.
+Live and replayed sessions run the same code. Slow work (calibrating, searching) is handed out as
+a frozen `Work` in `pending`. `run_pending` does it in place; to keep observing meanwhile, run it on
+another thread and pass the outcome to `apply`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Session:
     ) -> None:
         """A session for images of `image_size` (width, height).
 
-        Raises `VenusError` for settings whose method, cost and search do not go together.
+        Raises `VenusError` for settings whose method, cost and search are incompatible.
         """
         self.settings = settings or Settings()
         self._ending = False
@@ -54,7 +54,7 @@ class Session:
     def _restart(self, board: Board, captured: CapturedViews | None = None) -> None:
         self.board = board
         self.pending: Work | None = None
-        """The work that waits to be run; `apply` its outcome."""
+        """Work to be run; pass its outcome to `apply`."""
         self._startup = Startup(board, self._image_size)
         self._phase: Phase = "finished" if self._ending else "startup"
         self._captured = captured or CapturedViews()
@@ -74,9 +74,9 @@ class Session:
     # -- frames and commands -----------------------------------------------------------------------
 
     def observe(self, observation: Observation) -> Snapshot:
-        """Take in the observation of one frame; captures it where the settings say so.
+        """Process the observation of one frame; captures it if the settings ask for it.
 
-        Until the first view is captured, the session goes on with the board as it was read.
+        Until the first view is captured, the session adopts the board as detected.
 
         Raises `CalibrationError` if the frame's size is not the session's.
         """
@@ -99,10 +99,11 @@ class Session:
         return self.snapshot()
 
     def capture(self) -> bool:
-        """Take the present observation as a view. False if there is none to take, or all is over.
+        """Capture the current observation as a view. False if there is none, or the session is
+        over.
 
-        A view that does not show the focal length is taken as well when asked for: guidance then
-        goes on with a guessed camera, and says so, until tilted views come.
+        A view that does not determine the focal length is accepted too: guidance then continues
+        with a guessed camera, and says so, until tilted views come.
         """
         tracker = self._tracker
         over = self._phase == "finished" or self._ending
@@ -115,11 +116,11 @@ class Session:
         return True
 
     def take_new_view(self) -> CapturedView | None:
-        """The view captured last, with its picture, once; None if there is none since."""
+        """The last captured view with its image, returned once; None if there is no new one."""
         return self._captured.take_new()
 
     def skip_target(self) -> bool:
-        """Give up the present target for another one elsewhere. False if there is none."""
+        """Replace the current target by one elsewhere. False if there is none."""
         if self._target is None or self._phase != "guiding":
             return False
         self._skipped = (*self._skipped, self._target.pose)
@@ -127,9 +128,9 @@ class Session:
         return True
 
     def choose_alternative(self, index: int) -> bool:
-        """Take another of the target's alternatives. False if there is no such one.
+        """Switch to one of the target's alternatives. False if there is no such one.
 
-        The pose given up becomes the last one, so that `choose_alternative(0)` goes round them all.
+        The rejected pose goes last, so that `choose_alternative(0)` cycles through them all.
         """
         old = self._target
         if old is None or self._phase != "guiding" or not 0 <= index < len(old.alternatives):
@@ -141,10 +142,10 @@ class Session:
         return True
 
     def change_method(self, method: Method, cost: Cost | None = None) -> None:
-        """Find the next poses in another way; a target that is shown is searched anew.
+        """Change how the next poses are found; the current target is searched again.
 
-        The method's own search is used, and for `cost` None its own cost. Raises `VenusError` for a
-        combination that makes no sense; the session is then as it was.
+        The method's own search is used and, if `cost` is None, its own cost. Raises `VenusError`
+        for an invalid combination and leaves the session unchanged.
         """
         old, new = self.settings, replace(self.settings, method=method, cost=cost, strategy=None)
         used = [(s.method, s.search_cost, s.search_strategy) for s in (old, new)]
@@ -155,22 +156,22 @@ class Session:
             self._recalibrate()
 
     def undo_view(self) -> bool:
-        """Take the last captured view back. False if there is none."""
+        """Discard the last captured view. False if there is none."""
         views = self._captured.views
         return bool(views) and self.drop_view(views[-1].number)
 
     def drop_view(self, number: int) -> bool:
-        """Take the view with this number back. False if there is none, or the user has ended it."""
+        """Discard the view with this number. False if there is none, or the user ended it."""
         index = None if self._ending else self._captured.drop(number)
         if index is None:
             return False
-        # What was judged with this view among the others does not hold any more.
+        # Calibrations that included this view are no longer valid.
         self._history = tuple(p for p in self._history if p.views <= index)
         self._go_on()
         return True
 
     def finish(self) -> None:
-        """End the session; what was captured stays, and what is pending is still to be applied."""
+        """End the session; views are kept, and pending work can still be applied."""
         self._ending = True
         self._target = None
         self._tracker.set_target(self.camera, None)
@@ -179,7 +180,7 @@ class Session:
             self._diagnose()
 
     def apply(self, outcome: Outcome) -> Snapshot:
-        """Take the result of `pending` back; the result of an older work is ignored."""
+        """Apply the result of `pending`; the result of outdated work is ignored."""
         if outcome.work is not self.pending:
             return self.snapshot()
         self.pending = None
@@ -205,7 +206,7 @@ class Session:
         return self.snapshot()
 
     def fail(self, work: Work, error: CalibrationError) -> Snapshot:
-        """`work` could not be done: drops its last view and warns why."""
+        """`work` failed: drops its last view and adds a warning."""
         if work is self.pending:
             self.pending = None
             self._lost = lost = f"The last view was not kept: {error}"
@@ -215,10 +216,10 @@ class Session:
         return self.snapshot()
 
     def run_pending(self, stop: Callable[[], bool] | None = None) -> Snapshot:
-        """Do the `pending` work on the spot, until there is none; takes up to some seconds.
+        """Do the `pending` work in place until there is none; takes up to some seconds.
 
-        `stop` ends a search early, with the best pose so far. A view that cannot be used is
-        dropped, and the snapshot's warnings say why.
+        `stop` ends a search early, with the best pose so far. An unusable view is dropped, and the
+        snapshot's warnings say why.
         """
         while (work := self.pending) is not None:
             try:
@@ -231,18 +232,18 @@ class Session:
 
     @property
     def camera(self) -> Camera:
-        """The best camera known to see and to plan with; see `planning_camera`."""
+        """The best camera known, to track and to plan with; see `planning_camera`."""
         if self._calibration is None:
             return self._startup.camera
         return planning_camera(self._calibration.camera)
 
     @property
     def phase(self) -> Phase:
-        """Where the session stands."""
+        """The session's state."""
         return self._phase
 
     def snapshot(self) -> Snapshot:
-        """The present state as frozen values."""
+        """The current state as frozen values."""
         tracker, known = self._tracker, self._outcome
         headline, instruction = headline_and_prompt(
             self._phase, tracker.match, tracker.pose is not None, self._ending
@@ -277,7 +278,7 @@ class Session:
     # -- within ------------------------------------------------------------------------------------
 
     def _use_board(self, board: Board) -> None:
-        """Go on with a board whose layout turned out differently; only before the first view."""
+        """Adopt a board with another layout; only before the first view."""
         if not (self._captured.views or self._ending) and board != self.board:
             self._restart(board)
 
@@ -287,7 +288,7 @@ class Session:
         if drop is None or tracker.pose is None or not tracker.is_still:
             return False
         if self._outcome is None:
-            return True  # the first view of a recording: there is nothing to compare it with
+            return True  # the first view of a recording: nothing to compare with
         now = self._outcome.posterior
         after = now.with_observation(tracker.observation, tracker.pose)
         return after.uncertainty_px <= (1 - drop) * now.uncertainty_px
@@ -298,11 +299,11 @@ class Session:
             self._diagnoses = diagnose(self._calibration, growing=growing)
 
     def _go_on(self) -> bool:
-        """Calibrate the views that are left; start again, and return False, if there are none."""
+        """Calibrate the remaining views; if there are none, restart and return False."""
         if self._captured.views:
             self._recalibrate()
             return True
-        self._restart(self.board, self._captured)  # which goes on counting
+        self._restart(self.board, self._captured)  # keeps the numbering
         return False
 
     def _recalibrate(self) -> None:

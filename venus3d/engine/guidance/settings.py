@@ -1,4 +1,4 @@
-"""How a session is run: everything a person or a study may choose, with what suits most."""
+"""Settings of a session: the choices of a user or a study, with defaults that suit most."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from venus3d.engine.planning.settings import PlanningSettings
 
 @dataclass(frozen=True)
 class Settings(PlanningSettings):
-    """How a session is run: how it plans, when it captures and when it ends."""
+    """Settings of a session: how it plans, when it captures and when it ends."""
 
     wanted_uncertainty_px: float | None = 0.3
-    """The forecast counts the views until the projection uncertainty is as small; None: none."""
+    """Projection uncertainty up to which the forecast counts views; None: no forecast."""
     seed: int = 0
     max_views: int = 20
     auto_capture: bool = True
-    """Capture when the target is reached and held; otherwise only on command."""
+    """Capture when the target is reached and held; otherwise only on request."""
     hold_frames: int = 3
-    """For how many observations in a row the target must be reached."""
+    """Consecutive observations in which the target must be reached."""
     useful_drop: float | None = None
-    """Recordings cannot follow a target: a view that lowers the projection uncertainty by this
-    share is captured wherever it is. None: only the target counts."""
+    """For recordings, which cannot follow a target: a view that lowers the projection uncertainty
+    by this share is captured wherever it is. None: only the target counts."""
     overlap_needed: float = 0.85
     still_px: float = 2.0
     tolerance: Tolerance = field(default_factory=Tolerance)

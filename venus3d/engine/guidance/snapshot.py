@@ -1,6 +1,6 @@
 """The state of a guided calibration after one observation, as frozen values.
 
-Nothing in here computes; the session fills it, the scene and the storage read it.
+The session fills it; scene and storage read it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from venus3d.engine.planning.uncertainty import ProjectionUncertainty
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """Everything about one moment of a guided calibration."""
+    """A guided calibration at one moment."""
 
     number: int
     """Counts every observation."""
@@ -36,7 +36,7 @@ class Snapshot:
     """The best camera known: a guess, the start-up estimate, or the calibration's."""
     observation: Observation
     pose: Pose | None
-    """The board as it is estimated now; None while it is not seen."""
+    """The board's current estimated pose; None while it is not seen."""
     target: Target | None
     match: Match | None
     calibration: Calibration | None
@@ -45,20 +45,20 @@ class Snapshot:
     headline: str
     """Two or three words for the state: "Hold still", "Captured", "Step 3 of 4"."""
     instruction: Prompt
-    """The one sentence that says what to do now."""
+    """The one instruction to follow now."""
     warnings: tuple[str, ...] = field(default=())
     diagnoses: tuple[Diagnosis, ...] = field(default=())
-    """What makes this calibration less trustworthy than its numbers; worst first."""
+    """Reasons why the calibration is less trustworthy than its numbers; worst first."""
     forecast: Forecast | None = None
-    """None while nothing can be said."""
+    """None while unknown."""
     method: Method = "global"
     """How the next poses are found."""
     cost: Cost = "projection-variance"
-    """What the search for them makes small."""
+    """The cost that their search minimises."""
     uncertainty: ProjectionUncertainty | None = None
-    """Of the present calibration; None while it does not estimate all nine parameters."""
+    """Of the current calibration; None while not all nine parameters are estimated."""
     search_trace: SearchTrace | None = None
-    """How the present target was searched; None if it was not."""
+    """The search of the current target; None if there was none."""
 
     @property
     def views(self) -> tuple[View, ...]:

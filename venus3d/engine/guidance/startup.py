@@ -1,8 +1,8 @@
-"""The first estimate of the focal length, from single views of a moving board (3.1).
+"""First estimate of the focal length, from single views of a moving board (3.1).
 
-Every live frame is calibrated by itself with the start-up model and the best estimate is kept,
-until the user captures a first view. Meanwhile the board moves away from the camera, and the first
-frame that shows all of it says how far away the first target should be.
+Every live frame is calibrated by itself with the start-up model, and the best estimate is kept
+until the first capture. Meanwhile the board moves away from the camera, and the first frame that
+shows all of it gives the distance of the first target.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from venus3d.engine.planning.target import Target, unpredicted_target
 
 TILT_DEG = 45.0
 """Turn of the first target about the camera's X axis (3.1)."""
-_COMPLETE = 0.95  # share of the corners that counts as the entire pattern: glare may hide one
+_COMPLETE = 0.95  # share of the corners that counts as the whole board: glare may hide one
 _MARGIN = 0.06  # of the image's width and height, kept free around the first target
-_FARTHER = 1.5  # the first target is at most this much farther than the margin asks for
+_FARTHER = 1.5  # the first target is at most this much farther than the margin requires
 _LEAST_TILT_DEG = 15.0
 _LEAST_CORNERS = 8
 _LARGEST_SHARE = 0.05  # sigma of f over f
-_DRIFT = 0.05  # the target is kept until the estimate has moved it by more than this share of z
+_DRIFT = 0.05  # the target stays until the estimate has moved it by more than this share of z
 _FOV_DEG = (5.0, 140.0)
 
 
 class Startup:
-    """The best camera that single views of a moving board have shown. Used by one thread."""
+    """The best camera estimated from single views of a moving board. Used by one thread."""
 
     def __init__(self, board: Board, image_size: tuple[int, int]) -> None:
         """No estimate yet: `camera` is a guess for images of `image_size` (width, height)."""
@@ -47,30 +47,30 @@ class Startup:
 
     @property
     def camera(self) -> Camera:
-        """The best estimate so far; `Camera.guess` before there is one."""
+        """The best estimate so far; `Camera.guess` before the first."""
         return self._camera
 
     @property
     def determined(self) -> bool:
-        """Whether a view has shown the focal length."""
+        """Whether a view has determined the focal length."""
         return self._best is not None
 
     @property
     def rms_px(self) -> float:
-        """Reprojection error of the best view, pixels; inf before there is one."""
+        """Reprojection error of the best view, pixels; inf before the first."""
         return float("inf") if self._best is None else self._best.rms_px
 
     @property
     def distance(self) -> float | None:
-        """z of the board's centre where all of it was first seen, metres, under `camera`.
+        """z of the board's centre when it was first seen whole, metres, under `camera`.
 
-        None while no frame has shown the entire pattern.
+        None until then.
         """
         return self._distance
 
     @property
     def target(self) -> Pose:
-        """[45, 0, 0, 0, 0, z]: all of the board in the image with a margin, near `distance`."""
+        """[45, 0, 0, 0, 0, z]: the whole board in the image with a margin, near `distance`."""
         nearest = self._nearest_fit()
         z = nearest
         if self._distance is not None:
@@ -80,7 +80,7 @@ class Startup:
     def updated_target(
         self, old: Target | None, number: int, method: Method, cost: Cost | None
     ) -> Target | None:
-        """The start-up pose as target `number`; `old`, while the estimate has hardly moved it."""
+        """The start-up pose as target `number`, or `old` while the estimate has hardly moved it."""
         if self.distance is None:
             return old
         pose = self.target
@@ -98,7 +98,7 @@ class Startup:
         )
 
     def observe(self, observation: Observation) -> bool:
-        """Take in one frame; true if it gave a better camera. Frames of no use change nothing."""
+        """Process one frame; True if it gave a better camera. Unusable frames change nothing."""
         usable = (
             observation.image_size == self._image_size
             and bool(np.isfinite(observation.corners).all())
@@ -113,7 +113,7 @@ class Startup:
         if first:
             self._complete = observation
         if self._complete is not None and (first or better):
-            # A longer focal length puts the same picture farther away.
+            # A longer focal length puts the same image farther away.
             pose = estimate_pose(self._camera, self._board, self._complete)
             self._distance = None if pose is None else float(pose.t[2])
         return better
@@ -124,13 +124,13 @@ class Startup:
         try:
             found = calibrate(self._board, [observation], model="startup")
         except CalibrationError:
-            return False  # this frame shows no focal length; the next one may
+            return False  # this frame does not determine the focal length; the next one may
         if not self._shows_f(found):
             return False
-        # The paper replaces the intrinsics when the reprojection error falls. Taken alone that
-        # prefers small, far and nearly frontal boards, which fit well whatever f is; so the error
-        # counts as what it makes of f: sigma_f = residual sigma x geometry of the view. Over 30
-        # simulated walks of 60 frames f ends 6 px off instead of 17 px.
+        # The paper replaces the intrinsics when the reprojection error falls. That alone prefers
+        # small, far and nearly frontal boards, which fit well whatever f is. So views are compared
+        # by sigma_f = residual sigma x geometry: over 30 simulated walks of 60 frames f ends 6 px
+        # off instead of 17 px.
         if self._best is not None and _share(found) >= _share(self._best):
             return False
         self._best, self._camera = found, found.camera
@@ -139,8 +139,8 @@ class Startup:
     def _shows_f(self, found: Calibration) -> bool:
         """Whether a view determines f at all.
 
-        A frontal board looks the same to a long lens far away as to a short one nearby: it fits
-        any focal length, and with a low error. Only a tilt shows f, by the far edge's shortening.
+        A frontal board fits any focal length with a low error, as a longer lens farther away gives
+        the same image. Only a tilt determines f, by the foreshortening of the far edge.
         """
         tilt = float(np.degrees(np.arccos(np.clip(abs(found.views[0].pose.R[2, 2]), 0, 1))))
         low, high = _FOV_DEG
@@ -160,5 +160,5 @@ class Startup:
 
 
 def _share(found: Calibration) -> float:
-    """Sigma of f as a share of f."""
+    """Relative sigma of f."""
     return float(found.sigma[0] / found.camera.fx)

@@ -1,7 +1,4 @@
-"""The board from frame to frame: where it is, how it compares with the target, how long it is held.
-
-When a view is captured is left to `session`.
-"""
+"""Tracks the board from frame to frame: pose, match with the target, frames held."""
 
 from __future__ import annotations
 
@@ -28,13 +25,13 @@ class PoseTracker:
         """None while the board is not seen."""
         self.match: Match | None = None
         """None while there is no board or no target."""
-        # The last one for this target: a board that is lost for a frame finds its step again.
+        # The last match for this target: a board lost for one frame resumes at its step.
         self._last: Match | None = None
         self.held_frames = 0
-        """For how many observations in a row the target has been reached."""
+        """Consecutive observations in which the target has been reached."""
 
     def observe(self, observation: Observation, camera: Camera, target: Target | None) -> None:
-        """Take in one frame. Raises `CalibrationError` if its size is not that of the others."""
+        """Process one frame. Raises `CalibrationError` if its size differs from the others'."""
         (width, height), (w, h) = self.observation.image_size, observation.image_size
         if (w, h) != (width, height):
             raise CalibrationError(
@@ -48,7 +45,7 @@ class PoseTracker:
         )
 
     def set_target(self, camera: Camera, target: Target | None) -> None:
-        """Look at the same frame again, with another camera or target."""
+        """Re-evaluate the last frame with another camera or target."""
         self.held_frames, self._last = 0, None
         self._compare(camera, target, None)
 

@@ -1,4 +1,4 @@
-"""The views captured so far: numbered once and for all, each with the target it was taken at."""
+"""The captured views: permanently numbered, each with the target it was taken at."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from venus3d.engine.planning.target import Target
 
 @dataclass(frozen=True, eq=False)
 class CapturedView:
-    """One view that was taken."""
+    """One captured view."""
 
     number: int
     observation: Observation
     target: Target | None
-    """Whose promise the view is to be compared with; None if it was not taken at a target."""
+    """The target whose prediction is compared with the view; None if it was not taken at one."""
 
 
 class CapturedViews:
@@ -27,28 +27,28 @@ class CapturedViews:
         self._new: CapturedView | None = None
 
     def add(self, observation: Observation, target: Target | None) -> None:
-        """Add a view. It is kept without its picture, which `take_new` hands over once."""
+        """Add a view. It is stored without its image, which `take_new` returns once."""
         self._new = CapturedView(self._next, observation, target)
         self.views.append(replace(self._new, observation=observation.without_image()))
         self._next += 1
 
     def take_new(self) -> CapturedView | None:
-        """The view added last, with its picture, once; None if it was dropped meanwhile."""
+        """The last view added, with its image, returned once; None if it was dropped meanwhile."""
         view, self._new = self._new, None
         return view
 
     def drop(self, number: int) -> int | None:
-        """Take the view of this number back; its place in the order, None if there is none."""
+        """Remove the view with this number; returns its index, None if there is none."""
         places = [place for place, view in enumerate(self.views) if view.number == number]
         if not places:
             return None
         del self.views[places[0]]
         if self._new is not None and self._new.number == number:
             self._new = None
-        # What was promised with this view among the others does not hold any more.
+        # Predictions that included this view are no longer valid.
         self.views[places[0] :] = [replace(view, target=None) for view in self.views[places[0] :]]
         return places[0]
 
     def has(self, observation: Observation) -> bool:
-        """Whether the last view is this very observation."""
+        """Whether the last view is this observation."""
         return bool(self.views) and self.views[-1].observation.corners is observation.corners

@@ -1,6 +1,6 @@
-"""The slow half of the session: calibrate, judge, search. Pure, so that any thread can run it.
+"""The slow half of the session: calibrate, diagnose, search. Pure: it can run on any thread.
 
-The session hands out a frozen `Work`, somebody runs it, the session takes the `Outcome` back.
+The session hands out a frozen `Work` and applies its `Outcome`.
 """
 
 from __future__ import annotations
@@ -32,54 +32,55 @@ from venus3d.engine.planning.uncertainty import ProjectionUncertainty, projectio
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What came of a `Work`."""
+    """The result of a `Work`."""
 
     work: Work
     calibration: Calibration
     posterior: Posterior
-    """What the views say, to plan ahead with."""
+    """The posterior after the views, for planning."""
     history: tuple[Progress, ...]
     convergence: Convergence
     suggestion: NextTarget | None
-    """None once converged, when enough views are taken, or when no pose fits the limits."""
+    """None if converged, if there are enough views, or if no pose fits the limits."""
     is_over: bool
     """Whether nothing is left to do: converged, or enough views."""
     warnings: tuple[str, ...]
     forecast: Forecast | None = None
-    """None while nothing can be said, or when there was no time for it."""
+    """None if unknown, or if there was no time for it."""
     uncertainty: ProjectionUncertainty | None = None
     """None while not all nine parameters are estimated."""
     search_trace: SearchTrace | None = None
-    """How the suggestion was searched; None if it was not searched."""
+    """The search of the suggestion; None if there was none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Work:
-    """Calibrate these views, then search the next pose."""
+    """Calibrate these views, then search for the next pose."""
 
     board: Board
     settings: Settings
     observations: tuple[Observation, ...]
     numbers: tuple[int, ...]
     history: tuple[Progress, ...]
-    """Of the earlier calibrations with fewer views."""
+    """The earlier calibrations, with fewer views."""
     heuristic_state: HeuristicState
-    """Of the rule of the methods that have one."""
+    """State of the rule, for methods that have one."""
     skipped: tuple[Pose, ...]
     target_number: int
     start: Camera
-    """What the start-up knows of the camera; serves while the views determine none."""
+    """The start-up's camera; used while the views determine none."""
     keep_going: bool = False
-    """Search on although everything has converged."""
+    """Search on even if everything has converged."""
     last_target: Target | None = None
-    """Where the last view was taken; None if it was not taken at a target."""
+    """Target of the last view; None if it was not taken at one."""
 
     def run(
         self,
         stop: Stop | None = None,
         on_step: OnSearchStep | None = None,
     ) -> Outcome:
-        """Do it. `stop` ends the search early with the best pose so far; `on_step` watches it.
+        """Do the work. `stop` ends the search early with the best pose so far; `on_step` observes
+        it.
 
         Raises `CalibrationError` if the views determine no camera at all.
         """
@@ -95,7 +96,7 @@ class Work:
         suggestion, recorder = None, SearchRecorder(on_step)
         if not is_over:
             try:
-                # Seeded by the target's number: a replayed session asks for the same poses.
+                # Seeded by the target's number: a replayed session gives the same poses.
                 suggestion = next_target(
                     posterior,
                     self.settings,
@@ -108,7 +109,7 @@ class Work:
                     on_step=recorder,
                 )
             except VenusError as error:
-                warnings = (*warnings, str(error))  # the views stay; more can be taken by hand
+                warnings = (*warnings, str(error))  # the views stay; more can be captured manually
         if suggestion is not None and suggestion.note:
             warnings = (*warnings, suggestion.note)
         target = None if suggestion is None else suggestion.target
@@ -139,14 +140,14 @@ class Work:
         )
 
     def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
-        """The fullest model that the views carry, and a sentence where it is not the full one."""
+        """The fullest model that the views determine, and a sentence if it is not the full one."""
         cause = ""
         if len(self.observations) > 1:
             try:
                 return calibrate(self.board, self.observations, numbers=self.numbers), ()
             except CalibrationError as error:
                 cause = f" {error}"
-        # Nothing is lost: the views stay, a simpler model serves until more views come.
+        # The views stay; a simpler model serves until more come.
         try:
             simple = calibrate(self.board, self.observations, model="startup", numbers=self.numbers)
             note = f"Without lens distortion for now.{cause}" if cause else ""
@@ -185,13 +186,13 @@ class Work:
                 stop=stop,
             )
         except VenusError:
-            return None  # no pose fits the limits: the suggestion has said so
+            return None  # no pose fits the limits: already reported by the suggestion
 
 
 def provisional(
     board: Board, observations: Sequence[Observation], numbers: Sequence[int], camera: Camera
 ) -> Calibration:
-    """Views located with a camera that they do not determine; guidance can go on with it."""
+    """Views located with a camera that they do not determine, so that guidance can continue."""
     views: list[View] = []
     for number, observation in zip(numbers, observations, strict=True):
         pose = estimate_pose(camera, board, observation)

@@ -1,1 +1,1 @@
-"""Where the board should go next: limits, costs, searches, forecast."""
+"""Planning of the board's next pose: limits, costs, searches, forecast."""

@@ -1,6 +1,6 @@
-"""Poses that are nearly as good as the best one and clearly different from it.
+"""Poses nearly as good as the best one and clearly different from it.
 
-One of them may suit the person's wrists, or the room. Which poses a search met is `elites`'s.
+One of them may be easier to hold.
 """
 
 from __future__ import annotations
@@ -12,18 +12,19 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.posterior import Posterior
 
 AT_MOST = 3
-"""So many are offered besides the best."""
+"""Number of alternatives besides the best pose."""
 DIFFERENT_DEG = 20.0
 DIFFERENT_FRACTION = 0.2
 NEARLY = 0.15
-"""By this share of the best pose's gain, and of the uncertainty it leaves, another may be worse.
+"""How much worse an alternative may be, as a share of the best pose's gain plus the uncertainty it
+leaves.
 
-The second half is for the first views: they gain so much that a share of it means little.
+The second term is for the first views, which gain so much that a share of it means little.
 """
 
 
 def clearly_different(one: Pose, other: Pose) -> bool:
-    """Whether a person sees at once that these are two poses.
+    """Whether two poses are obviously different to a person.
 
     By 20 degrees of turn, or by a fifth of the nearer one's distance in any direction.
     """
@@ -33,10 +34,10 @@ def clearly_different(one: Pose, other: Pose) -> bool:
 
 
 def nearly_equal(posterior: Posterior, best: Array, elites: Array) -> list[Array]:
-    """The pose vectors (6,) of elites (K, 6) to offer besides `best` (6,), best first (at most 3).
+    """The elites (K, 6) to offer besides the pose vector `best` (6,), best first (at most 3).
 
-    Compared by the projection uncertainty they leave, whatever the search was for: it is what the
-    page shows. All are clearly different from `best` and from each other.
+    Ranked by the projection uncertainty they leave, which is what the page shows, whatever the cost
+    of the search. All are clearly different from `best` and from each other.
     """
     if not len(elites):
         return []

@@ -13,7 +13,7 @@ from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchStep, Stop
 
 ROUNDS = 7
-"""Temperatures from 1 down to 0.1 when each is 0.7 of the one before."""
+"""Number of temperatures from 1 to 0.1 with a factor of 0.7."""
 _TRIES = 50  # draws for one neighbour within the space
 
 
@@ -21,8 +21,8 @@ def neighbour_sigma(board: Board) -> Array:
     """(6,) standard deviations of a neighbour in `anneal`; the paper gives none.
 
     10 degrees for an angle and a tenth of the board's width for each direction. The seventy steps
-    are nearly a random walk (T is large against the steps of the cost), so wider ones mostly carry
-    the pose away from the good start that it was given.
+    are nearly a random walk (T is large compared with the changes in cost), so wider ones mostly
+    leave the good start pose.
     """
     w = board.width
     return np.array([10.0, 10.0, 10.0, 0.1 * w, 0.1 * w, 0.1 * w])
@@ -45,12 +45,11 @@ def anneal(
 ) -> SearchResult:
     """Algorithm 1: simulated annealing from `start` (6,), a pose of the space.
 
-    A neighbour changes one element, drawn at random, by a Gaussian around its present value
-    (`neighbour_sigma`); one outside the space is drawn again. A cheaper neighbour is always taken,
-    another with probability exp(-dE / T), eq. (12). With the defaults T falls from 1 to 0.1 in
-    seven rounds of ten neighbours.
+    A neighbour changes one random element by a Gaussian (`neighbour_sigma`) and is redrawn while
+    outside the space. A cheaper one is always accepted, another with probability exp(-dE / T),
+    eq. (12). By default T falls from 1 to 0.1 in seven rounds of ten neighbours.
 
-    As printed the pose returned is the last one taken. `keep_best` returns the best one met.
+    As printed, the last accepted pose is returned; with `keep_best`, the best one met.
     """
     spread = neighbour_sigma(space.board) if sigma is None else np.asarray(sigma, np.float64)
     now = np.asarray(start, dtype=np.float64).copy()

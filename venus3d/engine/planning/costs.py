@@ -1,9 +1,8 @@
-"""What a candidate pose is worth: one cost per name, all with the same interface.
+"""Costs of candidate poses: one per name, all with the same interface.
 
 `make_cost(...)` returns `cost(vectors (N, 6)) -> (N,)`, smaller is better, never negative. All but
-"rms" come from the predicted covariance of the nine intrinsics (`Posterior.after`); "rms" really
-calibrates, which takes milliseconds a pose instead of microseconds. docs/costs.md derives each and
-says when it misleads.
+"rms" come from the predicted covariance of the nine intrinsics (`Posterior.after`); "rms" runs a
+calibration, which takes milliseconds a pose instead of microseconds. docs/costs.md derives them.
 """
 
 from __future__ import annotations
@@ -28,12 +27,14 @@ CostFunction = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class PoseCost:
-    """A cost of pose vectors (N, 6) that has a quicker one beside it."""
+    """A cost of pose vectors (N, 6) with a faster approximation."""
 
     exact: CostFunction
     rough: CostFunction
-    """Of two dozen points of the board instead of all corners: three quarters of the time for the
-    default board's 40, a third for 130, and good to a fraction of a per cent (`quadrature`)."""
+    """From two dozen points of the board instead of all corners (`quadrature`): good to a fraction
+    of a per cent, in three quarters of the time for the default board's 40 corners, a third for
+    130.
+    """
 
     def __call__(self, vectors: Array) -> Array:
         """(N,)"""
@@ -47,14 +48,13 @@ def make_cost(
     observations: Sequence[Observation] = (),
     rng: np.random.Generator | None = None,
 ) -> CostFunction:
-    """The cost of that name: of one more view, after those of the `posterior`.
+    """The cost `name` of one more view, after those of the `posterior`.
 
     Args:
         observations, rng: the views so far and a source of noise; only "rms" needs them.
 
-    All but "rms" are a `PoseCost`, with a quicker cost to rank by.
-
-    Raises `VenusError` for an unknown name and for "rms" without observations.
+    All but "rms" are a `PoseCost`. Raises `VenusError` for an unknown name and for "rms" without
+    observations.
     """
     if name == "rms":
         return _rms_cost(posterior, observations, rng)
@@ -68,7 +68,7 @@ def make_cost(
 
 
 def with_surcharge(cost: CostFunction, share: CostFunction) -> CostFunction:
-    """The cost times one plus the share of each vector; quicker to rank by if the cost is."""
+    """The cost times one plus each vector's share; keeps a faster approximation."""
     return PoseCost(
         lambda vectors: cost(vectors) * (1 + share(vectors)),
         lambda vectors: rough_of(cost)(vectors) * (1 + share(vectors)),
@@ -76,12 +76,12 @@ def with_surcharge(cost: CostFunction, share: CostFunction) -> CostFunction:
 
 
 def rough_of(cost: CostFunction) -> CostFunction:
-    """The quicker cost to rank poses by; the cost itself if it has none."""
+    """The faster approximation for ranking; the cost itself if it has none."""
     return cost.rough if isinstance(cost, PoseCost) else cost
 
 
 def dispersion_scale(camera: Camera) -> Array:
-    """(9,) what eq. (13) divides a variance by: |value|, and 1 where the value is exactly 0."""
+    """(9,) divisor of a variance in eq. (13): |value|, or 1 where the value is exactly 0."""
     values = np.abs(camera.parameters)
     return np.where(values == 0, 1.0, values)
 
@@ -108,7 +108,7 @@ def expected_distance(covariance: ArrayLike) -> Array:
 
 
 def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
-    """From covariances (N, 9, 9) to values (N,)."""
+    """The cost as a function of covariances (N, 9, 9), to values (N,)."""
     if name in ("sum-iod", "max-iod"):
         over = dispersion_scale(camera)
         total = np.sum if name == "sum-iod" else np.max
@@ -119,7 +119,7 @@ def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
     weight = projection_weight(camera)
     if name == "projection-variance":
         return lambda C: C.reshape(-1, 81) @ weight.ravel()
-    # The pixels that a parameter moves on average in the image, squared, for one unit of it.
+    # Mean squared pixels that one unit of a parameter moves over the image.
     px2 = np.diag(weight)
     if name == "trace":
         return lambda C: np.einsum("nii->ni", C) @ px2
@@ -144,13 +144,13 @@ def _largest_expected_error(moves: Array, covariances: Array) -> Array:
 def _rms_cost(
     posterior: Posterior, observations: Sequence[Observation], rng: np.random.Generator | None
 ) -> CostFunction:
-    """RmsErr: the rms over all views of a real calibration that includes the candidate."""
+    """RmsErr: the rms over all views of a calibration that includes the candidate."""
     from venus3d.engine.calibration.adjustment import calibrate
 
     if not observations:
         raise VenusError("The cost rms calibrates really and needs the views captured so far.")
     board, camera = posterior.board, posterior.camera
-    # One draw of noise for all candidates, or the search would hunt for lucky noise.
+    # One draw of noise for all candidates, or the search would select lucky noise.
     noise = (rng or np.random.default_rng(0)).normal(0, posterior.sigma_px, (board.corner_count, 2))
     ids = np.arange(board.corner_count)
 

@@ -1,7 +1,4 @@
-"""The good poses a search has met: the best of each neighbourhood, not copies of one.
-
-Which of them are offered to a person is left to `suggest`.
-"""
+"""The good poses of a search: the best of each neighbourhood, not copies of one."""
 
 from __future__ import annotations
 
@@ -12,11 +9,11 @@ from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.search_trace import SearchResult
 
 KEPT = 48
-"""How many neighbourhoods' best poses are returned."""
+"""Number of neighbourhoods whose best poses are returned."""
 NEAR = 0.05
-"""Poses this near in the unit cube (largest difference) are of one neighbourhood: 7 degrees about
-an axis, a twentieth of the picture, a tenth of the distance."""
-_BASE = 1000  # cells along an axis, more than there are
+"""Poses within this largest difference in the unit cube are neighbours: 7 degrees about an axis, a
+twentieth of the image, a tenth of the distance."""
+_BASE = 1000  # exceeds the number of cells along an axis
 _LOOKED_AT = 8 * KEPT
 
 
@@ -33,7 +30,7 @@ class Elites:
         """(6,) the cheapest pose so far."""
         self.best_cost = float("inf")
         self.first_cost = float("nan")
-        """Of the first pose added."""
+        """Cost of the first pose added."""
 
     def add(self, vectors: Array, costs: Array) -> None:
         """Poses (N, 6) of the space with their costs (N,)."""
@@ -47,11 +44,11 @@ class Elites:
             self.best, self.best_cost = vectors[cheapest], float(costs[cheapest])
 
     def found(self, stopped: bool) -> SearchResult:
-        """The end of the search: its best pose, and the best of each neighbourhood."""
+        """The search's result: its best pose, and the best of each neighbourhood."""
         vectors, costs = np.concatenate(self._vectors), np.concatenate(self._costs)
         order = np.argsort(costs, kind="stable")
         unit = self._space.to_unit(vectors[order])
-        # The best of each cell of a grid first: most are gone, and quickly.
+        # Reduce to the best of each grid cell first, which removes most quickly.
         cells = np.floor(unit / NEAR).astype(np.int64) @ _BASE ** np.arange(6)
         best = np.sort(np.unique(cells, return_index=True)[1])[:_LOOKED_AT]
         chosen = order[best[_apart(unit[best])]]
@@ -61,7 +58,7 @@ class Elites:
 
 
 def _apart(unit: Array) -> list[int]:
-    """Which of the points (N, 6), cheapest first, are the best of their neighbourhoods."""
+    """Indices of the points (N, 6), cheapest first, that are the best of their neighbourhoods."""
     kept: list[int] = []
     left = np.arange(len(unit))
     while len(kept) < KEPT and left.size:

@@ -1,6 +1,6 @@
-"""What a lesson shows live: how well views like this one tell the focal length.
+"""How well views like a given one determine the focal length; shown live in lessons.
 
-For understanding, not for guidance: the session asks `information` and `costs`.
+For teaching only: guidance uses `information` and `costs`.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose, turn
 
 NOISE_PX = 0.1**0.5
-"""The corner noise of the paper's simulation (4.1.2), per axis: a variance of 0.1 px²."""
+"""Corner noise of the paper's simulation (4.1.2), per axis: a variance of 0.1 px²."""
 EDGE_ON_DEG = 80.0
-"""Tilted so far away from the line of sight, a board shows no pattern any more."""
+"""At a larger tilt to the line of sight a board shows no pattern."""
 
 
 def views_like(pose: Pose, views: int = 4) -> tuple[Pose, ...]:
     """Poses of the same tilt in `views` directions, spread evenly about the optical axis.
 
-    The direction of the tilt turns and the board does not roll with it: `Rz(a) R Rz(-a)`, each
-    about the board's centre, which stays. A frontal board has no direction: its poses are alike.
+    The direction of the tilt turns but the board does not roll: `Rz(a) R Rz(-a)`, about the board's
+    centre. A frontal board has no tilt direction: its poses are equal.
     """
     turns = [turn("z", 360.0 * k / views) for k in range(views)]
     return tuple(Pose(Rz @ pose.R @ Rz.T, pose.t.copy()) for Rz in turns)
@@ -34,15 +34,15 @@ def focal_sigma(
     """Standard deviation of fx, pixels, from a calibration with `views_like` this pose.
 
     All nine parameters and every view's pose are unknown, as in `cv2.calibrateCamera`; every corner
-    counts, with noise of `noise_px` per axis, whether or not it is in the picture.
+    counts, with noise of `noise_px` per axis, whether or not it is in the image.
 
-    inf if these views do not tell the focal length: by their own figures it could as well be zero.
-    So it is with a frontal board, where a longer lens farther away gives the same picture, and with
-    a board seen edge on or from behind. `focal_words` says it to a person.
+    inf if the views do not determine the focal length, so that by this sigma it could be zero: for
+    a frontal board, where a longer lens farther away gives the same image, and for one seen edge on
+    or from behind.
     """
     likes = views_like(pose, views)
     R, t = np.stack([p.R for p in likes]), np.stack([p.t for p in likes])
-    # Edge on there is nothing to see, whatever the formula says.
+    # Nothing is visible edge on, whatever the formula says.
     cosines = np.einsum("ni,ni->n", R[:, :, 2], t) / np.linalg.norm(t, axis=1)
     if cosines.min() < np.cos(np.radians(EDGE_ON_DEG)) or not _in_front(board, R, t):
         return float("inf")
@@ -55,7 +55,7 @@ def focal_sigma(
 
 
 def focal_words(sigma_px: float, camera: Camera, views: int = 4) -> str:
-    """What `focal_sigma` means, in one sentence."""
+    """The meaning of `focal_sigma` in one sentence."""
     if not sigma_px < camera.fx:
         return (
             f"{views} pictures like this say nothing about the focal length: nearer or more "

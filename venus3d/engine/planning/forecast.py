@@ -1,8 +1,7 @@
-"""How many more views it takes until a wanted projection uncertainty, by planning them ahead.
+"""Forecast of the views needed to reach a projection uncertainty, by planning them ahead.
 
-From the posterior now, view after view is added greedily, each the best of a small search, and the
-uncertainty after each is noted. The plan is only for counting; the poses asked for are
-`suggest`'s, one at a time, since each view changes what is known.
+Views are added to the current posterior greedily, each the best of a small search. The plan is only
+for counting; the targets come from `suggest`, as each view changes the posterior.
 """
 
 from __future__ import annotations
@@ -24,34 +23,34 @@ from venus3d.engine.planning.settings import PlanningSettings
 from venus3d.engine.planning.suggest import find_pose
 
 AHEAD = 10
-"""Views planned ahead at most."""
+"""Largest number of views planned ahead."""
 CONFIDENCE = 0.9
 """Of the interval."""
-# A plan's search: poses spread over the space once, then rounds of neighbours of the best for each
-# view, ever closer (standard deviations in the unit cube).
+# A plan's search: poses spread over the space once, then for each view rounds of ever closer
+# neighbours of the best (standard deviations in the unit cube).
 _SPREAD, _NEIGHBOURS, _PARENTS, _STRIDES = 512, 96, 16, (0.05, 0.03, 0.015)
 _BUDGET = 1000
-"""Poses that another search than the annealing looks at for each view of a plan: the target waits
-for the forecast, and scipy's would take half a minute."""
+"""Poses per planned view for searches other than the annealing: the target waits for the forecast,
+and scipy's would take half a minute."""
 _BEHIND = 1.03
-"""By this factor a plan lies above the thorough search of the suggestions: 1.02 for the second
+"""Factor by which a plan lies above the thorough search of the suggestions: 1.02 for the second
 view, 1.03 to 1.04 from the fourth to the ninth."""
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """How many more views a wanted projection uncertainty takes, if targets are followed."""
+    """Number of further views to reach a projection uncertainty, if targets are followed."""
 
     wanted_px: float
-    """The wanted projection uncertainty: rms over the image, pixels."""
+    """Target projection uncertainty: rms over the image, pixels."""
     views: int | None
-    """More views needed; 0 if it is reached; None if more than were looked ahead."""
+    """Views needed; 0 if reached; None if more than were planned ahead."""
     low: int | None
     """Lower end of the interval of about 90 %; None likewise."""
     high: int | None
     """Its upper end; None likewise."""
     looked_ahead: int
-    """How many views ahead were planned."""
+    """Number of views planned ahead."""
 
 
 def forecast(
@@ -70,10 +69,10 @@ def forecast(
     """Views needed until the projection uncertainty over the image is `wanted_px` or less.
 
     Args:
-        degrees: degrees of freedom of the residuals that `posterior.sigma_px` was estimated from.
-        state: of the rule of the methods that have one.
+        degrees: degrees of freedom of the residuals behind `posterior.sigma_px`.
+        state: of the rule, for methods that have one.
         first: (6,) the target already found; the plan begins with it.
-        stop: asked before each view.
+        stop: polled before each view.
 
     Returns None when stopped. Raises `VenusError` if no pose fits the limits.
     """
@@ -87,15 +86,15 @@ def forecast(
             return None
         uncertainties.append(next(plan))
     views, low, high = (_reached(uncertainties, factor, wanted_px) for factor in (1.0, best, worst))
-    # What is known now is not enough, so at least one more view is needed.
+    # The current uncertainty is too large, so at least one more view is needed.
     low = None if low is None else max(low, 1)
     return Forecast(wanted_px, views, low, high, len(uncertainties) - 1)
 
 
 def spread_of(degrees: int) -> tuple[float, float]:
-    """Factors (best, worst) by which all planned uncertainties may come out otherwise.
+    """Factors (best, worst) on all planned uncertainties.
 
-    From how well the noise is known: `degrees * s^2 / sigma^2` is chi-square distributed.
+    From the uncertainty of the noise: `degrees * s^2 / sigma^2` is chi-square distributed.
     """
     count, tail = max(degrees, 1), (1 - CONFIDENCE) / 2
     best, worst = np.sqrt(count / chi2.ppf([1 - tail, tail], count))
@@ -115,8 +114,8 @@ def _plan(
     state: HeuristicState | None,
     first: Array | None,
 ) -> Iterator[float]:
-    """The uncertainty after one view more, after two, and so on."""
-    # The quick search makes the projection variance small; another cost asks for other poses.
+    """The uncertainties after one more view, after two, and so on."""
+    # The quick search minimises the projection variance; another cost leads to other poses.
     quick = settings.method == "global" and settings.search_cost == "projection-variance"
     poses = _Poses(posterior, space, rng) if quick else None
     behind, budget = 1.0, None if settings.search_strategy in (None, "annealing") else _BUDGET
@@ -133,7 +132,7 @@ def _plan(
 
 
 class _Poses:
-    """Poses of the space with what a view under each says: computed once, used for every view."""
+    """Poses of the space with the information of a view under each, computed once for all views."""
 
     def __init__(self, posterior: Posterior, space: Space, rng: np.random.Generator) -> None:
         self._start, self._space, self._rng = posterior, space, rng
@@ -141,7 +140,7 @@ class _Poses:
         self._add(rng.random((_SPREAD, 6)))
 
     def best(self, posterior: Posterior) -> Array:
-        """(6,) the pose that leaves the least projection uncertainty after its view."""
+        """(6,) the pose whose view leaves the least projection uncertainty."""
         variances = _variances(posterior, self._information)
         for stride in _STRIDES:
             parents = self._vectors[np.argsort(variances, kind="stable")[:_PARENTS]]
@@ -154,7 +153,7 @@ class _Poses:
         return self._vectors[0]
 
     def _add(self, unit: Array) -> Array:
-        """Take in points (N, 6) of the unit cube; information (K, 9, 9) of those of the space."""
+        """Add points (N, 6) of the unit cube; the information (K, 9, 9) of those in the space."""
         vectors, good = self._space.bring_inside(self._space.from_unit(unit))
         vectors, start = vectors[good], self._start
         if not len(vectors):
@@ -171,7 +170,7 @@ class _Poses:
 
 
 def _variances(posterior: Posterior, information: Array) -> Array:
-    """(N,) mean variance of a projected pixel, over that of a corner, after a view of each of the
+    """(N,) mean variance of a projected pixel, in units of a corner's, after a view of each of the
     informations (N, 9, 9)."""
     after = np.linalg.inv(posterior.information + information)
     return after.reshape(-1, 81) @ projection_weight(posterior.camera).ravel()
