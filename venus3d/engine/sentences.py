@@ -1,4 +1,4 @@
-"""Pieces of English that several modules put into their sentences."""
+"""Pieces of English shared by several modules' sentences."""
 
 from __future__ import annotations
 

@@ -99,8 +99,7 @@ class Session:
         return self.snapshot()
 
     def capture(self) -> bool:
-        """Capture the current observation as a view. False if there is none, or the session is
-        over.
+        """Capture the current observation as a view. False if there is none, or all is over.
 
         A view that does not determine the focal length is accepted too: guidance then continues
         with a guessed camera, and says so, until tilted views come.

@@ -79,8 +79,7 @@ class Work:
         stop: Stop | None = None,
         on_step: OnSearchStep | None = None,
     ) -> Outcome:
-        """Do the work. `stop` ends the search early with the best pose so far; `on_step` observes
-        it.
+        """Do the work. `stop` ends the search early with the best pose; `on_step` observes it.
 
         Raises `CalibrationError` if the views determine no camera at all.
         """

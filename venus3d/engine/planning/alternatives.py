@@ -17,10 +17,7 @@ DIFFERENT_DEG = 20.0
 DIFFERENT_FRACTION = 0.2
 NEARLY = 0.15
 """How much worse an alternative may be, as a share of the best pose's gain plus the uncertainty it
-leaves.
-
-The second term is for the first views, which gain so much that a share of it means little.
-"""
+leaves; the latter for the first views, whose gains are large."""
 
 
 def clearly_different(one: Pose, other: Pose) -> bool:

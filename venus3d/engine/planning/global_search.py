@@ -1,11 +1,9 @@
-"""Our own search: the whole space of poses within the limits, in the time of a blink.
+"""Search of the whole space of poses within the limits, in a few tenths of a second.
 
-Well-spread samples of the space, then differential evolution in batches. The best poses lie on the
-limits (as near, as tilted, as far into the picture's corner as allowed), where a free neighbour is
-mostly outside; so whatever breaks a limit is brought onto it (`onto_limits`), and steps are
-differences of good poses, which run along the limits that both lie on.
-
-The paper's annealing is in `annealing`, scipy's optimisers as yardsticks in `scipy_searches`.
+Well-spread samples, then differential evolution in batches. The best poses lie on the limits (as
+near, as tilted, as far into a corner of the image as allowed), where a free neighbour is mostly
+outside. So poses that break a limit are moved onto it (`onto_limits`), and steps are differences of
+good poses, which run along their common limits.
 """
 
 from __future__ import annotations
@@ -21,15 +19,15 @@ from venus3d.engine.planning.pose_space import Space, nothing_fits
 from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchStep, Stop
 
 Numbers = NDArray[np.intp]
-_SAMPLES = 0.15  # share of the budget that goes into the first look at the whole space
+_SAMPLES = 0.15  # share of the budget for the first samples of the whole space
 _PARENTS = (48, 16)  # at the start and at the end
-_ELITE = 0.1  # share of the parents towards which the others are drawn
+_ELITE = 0.1  # share of the parents towards which the others move
 _STRIDE = 1.0  # median length of a step, in differences
 _CROSSOVER = 0.9  # share of the coordinates that a step changes
 _MIRRORED = 0.07  # share of the children that are mirrored
-# A board left of the centre, its picture mirrored: the angles about Y and Z turn round as well.
+# A board left of the centre in a mirrored image: the angles about Y and Z change sign as well.
 _MIRRORS = np.array([[0, 1, 1, 1, 0, 0], [1, 0, 1, 0, 1, 0], [1, 1, 0, 1, 1, 0]], dtype=bool)
-_PART = 448  # candidates between two looks at `stop`
+_PART = 448  # candidates between two checks of `stop`
 
 
 def search_globally(
@@ -41,25 +39,25 @@ def search_globally(
     stop: Stop | None = None,
     on_step: OnSearchStep | None = None,
 ) -> SearchResult:
-    """The cheapest pose of the space; all randomness is `rng`'s.
+    """The cheapest pose of the space; all randomness comes from `rng`.
 
-    A seventh of the budget goes into a Sobol sequence over the unit cube of `Space`, shifted at
-    random. The best 48 become parents. A child is `u + F (b - u + p - q)`: parent u, one of the
+    A seventh of the budget goes into a Sobol sequence over the unit cube of `Space`, randomly
+    shifted. The best 48 become parents. A child is `u + F (b - u + p - q)`: parent u, one of the
     best tenth b, two other parents p and q, F scattered about 1 (differential evolution,
     current-to-pbest/1: Zhang and Sanderson 2009), a tenth of the coordinates kept. The best child
-    that is cheaper takes its parent's place, and the dearest parents drop out until 16 are left.
+    that is cheaper replaces its parent, and the worst parents drop out until 16 are left.
 
     Args:
-        cost: of pose vectors (N, 6). If it has a rough one beside it (`rough_of`), that ranks, and
-            only the poses returned are given their exact cost.
-        budget: costs to compute, about.
+        cost: of pose vectors (N, 6). Its faster approximation (`rough_of`) ranks, if there is one;
+            only the returned poses are given their exact cost.
+        budget: approximate number of costs to compute.
         stop, on_step: see `search`.
 
     Raises `VenusError` if no pose fits the limits.
     """
     run = _Run(space, cost, stop, on_step)
     parents, costs = run.samples(budget, rng)
-    # In a space of few poses most children are lost: there is an end even then.
+    # In a space of few poses most children are invalid, so the rounds are limited.
     for _ in range(10 + 4 * budget // _PART):
         if run.elites.evaluated >= budget or run.stopped():
             break
@@ -74,7 +72,7 @@ def search_globally(
 
 
 class _Run:
-    """One search under way."""
+    """A search in progress."""
 
     def __init__(
         self,
@@ -95,7 +93,7 @@ class _Run:
         """Points (N, 6) of the unit cube spread over the space, and their costs (N,)."""
         sequence, shift = qmc.Sobol(6, scramble=False), rng.random(6)
         wanted = max(1, round(_SAMPLES * budget))
-        size = min(512, 2 ** int(np.ceil(np.log2(2 * wanted))))  # Sobol wants powers of two
+        size = min(512, 2 ** int(np.ceil(np.log2(2 * wanted))))  # Sobol needs powers of two
         points: list[Array] = []
         costs: list[Array] = []
         for _ in range(2**15 // size):
@@ -122,7 +120,7 @@ class _Run:
         return self._space.to_unit(vectors), costs, kept
 
     def _report(self, vectors: Array, costs: Array) -> None:
-        """Report a batch's best pose; it counts as accepted if it is the best of all."""
+        """Report a batch's best pose, as accepted if it is the best of all."""
         if self._on_step is None:
             return
         i, elites = int(np.argmin(costs)), self.elites
@@ -153,7 +151,7 @@ class _Run:
 
 
 def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Array, Numbers]:
-    """Children (K, 6) of parents (N, 6), cheapest first, and whose they are (K,); K about count."""
+    """Children (K, 6) of parents (N, 6), cheapest first, and their parents (K,); K about count."""
     n = len(parents)
     of = np.repeat(np.arange(n), -(-count // n))
     size = len(of)
@@ -169,7 +167,7 @@ def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Arr
 
 
 def _replace(parents: Array, costs: Array, found: Array, values: Array, of: Numbers) -> None:
-    """Put each parent's cheapest child in its place, in place, if it is cheaper."""
+    """Replace each parent by its cheapest child if that is cheaper, in place."""
     order = np.lexsort((values, of))
     first = order[np.unique(of[order], return_index=True)[1]]
     better = first[values[first] < costs[of[first]]]

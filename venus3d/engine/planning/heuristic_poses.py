@@ -1,10 +1,8 @@
-"""Poses made by rule for the least certain parameter (3.2), the paper's and Rojtberg's.
+"""Rule-based poses for the least certain parameter (3.2): the paper's and Rojtberg's.
 
-Both aim at one parameter: for a focal length or the principal point the board is tilted, for a
-distortion coefficient it covers the most distorted part of the image. They differ in the angles:
-eq. (11) averages the last two, Rojtberg et al. 2018 bisect the range breadth first.
-
-What has been used is an explicit frozen `HeuristicState`; nothing is searched here.
+For a focal length or the principal point the board is tilted, for a distortion coefficient it
+covers the most distorted part of the image. The angles differ: eq. (11) averages the last two,
+Rojtberg et al. 2018 bisect the range breadth first. The state is a frozen `HeuristicState`.
 """
 
 from __future__ import annotations
@@ -23,7 +21,7 @@ from venus3d.engine.planning.limit_projection import brought_within
 from venus3d.engine.planning.limits import Limits
 
 ROLL_DEG = 22.5
-"""pi/8 of eq. (10): turned in its plane, the board's rows are not parallel to the image's."""
+"""pi/8 of eq. (10): keeps the board's rows from being parallel to the image's."""
 CELL_PX = 20
 """Cell of the distortion map."""
 WINDOW_WIDTH = 0.3
@@ -46,26 +44,26 @@ class Window:
 
 @dataclass(frozen=True)
 class HeuristicState:
-    """What the generators have used so far."""
+    """What the rules have used so far."""
 
     counts: tuple[int, ...] = (0,) * 9
-    """How many poses were made for each of the nine `PARAMETERS`."""
+    """Number of poses made for each of the nine `PARAMETERS`."""
     windows: tuple[Window, ...] = ()
     """Distortion windows already shown."""
     sigma: tuple[float, ...] = ()
     """(9,) standard deviations when the last pose was made; empty before."""
     aimed: str = ""
-    """The parameter that the last pose was made for."""
+    """The parameter that the last pose was made for; empty before."""
     settled: tuple[str, ...] = ()
-    """Parameters passed over because the view made for them changed them little."""
+    """Parameters no longer aimed at, because their view changed them little."""
 
     def observed(self, sigma: ArrayLike, epsilon: float = 0.1) -> HeuristicState:
         """The state after the views so far gave standard deviations `sigma` (9,).
 
-        A parameter whose sigma fell by less than `epsilon` through the view made for it is
-        settled and not aimed at again, as in Rojtberg's program; else k3, which hardly ever stops
-        being the worst, would claim all poses. When all are settled it begins anew. Unchanged
-        values (a target was skipped) say nothing.
+        A parameter whose sigma fell by less than `epsilon` through the view made for it is settled
+        and no longer aimed at, as in Rojtberg's program; otherwise k3, which is nearly always the
+        worst, would get all poses. When all are settled, all start again. Unchanged values (a
+        skipped target) have no effect.
         """
         now = np.asarray(sigma, dtype=np.float64)
         begun = replace(self, sigma=tuple(float(v) for v in now))
@@ -78,7 +76,7 @@ class HeuristicState:
         return replace(begun, settled=() if len(settled) == len(PARAMETERS) else settled)
 
     def count(self, *names: str) -> int:
-        """How many poses were made for these parameters together."""
+        """Number of poses made for these parameters together."""
         return sum(self.counts[PARAMETERS.index(name)] for name in names)
 
     def after(self, name: str, window: Window | None = None) -> HeuristicState:
@@ -91,20 +89,20 @@ class HeuristicState:
 
 @dataclass(frozen=True, eq=False)
 class HeuristicPose:
-    """A pose made by rule."""
+    """A rule-based pose."""
 
     vector: Array
     """(6,) pose vector, within the limits."""
     parameter: str
-    """What it was made for."""
+    """The parameter it was made for."""
     state: HeuristicState
-    """The state to go on with."""
+    """The next state."""
     note: str = ""
-    """How the rule's own pose had to be changed to stay within the limits; empty if it was not."""
+    """How the rule's pose was changed to fit the limits; empty if it was not."""
 
 
 def weakest_parameter(camera: Camera, covariance: ArrayLike, settled: Collection[str] = ()) -> str:
-    """The parameter with the largest index of dispersion, eq. (13), among those not settled."""
+    """The unsettled parameter with the largest index of dispersion, eq. (13)."""
     dispersion = index_of_dispersion(camera, covariance)
     passed_over = [name in settled for name in PARAMETERS]
     return PARAMETERS[int(np.argmax(np.where(passed_over, -np.inf, dispersion)))]
@@ -121,9 +119,9 @@ def paper_angle_deg(i: int) -> float:
 
 
 def bisection_angle_deg(i: int, half_range_deg: float = 70.0) -> float:
-    """Rojtberg's angles, i from 1: the midpoints of ever finer halves of the range, level by level.
+    """Rojtberg's angles, i from 1: midpoints of ever finer halves of the range, level by level.
 
-    For +-70: -35, 35, -52.5, -17.5, 17.5, 52.5, ... (0 itself, parallel to the image, is left out).
+    For +-70: -35, 35, -52.5, -17.5, 17.5, 52.5, ... (without 0, parallel to the image).
     """
     level, first = 2, 1
     while i >= first + level:
@@ -140,7 +138,8 @@ def paper_pose(
     about_y = parameter in _ABOUT_Y
     angle = paper_angle_deg(1 + state.count(*(_ABOUT_Y if about_y else _ABOUT_X)))
     angles = [0.0, angle, ROLL_DEG] if about_y else [angle, 0.0, ROLL_DEG]
-    # z is not given: the nearest at which the whole board is seen, which is where it says most.
+    # z is not given: use the nearest at which the whole board is seen, which is the most
+    # informative.
     wanted = _nearest_visible(board, camera, limits, np.array([*angles, 0.0, 0.0, 1.0]))
     return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
 
@@ -148,7 +147,7 @@ def paper_pose(
 def rojtberg_pose(
     board: Board, camera: Camera, limits: Limits, parameter: str, state: HeuristicState
 ) -> HeuristicPose:
-    """Rojtberg's pose for `parameter`; his very first one is frontal and fills the image."""
+    """Rojtberg's pose for `parameter`; the first one is frontal and fills the image."""
     if not any(state.counts):
         wanted = _nearest_visible(board, camera, limits, np.array([0.0, 0, 0, 0, 0, 1]))
         return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
@@ -168,7 +167,7 @@ def rojtberg_pose(
 
 
 def distortion_map(camera: Camera, cell_px: int = CELL_PX) -> Array:
-    """(rows, columns) of cells: how far, pixels, the lens moves a point that belongs there."""
+    """(rows, columns) displacement of the cells' points by the distortion, pixels."""
     columns, rows = camera.width // cell_px, camera.height // cell_px
     u = (np.arange(columns) + 0.5) * camera.width / columns - 0.5
     v = (np.arange(rows) + 0.5) * camera.height / rows - 0.5
@@ -180,15 +179,12 @@ def distortion_map(camera: Camera, cell_px: int = CELL_PX) -> Array:
 def distortion_window(
     board: Board, camera: Camera, used: tuple[Window, ...] = ()
 ) -> tuple[Window, bool]:
-    """The window of the board's shape with the largest distortion not yet shown, and whether that
-    started a new round because everything had been shown.
-
-    The window is `WINDOW_WIDTH` of the image wide and slides over the map in steps of a cell.
-    """
+    """The window of the board's shape with the largest distortion not yet shown, `WINDOW_WIDTH`
+    wide, and whether a new round started because everything had been shown."""
     strength = distortion_map(camera)
     rows, columns = strength.shape
     cell = np.array([camera.width / columns, camera.height / rows])
-    # A lens whose distortion is not yet known bends the border most: an invisible cone decides.
+    # While the distortion is unknown, weight the border most, by a cone.
     v, u = np.mgrid[:rows, :columns]
     strength = strength + 1e-6 * np.hypot(u - (columns - 1) / 2, v - (rows - 1) / 2)
     width = WINDOW_WIDTH * camera.width
@@ -209,7 +205,7 @@ def distortion_window(
 
 
 def window_pose(board: Board, camera: Camera, window: Window) -> Pose:
-    """The pose parallel to the image under which the board fills the window's width."""
+    """The pose parallel to the image in which the board fills the window's width."""
     centre = [window.x + window.width / 2 - 0.5, window.y + window.height / 2 - 0.5]
     ray = camera.unproject(np.array(centre))
     if not np.isfinite(ray).all():
@@ -240,10 +236,9 @@ def _distortion_pose(
 
 
 def _nearest_visible(board: Board, camera: Camera, limits: Limits, vector: Array) -> Array:
-    """The vector at the smallest distance at which the limits hold, or the board is just seen.
+    """The vector at the smallest distance at which the limits hold.
 
-    If the tilt alone breaks the limits, only the picture's border decides: the rest is for
-    `brought_within`.
+    If the tilt alone breaks them, only the image's border counts; the rest is for `brought_within`.
     """
     distances = np.geomspace(limits.nearest, limits.farthest, 121)
     candidates = np.tile(vector, (distances.size, 1))

@@ -1,7 +1,7 @@
-"""Poses that break the limits, projected onto them: the best poses of a search lie there.
+"""Projects poses that break the limits onto them, where a search's best poses lie.
 
-`onto_limits` is for the thousands of poses of a search, `brought_within` for a single one that is
-to be changed as little as possible, and says what it changed.
+`onto_limits` is for the thousands of poses of a search; `brought_within` changes a single one as
+little as possible and reports the change.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from venus3d.engine.geometry.visibility import Visibility, visibility_of
 from venus3d.engine.planning.limits import Limits, Mask
 from venus3d.engine.planning.refusals import refusals
 
-# Each correction is a Newton step. It aims a little inside, or the next one never gets through.
+# Aim a little inside: each correction is a Newton step and would otherwise approach forever.
 _TILT_DEG = 0.05
 _SHARE = 1e-3
 _PX = 0.2
@@ -25,13 +25,12 @@ _PX = 0.2
 def onto_limits(
     limits: Limits, camera: Camera, board: Board, vectors: Array, *, steps: int = 2
 ) -> tuple[Array, Mask]:
-    """Pose vectors (N, 6) moved onto the limits they break, and which (N,) are within them now.
+    """Pose vectors (N, 6) moved onto the limits they break, and which (N,) are now within.
 
-    Poses within the limits stay as they are. A step clips the angles, moves the board along its
-    line of sight until size, distances and depth ratio fit, moves it sideways into the image and
-    turns its normal towards the line of sight if it is tilted too far. These disturb each other a
-    little: of the Gaussian neighbours of valid poses (0.1 of the unit cube), 41 % are valid at
-    once, 61, 89 and 96 % after one, two and three steps.
+    Valid poses are unchanged. A step clips the angles, moves the board along its line of sight
+    until size, distances and depth ratio fit, moves it sideways into the image and reduces its
+    tilt. These interact a little: of the Gaussian neighbours of valid poses (0.1 of the unit cube),
+    41 % are valid at once, 61, 89 and 96 % after one, two and three steps.
     """
     moved = np.array(vectors, dtype=np.float64)
     accepted = np.zeros(len(moved), dtype=bool)
@@ -52,12 +51,12 @@ def onto_limits(
 def brought_within(
     board: Board, camera: Camera, limits: Limits, vector: ArrayLike
 ) -> tuple[Array, str]:
-    """The pose vector (6,) brought into the limits by the smallest change, and what changed.
+    """The pose vector (6,) brought within the limits by the smallest change, and what changed.
 
-    Looked at are a smaller tilt (X and Y angles scaled together), another distance along the same
-    line of sight, and a shift towards the image's centre. Ten degrees weigh as much as ten per
-    cent of the distance or a shift by a tenth of the way to the centre. If nothing of this helps,
-    the vector comes back unchanged with the reason why it is refused.
+    Tries a smaller tilt (X and Y angles scaled together), another distance along the line of sight,
+    and a shift towards the image's centre. Ten degrees weigh as much as ten per cent of the
+    distance or a tenth of the way to the centre. If none helps, the vector is unchanged, with the
+    reason.
     """
     p = np.asarray(vector, dtype=np.float64).copy()
     if limits.accepts(camera, board, p)[0]:
@@ -109,24 +108,23 @@ def _step(limits: Limits, camera: Camera, p: Array, seen: Visibility) -> Array:
 
 
 def _distance_factor(limits: Limits, camera: Camera, seen: Visibility) -> Array:
-    """(N,) by which the distance must change: nearer limits come before farther ones."""
+    """(N,) factors on the distance; nearer limits take precedence over farther ones."""
     low, high = limits.frame(camera)
     extent = (seen.high - seen.low) / (high - low)[:, None]
-    # far - near hardly changes with the distance, so the ratio asks for a nearest distance.
+    # far - near hardly depends on the distance, so the ratio requires a nearest distance.
     nearest = np.maximum(limits.nearest, (seen.far - seen.near) / (limits.max_depth_ratio - 1))
     grow = np.maximum(extent.max(axis=0), nearest / seen.near)
     shrink = np.minimum(seen.side / limits.min_square_px, limits.farthest / seen.far)
     closer = np.where(shrink < 1, shrink * (1 - _SHARE), 1.0)
     factor = np.where(grow > 1, grow * (1 + _SHARE), closer)
-    # Beyond the model's radius the pixels mean nothing: away from the lens, within reason.
+    # Beyond the model's radius pixels are meaningless: move away from the lens, within reason.
     return np.where(seen.seen, np.clip(factor, 0.5, 2.0), 1.3)
 
 
 def _sideways(limits: Limits, camera: Camera, seen: Visibility, t: Array, factor: Array) -> Array:
-    """(2, N) metres that bring the points outside the frame back into it, at the new distance.
+    """(2, N) metres that bring points outside the frame back into it, at the new distance.
 
-    A pixel of a point at depth Z is Z / f metres; a factor on the distance draws the pixels
-    together about the centre's.
+    At depth Z a pixel is Z / f metres; a factor on the distance scales about the centre's pixel.
     """
     low, high = (bound[:, None, None] for bound in limits.frame(camera))
     f, c = np.array([[camera.fx], [camera.fy]]), np.array([[camera.cx], [camera.cy]])
@@ -135,16 +133,16 @@ def _sideways(limits: Limits, camera: Camera, seen: Visibility, t: Array, factor
     depth = seen.depth * factor
     below = np.max(np.maximum(low + _PX - pixels, 0) * depth, axis=1)
     above = np.max(np.maximum(pixels - (high - _PX), 0) * depth, axis=1)
-    # A board that is not seen as a whole is led towards the optical axis.
+    # Move a board that is not seen whole towards the optical axis.
     return np.where(seen.seen, (below - above) / f, -0.3 * t[:2])
 
 
 def _cut_tilt(limits: Limits, p: Array, R: Array) -> None:
-    """Cut the tilt of vectors (N, 6) with rotations (N, 3, 3) down to the limit, by the least turn.
+    """Cut the tilt of vectors (N, 6) with rotations (N, 3, 3) to the limit, by the smallest turn.
 
     In place. In the plane of the normal n and the line of sight l (both unit), the new normal is
-    `cos(a) l + sin(a) m`, a the limit and m the part of n that is normal to l. The least turn that
-    takes a unit vector n to n' is `1 + S + S^2 / (1 + n.n')`, S = n' n^T - n n'^T.
+    `cos(a) l + sin(a) m`, a the limit and m the part of n perpendicular to l. The smallest turn
+    from n to n' is `1 + S + S^2 / (1 + n.n')`, S = n' n^T - n n'^T.
     """
     n, t = R[:, :, 2], p[:, 3:]
     line = t / np.sqrt(np.einsum("ni,ni->n", t, t))[:, None]

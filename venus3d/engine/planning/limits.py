@@ -1,7 +1,7 @@
-"""Which poses may be asked of a person: eight limits, and what a pose leaves of each.
+"""The eight limits on target poses, and the margin that a pose leaves to each.
 
-All that accepts, refuses or corrects a pose goes by `Limits.margins`: `accepts` here, the sentences
-in `refusals`, the corrections in `limit_projection`.
+Everything uses `Limits.margins`: `accepts` here, the sentences in `refusals`, the corrections in
+`limit_projection`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from venus3d.engine.geometry.visibility import Visibility, visibility_of
 
 Mask = NDArray[np.bool_]
 SLACK = 1e-9
-"""Of a margin: a pose put exactly on a limit must not be lost to rounding."""
+"""Of a margin: a pose exactly on a limit must not be lost to rounding."""
 
 Rule = Literal["angle", "tilt", "behind", "near", "far", "depth", "outside", "small"]
 RULES: tuple[Rule, ...] = get_args(Rule)
@@ -28,42 +28,42 @@ the lens model; near, far, depth: the corners' distances and their ratio; outsid
 small: the squares in it."""
 
 CELL_PX = 2.4
-"""Pixels that a marker's cell needs on its short side. Measured on 110 valid poses of the simulated
-camera with its noise and blur: of the default board's corners 41 % are found where the smallest
-square is 18-21 px wide (2.1 px a cell), 73 % at 21-25 px, 96 % at 25-30 px, all above."""
+"""Pixels that a marker's cell needs on its short side. On 110 valid poses of the simulated camera
+with its noise and blur, 41 % of the default board's corners are found where the smallest square is
+18-21 px wide (2.1 px a cell), 73 % at 21-25 px, 96 % at 25-30 px, all above."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a target may ask for. Without limits the best view is absurd: 15 cm away, tilted 75°."""
+    """Limits of a target. Without them the best view is absurd: 15 cm away, tilted 75°."""
 
     max_angle_deg: float = 70.0
     """Each angle of the pose vector, degrees (the paper's solution space, 3.3.1)."""
     max_tilt_deg: float = 55.0
     """Between the board's normal and the line of sight to its centre: beyond, corners blur."""
     nearest: float = 0.2
-    """Every corner of the board is at least so far from the lens, metres."""
+    """Least distance of the board's corners from the lens, metres."""
     farthest: float = 1.2
-    """And at most so far, metres."""
+    """Largest distance, metres."""
     max_depth_ratio: float = 2.2
-    """Farthest corner over nearest corner: what a lens can keep in focus at once."""
+    """Farthest over nearest corner: limited by the depth of field."""
     margin: float = 0.02
     """Free border around the whole board, as a fraction of the image's width."""
     min_square_px: float = 12.0
-    """The shortest side of a square in the image, pixels: below it markers are not read."""
+    """The shortest side of a square in the image, pixels: below it markers are not detected."""
 
     @staticmethod
     def for_board(board: Board, camera: Camera) -> Limits:
         """The default limits, adapted where they do not suit the board.
 
-        A square is as large as its marker's cells need: `CELL_PX` each, a border of one around the
-        dictionary's bits; at least the default's 12 px.
+        A square is at least the default's 12 px, and large enough for `CELL_PX` per marker cell,
+        with a border of one cell around the dictionary's bits.
 
-        `z_fill` is the distance at which the frontal board fills the picture, `z_small` the one at
-        which its squares become too small. The default 0.2 ... 1.2 m stands where it leaves the
-        board room between the two (farthest over nearest usable distance at least 1.6). Otherwise
-        the distances become the same multiples of `z_fill` as they are for the default board and
-        a usual webcam: 0.75 and 4.5.
+        `z_fill` is the distance at which the frontal board fills the image, `z_small` the one at
+        which its squares become too small. The default 0.2 ... 1.2 m stays if it leaves room
+        between the two (farthest over nearest usable distance at least 1.6). Otherwise the
+        distances become the multiples 0.75 and 4.5 of `z_fill`, as for the default board and a
+        usual webcam.
         """
         cells = int(board.cv_dictionary.markerSize) + 2
         legible = CELL_PX * cells * board.square / board.marker
@@ -81,9 +81,9 @@ class Limits:
         return replace(limits, nearest=0.75 * z_fill, farthest=4.5 * z_fill)
 
     def accepts(self, camera: Camera, board: Board, vectors: ArrayLike) -> Mask:
-        """Which of the pose vectors (N, 6) may be asked for: (N,) bool."""
+        """Which of the pose vectors (N, 6) are within the limits: (N,) bool."""
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
-        # Most candidates of a search fail on what costs little to see; the rest is projected.
+        # Most candidates of a search fail the cheap tests; only the rest is projected.
         with np.errstate(invalid="ignore", divide="ignore"):
             cosine = np.einsum("ni,ni->n", _normals(p), p[:, 3:]) / np.linalg.norm(p[:, 3:], axis=1)
         good = cosine >= np.cos(np.radians(self.max_tilt_deg)) - SLACK
@@ -93,17 +93,17 @@ class Limits:
         return good
 
     def within(self, camera: Camera, vectors: Array, seen: Visibility) -> Mask:
-        """The same of pose vectors (N, 6) whose visibility is known."""
+        """As `accepts`, for pose vectors (N, 6) with known visibility."""
         return np.all(self.margins(camera, vectors, seen) >= -SLACK, axis=0)
 
     def margins(self, camera: Camera, vectors: Array, seen: Visibility) -> Array:
-        """(8, N) what pose vectors (N, 6) leave of each of the `RULES`; below 0 it is broken.
+        """(8, N) margins of pose vectors (N, 6) to each of the `RULES`; negative if broken.
 
-        As a share of what the rule allows; for "outside" of the image's width. 1 or -1 for
-        "behind", and -1 for what cannot be measured of a board behind the lens.
+        As a share of the limit; for "outside" of the image's width. 1 or -1 for "behind", and -1
+        for what cannot be measured of a board behind the lens.
         """
         low, high = (bound[:, None] for bound in self.frame(camera))
-        # Behind the lens, or absurdly far away, figures mean nothing and may be without end.
+        # Behind the lens or absurdly far away, figures are meaningless and may be infinite.
         with np.errstate(invalid="ignore", over="ignore"):
             tilt = np.degrees(np.arccos(np.clip(seen.cosine, -1.0, 1.0)))
             border = np.minimum(seen.low - low, high - seen.high).min(axis=0)
@@ -132,7 +132,7 @@ class Limits:
         return np.maximum(-SLACK - margins, 0.0).sum(axis=0)
 
     def frame(self, camera: Camera) -> tuple[Array, Array]:
-        """(2,) smallest and (2,) largest pixel the board may reach: the image less a margin."""
+        """(2,) smallest and (2,) largest pixel allowed for the board: the image less a margin."""
         border = self.margin * camera.width - 0.5
         return np.full(2, border), np.array([camera.width - 1, camera.height - 1]) - border
 

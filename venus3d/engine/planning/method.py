@@ -1,4 +1,4 @@
-"""The names of methods, costs and searches, and which cost and search a method has of its own."""
+"""Names of methods, costs and searches, and each method's default cost and search."""
 
 from __future__ import annotations
 
@@ -17,6 +17,6 @@ DEFAULT_COST: dict[Method, Cost] = {
     "venus": "sum-iod",
     "global": "projection-variance",
 }
-"""A method's own cost. "random" and "pose-selection" search nothing: it names the figure shown."""
+""""random" and "pose-selection" search nothing: theirs names the figure shown."""
 DEFAULT_STRATEGY: dict[Method, Strategy] = {"venus": "annealing", "global": "global"}
-"""A method's own search."""
+"""A method's default search."""

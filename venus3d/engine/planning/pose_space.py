@@ -1,7 +1,4 @@
-"""The space of poses that may be asked for, and its map from the unit cube.
-
-Where in it the best pose lies is `search`'s business.
-"""
+"""The space of allowed poses, and its map from the unit cube."""
 
 from __future__ import annotations
 
@@ -22,27 +19,27 @@ from venus3d.engine.planning.settings import PlanningSettings
 
 SKIPPED_DEG = 15.0
 SKIPPED_FRACTION = 0.1
-_TRIES = 50  # draws of 64 poses for a random one within the limits
+_TRIES = 50  # batches of 64 poses drawn for a random one within the limits
 
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """The poses that may be asked for: within the limits and not near one that was skipped."""
+    """The allowed poses: within the limits and not near a skipped one."""
 
     board: Board
     camera: Camera
     limits: Limits
     skipped: tuple[Pose, ...] = ()
-    """Not offered again within 15 degrees and a tenth of the distance."""
+    """Poses within 15 degrees and a tenth of the distance are not offered again."""
 
     @staticmethod
     def of(posterior: Posterior, settings: PlanningSettings, skipped: Iterable[Pose] = ()) -> Space:
-        """The space that a plan of these settings searches."""
+        """The space for a plan with these settings."""
         board, camera = posterior.board, posterior.camera
         return Space(board, camera, settings.limits_for(board, camera), tuple(skipped))
 
     def accepts(self, vectors: ArrayLike) -> Mask:
-        """Which pose vectors (N, 6) belong to the space: (N,) bool."""
+        """Which pose vectors (N, 6) are in the space: (N,) bool."""
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         good = self.limits.accepts(self.camera, self.board, p)
         for pose in self.skipped:
@@ -50,17 +47,17 @@ class Space:
         return good
 
     def bring_inside(self, vectors: Array) -> tuple[Array, Mask]:
-        """Pose vectors (N, 6) moved onto the limits they break, and which (N,) are inside now."""
+        """Pose vectors (N, 6) moved onto the limits they break, and which (N,) are now inside."""
         moved, good = onto_limits(self.limits, self.camera, self.board, vectors)
         for pose in self.skipped:
-            # Only those: a pose that no step brought inside can be anywhere, beyond all numbers.
+            # Only those: the others may be anywhere, even beyond the range of floats.
             good[good] = ~_near(moved[good], pose)
         return moved, good
 
     def excess(self, vectors: Array) -> Array:
-        """How far pose vectors (N, 6) are outside, (N,): 0 inside, else a slope that leads back.
+        """(N,) how far pose vectors (N, 6) are outside: 0 inside, else a slope that leads back.
 
-        By how much they break the limits (`Limits.excess`), and 1 for each skipped pose nearby.
+        By how much they break the limits (`Limits.excess`), plus 1 for each skipped pose nearby.
         """
         total = self.limits.excess(self.camera, self.board, vectors)
         for pose in self.skipped:
@@ -70,8 +67,8 @@ class Space:
     def from_unit(self, unit: Array) -> Array:
         """Points (N, 6) of the unit cube to pose vectors (N, 6), most of them not in the space.
 
-        Three angles over their range, the place of the board's centre over the image, its
-        distance over the logarithm of its range: as much room near the lens as far from it.
+        Three angles over their range, the board's centre over the image, its distance over the
+        logarithm of its range.
         """
         limits, camera = self.limits, self.camera
         angles = (2 * unit[:, :3] - 1) * limits.max_angle_deg
@@ -95,7 +92,7 @@ class Space:
 
 
 def random_pose(space: Space, rng: np.random.Generator) -> Array:
-    """(6,) a random pose vector of the space. Raises `VenusError` if there seems to be none."""
+    """(6,) a random pose vector of the space. Raises `VenusError` if none is found."""
     for _ in range(_TRIES):
         vectors = space.from_unit(rng.random((64, 6)))
         good = np.flatnonzero(space.accepts(vectors))
@@ -114,7 +111,7 @@ def _near(vectors: Array, pose: Pose) -> Mask:
 
 
 def nothing_fits(space: Space) -> VenusError:
-    """The error to raise when no pose of the space was found."""
+    """The error to raise if no pose of the space was found."""
     return VenusError(
         "No pose of this board fits the limits on a target; widen them (the distances "
         f"{space.limits.nearest:g} to {space.limits.farthest:g} m, the tilt, the smallest square)."

@@ -1,8 +1,6 @@
 """The posterior of the intrinsics after some views, and after one more.
 
-Made once for each calibration and handed to everything that plans ahead: the next target, its
-alternatives, the forecast, the test whether a view is useful. What a pose is worth to a search is
-left to `costs`.
+Made once per calibration for all planning: targets, alternatives, forecast, usefulness of a view.
 """
 
 from __future__ import annotations
@@ -29,8 +27,8 @@ from venus3d.engine.geometry.pose import Array, Pose, rotations_of
 from venus3d.engine.geometry.quadrature import board_nodes
 
 LEAST_SIGMA_PX = 0.01
-"""Corners are never known better than this: predictions stay finite where residuals vanish."""
-_CHUNK = 512  # poses at a time: their Jacobians should stay in the processor's cache
+"""Lower bound of the corner noise, so that predictions stay finite if residuals vanish."""
+_CHUNK = 512  # poses at a time: their Jacobians should fit into the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +44,7 @@ class Posterior:
     noise: NoiseModel | None = None
     """How noise and found corners depend on the pose; None: they do not."""
     settled: bool = True
-    """Whether the views alone say this much; otherwise a wide prior is part of the information."""
+    """Whether the views alone determine the camera; otherwise a wide prior is included."""
 
     @classmethod
     def of(
@@ -59,7 +57,7 @@ class Posterior:
     ) -> Posterior:
         """The posterior after views of this `information`, (9, 9).
 
-        The wide prior of `prior_information` is added while the views alone say less than it does.
+        `prior_information` is added while the views alone contain less.
         """
         gathered = np.asarray(information, dtype=np.float64)
         prior = prior_information(camera, sigma_px)
@@ -82,27 +80,25 @@ class Posterior:
 
     @cached_property
     def covariance(self) -> Array:
-        """(9, 9) of the intrinsics now."""
+        """(9, 9) current covariance of the intrinsics."""
         return covariance_of(self.information, self.sigma_px)
 
     @cached_property
     def uncertainty_px(self) -> float:
-        """Projection uncertainty now: rms over the image, pixels, the prior included."""
+        """Current projection uncertainty: rms over the image, pixels, the prior included."""
         return projection_uncertainty_px(self.camera, self.covariance)
 
     def after(self, vectors: ArrayLike, *, rough: bool = False) -> Array:
-        """(N, 9, 9) covariances after one more view under each pose vector (N, 6).
+        """(N, 9, 9) covariances after one more view of the whole board under pose vectors (N, 6).
 
-        The whole board is seen; with a noise model the view counts for as much as the noise and the
-        corners found under that pose let it. `rough` takes two dozen points of the board instead of
-        all corners (`quadrature`): good to a fraction of a per cent.
+        A noise model weighs the view by the noise and the corners found. `rough` takes two dozen
+        points of the board instead of all corners (`quadrature`): good to a fraction of a per cent.
 
-        The normal matrix of the view's pose and the intrinsics, with the information on the latter
-        added, is `L L^T`. The pose stands first, so the lower right block of L is the root of the
-        marginal information: one Cholesky factor does what the Schur complement and a second one
-        would do.
+        The normal matrix of pose and intrinsics, with the information on the latter added, is `L
+        L^T`. As the pose comes first, the lower right block of L is the root of the marginal
+        information: one Cholesky factor replaces the Schur complement and a second one.
 
-        Raises numpy's `LinAlgError` if all together leave some parameter undetermined.
+        Raises numpy's `LinAlgError` if a parameter is undetermined.
         """
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         points, weights = board_nodes(self.board) if rough else (self.board.corners, None)
@@ -118,13 +114,13 @@ class Posterior:
         return self.sigma_px**2 * covariances
 
     def with_view(self, vector: ArrayLike) -> Posterior:
-        """The posterior once a view under the pose vector (6,) is taken."""
+        """The posterior after a view under the pose vector (6,)."""
         # The inverse of a covariance is its information.
         after = covariance_of(self.after(vector)[0] / self.sigma_px**2)
         return replace(self, information=after)
 
     def with_observation(self, observation: Observation, pose: Pose) -> Posterior:
-        """The posterior once this very observation is taken as a view, under its pose."""
+        """The posterior after this observation is taken as a view, under its pose."""
         points = self.board.points_of(observation.ids)
         added = view_information(self.camera, points, pose.R[None], pose.t[None])[0]
         return replace(self, information=self.information + added)
@@ -141,11 +137,11 @@ def information_of(calibration: Calibration) -> Array:
 
 
 def _settled(information: Array, prior: Array, sigma_px: float) -> bool:
-    """Whether the views alone know each parameter better than the prior does."""
+    """Whether the views alone determine each parameter better than the prior does."""
     with np.errstate(all="ignore"):
         try:
             variance = np.diag(covariance_of(information, sigma_px))
         except np.linalg.LinAlgError:
             return False
-    # A variance below zero, or none: the information is singular but for rounding.
+    # A negative or zero variance: the information is singular but for rounding.
     return bool((variance > 0).all() and (variance < sigma_px**2 / np.diag(prior)).all())

@@ -1,4 +1,4 @@
-"""What a target is for, in one plain sentence, and how the board is held there, in a few words."""
+"""The purpose of a target in one sentence, and how the board is held there in a few words."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _LENS = ("k1", "k2", "k3", "p1", "p2")
 
 
 def served(before: Array, after: Array, first: str | None = None) -> tuple[str, ...]:
-    """The parameters whose sigma falls most from a covariance (9, 9) to another, best first.
+    """The parameters whose sigma falls most between two covariances (9, 9), best first.
 
     At most three, all within 80 % of the largest relative drop. The parameter `first`, which a rule
-    aimed at, stands first whatever it gains.
+    aimed at, comes first whatever its drop.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         drop = np.nan_to_num(1 - np.sqrt(np.diag(after) / np.diag(before)), nan=0.0)
@@ -36,16 +36,13 @@ def served(before: Array, after: Array, first: str | None = None) -> tuple[str, 
 
 
 def reason_for(serves: Sequence[str], pose: Pose, camera: Camera, board: Board) -> str:
-    """One sentence: what about this pose informs most about the parameters it serves."""
+    """One sentence: what in this pose is most informative about the parameters it serves."""
     lens = bool(serves) and serves[0] in _LENS
     return f"{_what_it_does(pose, camera, board, lens)} {_what_it_finds(serves)}."
 
 
 def held_in_words(pose: Pose, camera: Camera) -> str:
-    """How a board is held, by what tells poses apart: turn in the picture, place, tilt, distance.
-
-    Sides are the picture's, as on the page.
-    """
+    """How the board is held: turn in the image, place, tilt, distance. Sides are the image's."""
     roll = float(pose.vector()[2])
     turn = "clockwise" if roll > 0 else "counter-clockwise"
     u, v = camera.without_distortion().project(pose.t) / (camera.width, camera.height)
@@ -67,8 +64,8 @@ def tilt_deg(pose: Pose) -> float:
 
 
 def _edge_in_front(pose: Pose) -> str:
-    """The edge or corner, as it lies in the picture, that is nearer than the line of sight makes
-    it: the side towards which the normal, pointing away from the camera, does not lean."""
+    """The edge or corner in the image that is nearer than the line of sight alone makes it:
+    opposite the side towards which the normal (away from the camera) leans."""
     line = pose.t / np.linalg.norm(pose.t)
     x, y = (pose.R[:, 2] - (pose.R[:, 2] @ line) * line)[:2]
     across, up = "right" if x > 0 else "left", "top" if y < 0 else "bottom"
@@ -78,7 +75,7 @@ def _edge_in_front(pose: Pose) -> str:
 
 
 def _what_it_does(pose: Pose, camera: Camera, board: Board, lens: bool) -> str:
-    """The subject of the sentence: the tilt, or for the lens the place in the picture."""
+    """The subject of the sentence: the tilt, or for the lens the place in the image."""
     tilt, place = tilt_deg(pose), _place(pose, camera, board)
     if lens and place == _FULL:
         return "A board over most of the picture shows"
@@ -94,14 +91,14 @@ def _what_it_does(pose: Pose, camera: Camera, board: Board, lens: bool) -> str:
 
 
 def _place(pose: Pose, camera: Camera, board: Board) -> str:
-    """Where in the picture the board reaches furthest out; empty if it is in the middle."""
+    """Where the board reaches furthest out in the image; empty in the middle."""
     pixels = camera.without_distortion().project(pose.apply(board.outline))
     size = np.array([camera.width, camera.height])
     if not np.isfinite(pixels).all():
         return ""
-    # Gaps to the left/top and right/bottom border, in parts of the image.
+    # Gaps to the left/top and right/bottom border, as shares of the image.
     low, high = pixels.min(axis=0) / size, 1 - pixels.max(axis=0) / size
-    # Near a border, and not as near to the one across from it.
+    # Near a border, and not equally near to the opposite one.
     x, y = (
         (-1 if a < b else 1) if min(a, b) < 0.15 and abs(a - b) > 0.12 else 0
         for a, b in zip(low, high, strict=True)

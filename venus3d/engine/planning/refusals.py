@@ -1,7 +1,6 @@
-"""Why a pose may not be asked of a person, in sentences that help to mend it, the worst first.
+"""Why a pose is not allowed as a target, in sentences that help to correct it, worst first.
 
-`Limits.margins` decides; here each broken limit is named, with the corner or the turn that breaks
-it.
+`Limits.margins` decides; here each broken limit is named, with the corner or turn that breaks it.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from venus3d.engine.geometry.pose import AXES, Array, rotations_of
 from venus3d.engine.geometry.visibility import Visibility, visibility_of
 from venus3d.engine.planning.limits import RULES, SLACK, Limits, Rule
 
-# The first four and the last four of the points that `visibility_of` looks at.
+# The first four and last four of the points of `visibility_of`.
 _POINTS = (
     "The top left corner",
     "The top right corner",
@@ -69,19 +68,19 @@ class Refusal:
     excess: float
     """By how much, relative to what is allowed."""
     corners: tuple[int, ...] = ()
-    """Which of the board's outline corners are to blame, 0 ... 3 clockwise from the top left."""
+    """The board's outline corners concerned, 0 ... 3 clockwise from the top left."""
 
 
 def refusals(
     limits: Limits, camera: Camera, board: Board, vector: ArrayLike
 ) -> tuple[Refusal, ...]:
-    """Why a pose vector (6,), degrees and metres, is not asked of a person; empty if it may be."""
+    """Why a pose vector (6,), degrees and metres, is not allowed; empty if it is."""
     p = np.asarray(vector, dtype=np.float64)
     seen = visibility_of(camera, board, p[None])
     margins = limits.margins(camera, p[None], seen)[:, 0]
     excess: dict[Rule, float] = dict(zip(RULES, (-margins).tolist(), strict=True))
     broken: list[Rule] = [rule for rule in RULES if excess[rule] > SLACK]
-    if "behind" in broken:  # where nothing can be said of the picture
+    if "behind" in broken:  # nothing is known of the image
         broken = [rule for rule in broken if rule != "outside" and rule != "small"]
     found: list[Refusal] = []
     for rule in broken:
@@ -99,7 +98,7 @@ def refusals(
 def _sentence(
     rule: Rule, limits: Limits, board: Board, p: Array, seen: Visibility
 ) -> tuple[str, tuple[int, ...]]:
-    """What is said of a rule that is broken at one place only, and the corner to blame."""
+    """The sentence for a rule that is broken at one place only, and the corner concerned."""
     distances = np.linalg.norm(board.outline @ rotations_of(p)[0].T + p[3:], axis=1)
     nearest, farthest = int(np.argmin(distances)), int(np.argmax(distances))
     near, far = 1000 * distances[nearest], 1000 * distances[farthest]
@@ -133,7 +132,7 @@ def _angles(limits: Limits, p: Array) -> Iterator[Refusal]:
 
 
 def _sides(limits: Limits, camera: Camera, seen: Visibility) -> Iterator[Refusal]:
-    """Each border of the image that the board leaves, by the point that is farthest outside."""
+    """Each border of the image that the board crosses, by the point farthest outside."""
     low, high = limits.frame(camera)
     x, y = seen.pixels[:, [0, 1, 2, 3, 12, 13, 14, 15], 0]
     border = limits.margin * camera.width

@@ -1,8 +1,8 @@
-"""scipy's global optimisers on the same space and cost, to measure our own search against.
+"""scipy's global optimisers on the same space and cost, as benchmarks of our own search.
 
-Both work in the unit cube of `Space.from_unit`, on the logarithm of the cost (so that neither its
-unit nor its size matters to their temperatures). A point outside the space costs more than any pose
-by as much as it breaks the limits: a slope that leads back inside.
+Both work in the unit cube of `Space.from_unit` on the logarithm of the cost, which removes its
+scale. A point outside the space costs more than any pose, increasing with how far it breaks the
+limits, so that the slope leads back inside.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from venus3d.engine.planning.elites import Elites
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchStep, Stop
 
-# scipy renames `seed` to `rng`; the old name is understood by all versions, not by all stubs.
+# scipy renames `seed` to `rng`; all versions accept the old name, but not all stubs.
 _dual_annealing: Any = dual_annealing
 _differential_evolution: Any = differential_evolution
 _BOUNDS = [(0.0, 1.0)] * 6
-_OUTSIDE = 20.0  # in units of the logarithm: dearer than any pose of the space
+_OUTSIDE = 20.0  # in units of the logarithm: above any pose of the space
 
 
 class _Ended(Exception):  # noqa: N818 (no error: the way out of scipy's loops)
-    """The budget is used up, or somebody asked to stop."""
+    """The budget is used up, or a stop was requested."""
 
 
 def dual_annealing_search(
@@ -39,7 +39,7 @@ def dual_annealing_search(
     stop: Stop | None = None,
     on_step: OnSearchStep | None = None,
 ) -> SearchResult:
-    """`scipy.optimize.dual_annealing` with its defaults, until `budget` points were looked at."""
+    """`scipy.optimize.dual_annealing` with its defaults, for `budget` points."""
     objective = _Objective(space, cost, rng, budget, stop, on_step)
     with suppress(_Ended):
         _dual_annealing(objective.of_one, _BOUNDS, maxiter=10**9, seed=rng)
@@ -55,9 +55,9 @@ def differential_evolution_search(
     stop: Stop | None = None,
     on_step: OnSearchStep | None = None,
 ) -> SearchResult:
-    """`scipy.optimize.differential_evolution`, 60 at a time, until `budget` points were looked at.
+    """`scipy.optimize.differential_evolution`, 60 points at a time, for `budget` points.
 
-    From a Sobol sequence and without a polish at the end, otherwise with its defaults.
+    From a Sobol sequence and without final polishing, otherwise with its defaults.
     """
     objective = _Objective(space, cost, rng, budget, stop, on_step)
     with suppress(_Ended):
@@ -77,7 +77,7 @@ def differential_evolution_search(
 
 
 class _Objective:
-    """Logarithms of costs of points of the unit cube, with everything kept that was met."""
+    """Logarithms of the costs of points of the unit cube; records all of them."""
 
     def __init__(
         self,
@@ -91,12 +91,12 @@ class _Objective:
         self._space, self._cost, self._left = space, cost, budget
         self._stop, self._on_step, self._stopped = stop, on_step, False
         self._elites = Elites(space)
-        # A valid pose to begin with: the search may be stopped before it finds one.
+        # Start with a valid pose: the search may be stopped before it finds one.
         first = random_pose(space, rng)[None]
         self._elites.add(first, cost(first))
 
     def __call__(self, unit: Array) -> Array:
-        """(N,) for points (N, 6). Ends the search by `_Ended` when it is time."""
+        """(N,) for points (N, 6). Ends the search by `_Ended`."""
         self._stopped = self._stop is not None and self._stop()
         if self._stopped or self._left <= 0:
             raise _Ended
@@ -125,11 +125,9 @@ class _Objective:
             )
 
     def of_one(self, unit: Array) -> float:
-        """For one point (6,)."""
         return float(self(unit[None])[0])
 
     def of_columns(self, unit: Array) -> Array:
-        """For points (6, N)."""
         return self(unit.T)
 
     def found(self) -> SearchResult:

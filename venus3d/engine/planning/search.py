@@ -1,12 +1,11 @@
-"""Looking for the pose with the smallest cost: all strategies behind one function.
+"""Searches for the pose with the smallest cost: all strategies behind one function.
 
 annealing                Algorithm 1 of the paper, from a given pose
 global                   ours: the whole pose space within the limits
-dual-annealing           scipy's, a yardstick
-differential-evolution   scipy's, a yardstick (the paper's posterior names evolutionary search)
+dual-annealing           scipy's, a benchmark
+differential-evolution   scipy's, a benchmark (the paper's posterior names evolutionary search)
 
-All take a random generator, end when asked to with the best pose so far, and report their steps so
-that they can be watched. What a pose costs is `costs`' business, which poses are allowed `space`'s.
+All take a random generator, return the best pose so far when stopped, and report their steps.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ BUDGET: dict[Strategy, int] = {
     "dual-annealing": 5000,
     "differential-evolution": 5000,
 }
-"""Poses looked at if nothing else is asked for."""
+"""Default number of poses to evaluate."""
 
 
 def search(
@@ -63,14 +62,14 @@ def search(
 
     Args:
         cost: of pose vectors (N, 6), never negative; see `make_cost`.
-        start: (6,) where the annealing begins, a pose of the space; the others need none.
-        budget: about how many poses to look at; None for the strategy's own (`BUDGET`).
-        stop: asked again and again; once it says True the best pose so far is returned.
-        on_step: called with every pose looked at, or with the best of every batch.
-        keep_best: let the annealing return the best pose it met, not the one it ends on as printed.
+        start: (6,) a pose of the space where the annealing begins; the others need none.
+        budget: approximate number of poses to evaluate; None for the strategy's default (`BUDGET`).
+        stop: polled; once True the best pose so far is returned.
+        on_step: called with every pose evaluated, or with the best of every batch.
+        keep_best: the annealing returns the best pose it met, not the last one as printed.
 
-    Raises `VenusError` for a strategy that does not exist, an annealing without a start, a budget
-    below one, and limits that leave no pose.
+    Raises `VenusError` for an unknown strategy, an annealing without a start, a budget below one,
+    and limits that leave no pose.
     """
     if strategy not in STRATEGIES:
         raise VenusError(f"There is no strategy {strategy!r}; use one of {', '.join(STRATEGIES)}.")

@@ -1,4 +1,4 @@
-"""What a search reports while it runs and what it ends with. The searches are in `search`."""
+"""The steps that a search reports and its result. The searches are in `search`."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ Stop = Callable[[], bool]
 
 @dataclass(frozen=True, eq=False)
 class SearchStep:
-    """One step of a search, for somebody who watches."""
+    """One step of a search, for observers."""
 
     vector: Array
-    """(6,) the pose looked at."""
+    """(6,) the pose evaluated."""
     cost: float
     accepted: bool
-    """Whether the search went on from it."""
+    """Whether the search continued from it."""
     best_vector: Array
     """(6,) the cheapest pose so far."""
     best_cost: float
     evaluated: int
     """Costs computed so far."""
     candidates: Array = field(default_factory=lambda: np.empty((0, 6)))
-    """(N, 6) all poses of the batch that this is the best of; empty if it was looked at alone."""
+    """(N, 6) all poses of the batch of which this is the best; empty for a single pose."""
     candidate_costs: Array = field(default_factory=lambda: np.empty(0))
     """(N,) their costs."""
 
 
 @dataclass(frozen=True, eq=False)
 class SearchTrace:
-    """A whole search as it went, to be watched afterwards."""
+    """The recorded steps of a whole search."""
 
     steps: tuple[SearchStep, ...]
-    """In order; the first ones only, if there were very many."""
+    """In order; only the first ones if there were very many."""
     end: Array
-    """(6,) the pose that the search ended with."""
+    """(6,) the resulting pose."""
 
     @property
     def is_batched(self) -> bool:
@@ -49,7 +49,7 @@ class SearchTrace:
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """What a search ended with."""
+    """The result of a search."""
 
     vector: Array
     """(6,) pose vector."""
@@ -57,9 +57,9 @@ class SearchResult:
     evaluated: int
     """Costs computed."""
     stopped: bool
-    """Whether it was stopped before its end."""
+    """Whether it was stopped early."""
     elites: Array = field(default_factory=lambda: np.empty((0, 6)))
-    """(K, 6) the good poses met, cheapest first, the best included; empty if none were kept."""
+    """(K, 6) the good poses found, cheapest first, including the best; empty if none were kept."""
     elite_costs: Array = field(default_factory=lambda: np.empty(0))
     """(K,) their costs."""
 
@@ -68,17 +68,16 @@ OnSearchStep = Callable[[SearchStep], None]
 
 
 class SearchRecorder:
-    """Keeps the steps of a search. Used within one search; a step is kept as it is, not copied."""
+    """Records the steps of a search, without copying them. Used within one search."""
 
     AT_MOST = 6000
-    """Poses kept, so that no search fills the memory: a third of a megabyte."""
+    """Poses kept, to limit the memory: a third of a megabyte."""
 
     def __init__(self, watch: OnSearchStep | None = None) -> None:
         """`watch` is called with every step as well."""
         self._watch, self._steps, self._poses = watch, list[SearchStep](), 0
 
     def __call__(self, step: SearchStep) -> None:
-        """Take in one step."""
         poses = max(1, len(step.candidates))
         if self._poses + poses <= self.AT_MOST:
             self._steps.append(step)

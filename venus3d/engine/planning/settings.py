@@ -1,6 +1,6 @@
-"""How the next pose is found: the method with its cost and search, the noise model, the limits.
+"""Settings for finding the next pose: method, cost, search, noise model, limits.
 
-What does not go together is refused when the settings are made, before anything starts.
+Invalid combinations are refused when the settings are made.
 """
 
 from __future__ import annotations
@@ -28,24 +28,24 @@ from venus3d.engine.planning.method import (
 
 @dataclass(frozen=True)
 class PlanningSettings:
-    """How the next pose is found.
+    """Settings for finding the next pose.
 
-    Raises `VenusError` for names that do not exist and for combinations that make no sense.
+    Raises `VenusError` for unknown names and invalid combinations.
     """
 
     method: Method = "global"
     cost: Cost | None = None
-    """None: the method's own."""
+    """None: the method's default."""
     strategy: Strategy | None = None
-    """How the method searches; None: its own search."""
+    """How the method searches; None: the method's default."""
     start: Start = "generated"
-    """Method venus: where its search begins, at the rule's pose or at a random one."""
+    """Method venus: start at the rule's pose or at a random one."""
     noise: NoiseModel | None = RENDERED
-    """How noise and found corners depend on a pose, when planning; None: they do not."""
+    """How noise and found corners depend on a pose when planning; None: they do not."""
     limits: Mapping[str, float] = field(default_factory=dict[str, float])
-    """`Limits`' fields that are set by hand; the rest suit the board and the camera."""
+    """Fields of `Limits` set by hand; the others suit the board and the camera."""
     keep_best: bool = False
-    """Method venus: return the best pose that the annealing met, not the one it ends on."""
+    """Method venus: return the best pose that the annealing met, not the last one."""
 
     def __post_init__(self) -> None:
         for kind, name, names in (
@@ -56,7 +56,7 @@ class PlanningSettings:
             if name is not None and name not in names:
                 raise VenusError(f"There is no {kind} {name!r}; use one of {', '.join(names)}.")
         if self.method not in DEFAULT_STRATEGY:
-            # A cost is harmless where it is the default, a misunderstanding elsewhere.
+            # A redundant default cost is harmless; any other is a misunderstanding.
             own = self.cost == DEFAULT_COST[self.method]
             unused = self.strategy or (None if own else self.cost)
             if unused is not None:
@@ -74,14 +74,14 @@ class PlanningSettings:
 
     @property
     def search_cost(self) -> Cost:
-        """The cost that is used: `cost`, or the method's own."""
+        """The cost used: `cost`, or the method's default."""
         return self.cost or DEFAULT_COST[self.method]
 
     @property
     def search_strategy(self) -> Strategy | None:
-        """The search that is used: `strategy`, or the method's own; None: it searches nothing."""
+        """The search used: `strategy`, or the method's default; None: no search."""
         return self.strategy or DEFAULT_STRATEGY.get(self.method)
 
     def limits_for(self, board: Board, camera: Camera) -> Limits:
-        """The limits that suit the board and the camera, but for those set by hand."""
+        """The limits for the board and the camera, with those set by hand."""
         return replace(Limits.for_board(board, camera), **self.limits)

@@ -1,4 +1,4 @@
-"""The next target: the pose that the method finds, what it is for and the steps to it.
+"""The next target: the method's pose, its purpose and the steps to it.
 
 random           a valid random pose
 pose-selection   Rojtberg's pose for the least certain parameter
@@ -37,20 +37,18 @@ from venus3d.engine.planning.settings import PlanningSettings
 from venus3d.engine.planning.target import Target
 
 EFFORT = 0.02
-"""A pose at the end of all three angles may be this much cheaper and still lose to an upright one.
-
-Poses within two per cent of each other are equal for the camera, not for the person's wrists.
-"""
+"""Surcharge of a pose with all three angles at their ends over an upright one: poses within two per
+cent are equal for the camera, but not for the person's wrists."""
 
 
 @dataclass(frozen=True, eq=False)
 class NextTarget:
-    """The next target and the generators' state after it."""
+    """The next target and the rule's state after it."""
 
     target: Target
     state: HeuristicState
     note: str = ""
-    """How a generated pose had to be changed to stay within the limits; empty if it was not."""
+    """How a generated pose was changed to fit the limits; empty if it was not."""
 
 
 def suggest(
@@ -64,13 +62,13 @@ def suggest(
     stop: Stop | None = None,
     on_step: OnSearchStep | None = None,
 ) -> Target:
-    """The next pose to hold the calibration's board in, why, and the four steps to it.
+    """The next pose for the calibration's board, its purpose, and the four steps to it.
 
     Args:
         settings: how it is found; None for the defaults: the method global.
         number: the target's number; None: one more than there are views.
         skipped: poses not to be offered again within 15 degrees and a tenth of the distance.
-        rng: None: seeded with 0 and the number, as a session with the seed 0 does.
+        rng: None: seeded with 0 and the number, as in a session with the seed 0.
         state, stop, on_step: see `next_target`.
 
     Raises `VenusError` for limits that leave no pose.
@@ -103,11 +101,11 @@ def next_target(
     stop: Stop | None = None,
     on_step: OnSearchStep | None = None,
 ) -> NextTarget:
-    """The next target in the `space`, with what is needed to go on after it.
+    """The next target in the `space`, with the rule's state after it.
 
     Args:
         number: the target's number.
-        state: of the rule of the methods that have one.
+        state: of the rule, for methods that have one.
         views: captured so far; only the cost "rms" needs their observations.
         stop, on_step: see `search`.
 
@@ -147,13 +145,14 @@ def find_pose(
     stop: Stop | None = None,
     on_step: OnSearchStep | None = None,
 ) -> tuple[SearchResult, HeuristicPose | None, HeuristicState]:
-    """The pose itself; what the method's rule made, if that was used; the rule's state after it.
+    """The pose itself; what the method's rule made, if it was used; the rule's state after it.
 
-    `budget` is about how many poses to look at, None for the search's own. Others as `next_target`.
+    `budget`: approximate number of poses to evaluate; None: the search's default. Others as
+    `next_target`.
     """
     strategy = settings.search_strategy
     begun = (state or HeuristicState()).observed(np.sqrt(np.diag(posterior.covariance)))
-    # Other searches than the annealing do not start anywhere: no rule is asked.
+    # Only the annealing needs a start, and so a rule.
     ruled = strategy is None or (strategy == "annealing" and settings.start == "generated")
     made = _generated(settings.method, space, posterior.covariance, begun) if ruled else None
     ended = begun if made is None else made.state
@@ -193,8 +192,8 @@ def target_at(
     """The complete target at a pose vector (6,).
 
     Args:
-        aimed_at: the parameter that a rule aimed at; stands first whatever it gains.
-        evaluated: poses looked at.
+        aimed_at: the parameter that a rule aimed at; listed first whatever it gains.
+        evaluated: number of poses evaluated.
         began: `time.perf_counter` when the search began.
     """
     camera, board = posterior.camera, posterior.board
@@ -225,8 +224,7 @@ def _search_cost(
     views: Sequence[View],
     rng: np.random.Generator,
 ) -> CostFunction:
-    """The cost; for the method global with a tiny surcharge for the turns that a person has to
-    make (see `EFFORT`)."""
+    """The cost; for the method global with a small surcharge for turns (see `EFFORT`)."""
     observations = [view.observation for view in views]
     cost = make_cost(settings.search_cost, posterior, observations=observations, rng=rng)
     if settings.method != "global":
@@ -241,10 +239,7 @@ def _search_cost(
 def _generated(
     method: Method, space: Space, covariance: Array, state: HeuristicState
 ) -> HeuristicPose | None:
-    """The rule's next pose that was not skipped; it gives up after eight and takes the last.
-
-    None for methods without a rule.
-    """
+    """The rule's next pose that was not skipped, or the eighth; None for methods without a rule."""
     if method not in ("venus", "pose-selection"):
         return None
     generate = paper_pose if method == "venus" else rojtberg_pose

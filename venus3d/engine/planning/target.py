@@ -1,4 +1,4 @@
-"""The next target: the pose asked for, what it is for, and what it is expected to give."""
+"""The next target: the pose, its purpose, and its expected gain."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from venus3d.engine.planning.method import Cost, Method
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """The pose asked for, why, and how to get there."""
+    """A pose for the user to reach, its purpose, and the steps to it."""
 
     number: int
-    """Counts from 1; a skipped target uses up its number."""
+    """Counts from 1; skipped targets are counted."""
     pose: Pose
     steps: Steps
     """Eq. (15): from the frontal, upright board to the target."""
@@ -27,25 +27,25 @@ class Target:
     serves: tuple[str, ...]
     """The parameters this view helps most, best first."""
     reason: str
-    """One sentence: what this pose is for."""
+    """One sentence: the purpose of this pose."""
     predicted_sigma: Array
-    """(9,) expected standard deviations after this view; NaN where not known."""
+    """(9,) expected standard deviations after this view; NaN if unknown."""
     predicted_uncertainty_px: float
-    """Projection uncertainty over the image after this view, pixels; NaN where not known."""
+    """Projection uncertainty over the image after this view, pixels; NaN if unknown."""
     evaluated: int
-    """How many candidate poses were looked at."""
+    """Number of candidate poses evaluated."""
     search_s: float
-    """How long the search took."""
+    """Duration of the search."""
     uncertainty_px: float = float("nan")
-    """Projection uncertainty over the image before this view, pixels; NaN where not known."""
+    """Projection uncertainty over the image before this view, pixels; NaN if unknown."""
     alternatives: tuple[Target, ...] = ()
-    """Clearly different poses that are nearly as good, best first; one may suit the wrists."""
+    """Clearly different poses that are nearly as good, best first."""
     held: str = ""
-    """In a few words, how the board is held there: upright or turned, place, tilt, distance."""
+    """How the board is held, in a few words: upright or turned, place, tilt, distance."""
 
     @property
     def gain_px(self) -> float:
-        """By how much this view should lower the projection uncertainty, pixels; NaN if unknown."""
+        """Expected drop of the projection uncertainty by this view, pixels; NaN if unknown."""
         return self.uncertainty_px - self.predicted_uncertainty_px
 
 
@@ -60,7 +60,7 @@ def unpredicted_target(
     cost: Cost = "projection-variance",
     serves: tuple[str, ...] = (),
 ) -> Target:
-    """A target that no search has found: what it would give is not known."""
+    """A target without a search, whose gain is unknown."""
     return Target(
         number=number,
         pose=pose,

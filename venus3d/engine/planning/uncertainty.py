@@ -1,16 +1,15 @@
 """Projection uncertainty over the image, now and after the next view, and each view's influence.
 
-What a calibration would be without one of its views is estimated without calibrating anew. At the
-optimum let view i have the residuals r_i, the Jacobian J_i by the intrinsics and the information
-I_i of `information`, and let A be the sum of the other views' informations. To first order the
-others alone
+The calibration without one of its views is estimated without calibrating again. At the optimum let
+view i have the residuals r_i, the Jacobian J_i by the intrinsics and the information I_i of
+`information`, and let A be the sum of the other views' informations. To first order the others give
 
-    say the parameters    x - A^-1 g,                     g = J_i^T r_i
-    leave the squares     S - |r_i|^2 - g^T A^-1 g,       S those of all views
-    have the covariance   sigma^2 A^-1,                   sigma^2 = squares / degrees of freedom
+    the parameters        x - A^-1 g,                     g = J_i^T r_i
+    the sum of squares    S - |r_i|^2 - g^T A^-1 g,       S that of all views
+    the covariance        sigma^2 A^-1,                   sigma^2 = squares / degrees of freedom
 
 (Cook 1977, "Detection of influential observation in linear regression"). r_i is orthogonal to the
-view's own pose, which is at its optimum, so the pose drops out of g.
+view's own pose at its optimum, so the pose drops out of g.
 """
 
 from __future__ import annotations
@@ -33,9 +32,8 @@ from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.target import Target
 
 MAP = (36, 24)
-"""Cells of the maps across and down: three in each direction for one ray of the mean, which is the
-middle one."""
-# Information whose parameters are tied more strongly than this is as good as singular.
+"""Cells of the maps across and down: 3 x 3 per ray of the mean, which is the middle one."""
+# Singular below this smallest eigenvalue of the information with unit diagonal.
 _TIED = 1e-13
 
 
@@ -50,30 +48,30 @@ class Influence:
     rms_px: float
     """Root mean square reprojection distance of the others; NaN likewise."""
     parameters: Array
-    """(9,) the `PARAMETERS` that the others alone say; NaN likewise."""
+    """(9,) the `PARAMETERS` from the others alone; NaN likewise."""
     sigma: Array
     """(9,) their standard deviations; NaN likewise."""
 
 
 @dataclass(frozen=True, eq=False)
 class ProjectionUncertainty:
-    """How well a camera is known over its image, and what each view contributes to that."""
+    """Uncertainty of a camera over its image, and each view's contribution."""
 
     uncertainty_px: float
     """Projection uncertainty over the image, pixels: the root mean square of the map."""
     uncertainty_map: Array
-    """(rows, columns) the same at the centres of equal cells; NaN where no ray is."""
+    """(rows, columns) the same at the centres of equal cells; NaN where there is no ray."""
     predicted: tuple[tuple[Pose, Array], ...]
-    """The target's pose and its alternatives', each with the map to expect after a view there."""
+    """The poses of the target and its alternatives, each with the expected map after a view."""
     influences: tuple[Influence, ...]
-    """For each view, in their order, the calibration without it."""
+    """For each view, in order, the calibration without it."""
 
     def predicted_at(self, pose: Pose) -> Array | None:
-        """The map to expect after a view at this very target's pose; None if it is none of them."""
+        """The expected map after a view at exactly this pose; None if it is none of them."""
         return next((map_ for aim, map_ in self.predicted if aim is pose), None)
 
     def without(self, number: int) -> Influence | None:
-        """The influence of the view of this number; None if there is none."""
+        """The influence of the view with this number; None if there is none."""
         return next((left for left in self.influences if left.number == number), None)
 
 
@@ -83,7 +81,7 @@ def projection_uncertainty(
     """The uncertainty of a calibration; None while it does not estimate all nine parameters.
 
     Args:
-        posterior: of the same views; the maps to expect after a view are its.
+        posterior: of the same views; gives the expected maps.
         target: the next target, with its alternatives; None if there is none.
     """
     if not all(calibration.free):
@@ -105,7 +103,7 @@ def projection_uncertainty(
 
 
 def influences(calibration: Calibration) -> tuple[Influence, ...]:
-    """A full calibration without each of its views, in their order."""
+    """A full calibration without each of its views, in order."""
     camera, views = calibration.camera, calibration.views
     parts = [_information_and_pull(calibration, view) for view in views]
     total = np.sum([information for information, _ in parts], axis=0)
@@ -116,7 +114,7 @@ def influences(calibration: Calibration) -> tuple[Influence, ...]:
 
 
 def _information_and_pull(calibration: Calibration, view: View) -> tuple[Array, Array]:
-    """The view's information (9, 9) and its pull on the parameters, g (9,); unit noise."""
+    """The view's information (9, 9) and its gradient by the parameters, g (9,); unit noise."""
     camera, points = calibration.camera, calibration.board.points_of(view.observation.ids)
     R, t = view.pose.R[None], view.pose.t[None]
     _, intrinsic, _ = camera.project_with_jacobians(points, R, t)
@@ -146,7 +144,7 @@ def _without(
 
 
 def _covariance(information: Array) -> Array | None:
-    """(9, 9) for unit noise; None if the information is singular, or as good as."""
+    """(9, 9) for unit noise; None if the information is (nearly) singular."""
     scale = np.sqrt(np.abs(np.diag(information)))
     if not (scale > 0).all():
         return None
