@@ -52,8 +52,8 @@ class ButtonRow(Generic[Action]):
         """Make the row.
 
         Args:
-                labels: the label of each action's button, in order.
-                on_press: called on viser's threads with the action and the tab.
+            labels: the label of each action's button, in order.
+            on_press: called on viser's threads with the action and the tab.
             hint: what the row is for.
         """
         self._labels: _Labels[Action] = _Labels()
@@ -100,9 +100,9 @@ class ChoiceList(Generic[Action]):
         """Make the list.
 
         Args:
-                labels: each entry's label, in order.
-                on_choice: called on viser's threads when a person has chosen, not at `show`.
-                chosen: the initial entry; by default the first.
+            labels: each entry's label, in order.
+            on_choice: called on viser's threads when a person has chosen, not at `show`.
+            chosen: the initial entry; by default the first.
         """
         self._labels: _Labels[Action] = _Labels()
         self._shown: tuple[tuple[str, ...], str] = (self._labels.labels(labels), "")

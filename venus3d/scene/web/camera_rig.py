@@ -39,8 +39,8 @@ class CameraRig:
         """Nothing moves until `go`.
 
         Args:
-                wake: called on viser's threads when `advance` is due without a flight.
-                tolerance: relative change of a window's aspect beyond which its view is set again.
+            wake: called on viser's threads when `advance` is due without a flight.
+            tolerance: relative change of a window's aspect beyond which its view is set again.
         """
         self._host, self._wake, self._tolerance = host, wake, tolerance
         self._tabs: dict[int, _Tab] = {}

@@ -46,9 +46,9 @@ class Page(ABC, Generic[State]):
         """Take a running server; `_open` then shows the page on it.
 
         Args:
-                notes: lines for the terminal; empty ones are left out.
-                state: the initial state.
-                period_s: shortest time between two calls of `_draw`.
+            notes: lines for the terminal; empty ones are left out.
+            state: the initial state.
+            period_s: shortest time between two calls of `_draw`.
         """
         self.server = server
         self.notes = tuple(note for note in notes if note)

@@ -1,7 +1,7 @@
-"""The board itself as a handle: dragged with the mouse in whatever view the trainee looks from.
+"""Drags the board itself with the mouse, in any view of the scene.
 
-Seen through the camera this is dragging in the projection: viser's pointer moves on a plane that
-is parallel to the picture, so the point of the board that was grabbed stays under the pointer.
+Through the camera this is dragging in the image: viser's pointer moves on a plane parallel to it,
+so the grabbed point stays under the pointer.
 
     drag            moves in the plane of the view
     Shift + drag    tilts and swings, as if the board were the front of a ball
@@ -20,8 +20,8 @@ from venus3d.engine.geometry.pose import Pose
 
 Gesture = Literal["move", "tilt", "rotate", "depth"]
 TURN_DEG = 180.0
-"""A drag across the whole view turns so far."""
-_DEPTH_PER_VIEW = 2.0  # natural logarithm of the change over the view's height
+"""Turn of a drag across the whole view."""
+_DEPTH_PER_VIEW = 2.0  # natural logarithm of the change per view height
 _BINDINGS: tuple[tuple[Gesture, str, str | None], ...] = (
     ("move", "left", None),
     ("tilt", "left", "shift"),
@@ -31,7 +31,7 @@ _BINDINGS: tuple[tuple[Gesture, str, str | None], ...] = (
 
 
 class BoardDrag:
-    """Makes one board's node draggable; knows where the board is from `follow`."""
+    """Makes one board's node draggable; `follow` tells it the board's pose."""
 
     def __init__(self, node: Any, dragged: Callable[[Pose], None], pose: Pose) -> None:
         """`dragged` is called with `T_camera_board`, in order, and must not block."""
@@ -42,11 +42,11 @@ class BoardDrag:
             node.on_drag(button, modifier=modifier)(self._callback(gesture))
 
     def follow(self, pose: Pose) -> None:
-        """Where the board is now."""
+        """Update the board's pose."""
         self._pose = pose
 
     def _callback(self, gesture: Gesture) -> Callable[[Any], Any]:
-        # Async, so that viser keeps the order of one gesture's events.
+        # Async, so that viser keeps the events of a drag in order.
         async def moved(event: Any) -> None:
             if event.phase == "start" or self._grabbed is None:
                 self._grabbed = (self._pose, event)
@@ -66,12 +66,12 @@ class BoardDrag:
 
 
 def dragged_pose(pose: Pose, gesture: Gesture, shift: Any, across: Any) -> Pose:
-    """Where a gesture brings the board.
+    """The board's pose after a gesture.
 
     Args:
-        pose: where it was when it was grabbed.
-        gesture: which one.
-        shift: (3,) the pointer's way on the plane of the view, metres, camera frame.
+        pose: the pose when it was grabbed.
+        gesture: the kind of gesture.
+        shift: (3,) the pointer's movement in the plane of the view, metres, camera frame.
         across: (2,) the same in widths and heights of the view, right and down.
     """
     if gesture == "move":

@@ -1,4 +1,4 @@
-"""The commands of both pages with their keys: one list for hotkeys, palette and help."""
+"""The commands of both pages with their keys, for hotkeys, palette and help."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _NUDGES: tuple[tuple[Any, bool, int, int], ...] = (
     ("O", True, 2, 1),
     ("U", True, 2, -1),
 )
-"""Key, whether with Shift, which of the six numbers of the pose, up or down."""
+"""Key, whether with Shift, index of the pose's number, direction."""
 _PRACTICE_KEYS: dict[Action, Any] = {
     "next": "space",
     "give_up": "G",
@@ -41,7 +41,7 @@ _PRACTICE_KEYS: dict[Action, Any] = {
 }
 _TRIAL_KEYS: dict[Action, Any] = {"next": "space", "give_up": "K", "theme": "B", "autopilot": "O"}
 Ask = Callable[[Request], None]
-"""Called on viser's threads; it only queues."""
+"""Called on viser's threads; only queues the request."""
 
 
 def practice_commands(ask: Ask) -> tuple[Command, ...]:
@@ -63,7 +63,7 @@ def practice_commands(ask: Ask) -> tuple[Command, ...]:
 
 
 def trial_commands(ask: Ask, *, simulated: bool) -> tuple[Command, ...]:
-    """The commands of a trial's page; the autopilot's only where the board is simulated."""
+    """The commands of a trial's page; the autopilot's only for a simulated board."""
     keys: dict[Action, Any] = {
         act: key for act, key in _TRIAL_KEYS.items() if simulated or act != "autopilot"
     }

@@ -1,10 +1,10 @@
-"""An exercise as a plain state machine: bring a board to a target under a help, hold it, be timed.
+"""State machine of an exercise: a person brings a board to a target with a help, and is timed.
 
     ready --next--> aim <--> hold --held--> reached --next--> aim ...       practice
     ready --next--> aim <--> hold --held--> aim ... ready (next help) ... over    trial
 
-Knows no page and no file; times are handed in. `Practice` and `Trial` say which target comes next,
-when a pose is held, and what is written of it. Used by one thread.
+Independent of pages and files; times are passed in. `Practice` and `Trial` choose the targets,
+decide when a pose is held, and write the rows. Used by one thread.
 """
 
 from __future__ import annotations
@@ -22,26 +22,26 @@ View = TypeVar("View", bound=ExerciseView)
 
 
 class Exercise(ABC, Generic[View]):
-    """One target after the other, for one person."""
+    """A sequence of targets for one person."""
 
     def __init__(
         self, camera: Camera, board: Board, written: str, record: Callable[[ExerciseRow], None]
     ) -> None:
         """
         Args:
-            written: where the times are, for the screen.
-            record: is given each pose as soon as it is done with.
+            written: where the times are written, for display.
+            record: called with each pose when it is finished.
         """
         self.camera, self.board = camera, board
         self._written, self._record = written, record
         self.stage: Stage = "ready"
         self.rows: list[ExerciseRow] = []
-        """All poses that were done with."""
+        """All finished poses."""
         self._now_s = 0.0
         self._dark = True
 
     def begin(self) -> bool:
-        """Show the next target. False if none waits for that."""
+        """Show the next target. False if none is waiting."""
         if self.stage not in ("ready", "reached"):
             return False
         self.stage = "aim"
@@ -49,14 +49,14 @@ class Exercise(ABC, Generic[View]):
         return True
 
     def give_up(self) -> bool:
-        """Leave the target that is shown for the next one. False if none is shown."""
+        """Skip the current target. False if none is shown."""
         if self.stage not in ("aim", "hold"):
             return False
         self._finish(GIVEN_UP)
         return True
 
     def handle(self, request: Request) -> None:
-        """Do what a person asked for."""
+        """Carry out a person's request."""
         match request:
             case Press("next"):
                 self.begin()
@@ -68,13 +68,12 @@ class Exercise(ABC, Generic[View]):
                 pass
 
     def tick(self, now_s: float) -> bool:
-        """Let time pass, for those whose clock is not that of the frames; whether the view has
-        changed by itself."""
+        """Advance the clock, where it is not that of the frames; whether the view has changed."""
         return False
 
     @abstractmethod
     def view(self) -> View:
-        """What there is to be seen now."""
+        """What is to be shown now."""
 
     @abstractmethod
     def _aim(self) -> None:
@@ -82,14 +81,14 @@ class Exercise(ABC, Generic[View]):
 
     @abstractmethod
     def _row_of(self, outcome: Outcome) -> ExerciseRow:
-        """How the present target went."""
+        """The row of the current target."""
 
     @abstractmethod
     def _stage_after(self, outcome: Outcome) -> Stage:
-        """What follows it; "aim": the next target at once."""
+        """The stage after this target; "aim": the next target at once."""
 
     def _judge(self, *, there: bool, held: bool) -> None:
-        """Whether the board is at the target, and whether it was for long enough."""
+        """Update the stage: is the board at the target, and was it held long enough?"""
         if self.stage in ("aim", "hold"):
             self.stage = "hold" if there else "aim"
             if held:

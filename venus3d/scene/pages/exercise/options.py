@@ -1,4 +1,4 @@
-"""What a person can choose for practice and for a trial; a docstring is its option's `--help`."""
+"""Options of practice and trial; a docstring is its option's `--help`."""
 
 from __future__ import annotations
 

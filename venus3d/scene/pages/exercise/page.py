@@ -1,6 +1,6 @@
-"""What the pages of both exercises have in common: one tab's panels and scene, and their upkeep.
+"""Base of both exercises' pages: one tab's panels and scene, and their updates.
 
-One thread calls `show` and `advance`; the pictures may come on another one.
+One thread calls `show` and `advance`; the pictures may come from another.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Picture = NDArray[np.uint8]
 
 
 class ExercisePage(ABC, Generic[View]):
-    """One tab. A subclass lays out its panels and puts a view on them."""
+    """One tab. A subclass lays out the panels and shows a view on them."""
 
     def __init__(
         self, client: viser.ClientHandle, ask: Callable[[Request], None], view: View
@@ -36,7 +36,7 @@ class ExercisePage(ABC, Generic[View]):
 
         Args:
             client: the tab.
-            ask: called on viser's threads with what a person asks for; must not block.
+            ask: called on viser's threads with each request; must not block.
         """
         self._client, self._gui, self._ask = client, client.gui, ask
         self._style = PanelStyle(client.gui)
@@ -52,15 +52,15 @@ class ExercisePage(ABC, Generic[View]):
 
     @property
     def is_moving(self) -> bool:
-        """Whether `advance` has something to do."""
+        """Whether `advance` is due."""
         return self._rig.is_due
 
     def advance(self) -> None:
-        """Move on what moves by itself: where the tab looks from."""
+        """Advance the tab's camera."""
         self._rig.advance()
 
     def show(self, view: View) -> None:
-        """Put one view on the page."""
+        """Show one view on the page."""
         before, self._shown = self._shown, view
         theme = Theme(view.dark)
         with self._client.atomic():
@@ -71,15 +71,15 @@ class ExercisePage(ABC, Generic[View]):
         self._look(view, before)
 
     def warn(self, text: str) -> None:
-        """Say that something went wrong, in a note that stays."""
+        """Report an error in a persistent note."""
         self._client.add_notification(self._title, text, color="red")
 
     _title: str
-    """Of the page's notes."""
+    """Title of the page's notes."""
 
     @abstractmethod
     def _lay_out(self, view: View) -> None:
-        """Lay out the panels, and put into the scene what is moved in it."""
+        """Lay out the panels, and add the movable parts of the scene."""
 
     @abstractmethod
     def _commands(self) -> tuple[Command, ...]:
@@ -87,11 +87,11 @@ class ExercisePage(ABC, Generic[View]):
 
     @abstractmethod
     def _put(self, view: View, before: View | None, theme: Theme) -> None:
-        """Put one view on panels and scene, after `before`."""
+        """Show one view on panels and scene, after `before`."""
 
     @abstractmethod
     def _look(self, view: View, before: View | None) -> None:
-        """Turn the tab's camera where it is needed."""
+        """Turn the tab's camera where needed."""
 
     def _make_gizmo(self) -> BoardGizmo:
         return BoardGizmo(self._client, lambda pose: self._ask_to_move(pose, "gizmo"))
@@ -105,7 +105,7 @@ class ExercisePage(ABC, Generic[View]):
 
 
 def add_plot(gui: viser.GuiApi, series: Sequence[Any], labels: tuple[str, str], height: int) -> Any:
-    """A plot over the numbers of the poses in the current panel, hidden until there are lines."""
+    """A plot over pose numbers in the current panel, hidden until it has lines."""
     start = np.array([0.0, 1.0])
     across, up = labels
     return gui.add_uplot(

@@ -1,7 +1,6 @@
-"""Whose picture is drawn next, where many tabs want theirs and the time does not do for all.
+"""Chooses which tab's picture to draw next when there is no time for all.
 
-Who asks again before it was their turn replaces their own request: the newest wins. The next one
-is who had no picture for longest, so that a class shares evenly what can be drawn.
+A tab's new request replaces its old one; the tab that has waited longest for a picture is next.
 """
 
 from __future__ import annotations
@@ -11,33 +10,33 @@ from collections.abc import Callable
 from itertools import count
 
 Job = Callable[[], None]
-"""Draws one picture and hands it over."""
+"""Draws one picture and delivers it."""
 
 
 class PictureTurns:
-    """The pictures that are still to be drawn. May be used from any thread."""
+    """The queue of pictures to draw; thread-safe."""
 
     def __init__(self) -> None:
-        """Nothing is waited for."""
+        """An empty queue."""
         self._wanted: dict[tuple[int, str], Job] = {}
-        self._drawn: dict[tuple[int, str], int] = {}  # when last, counted in turns
+        self._drawn: dict[tuple[int, str], int] = {}  # turn of the last picture
         self._count = count(1)
         self._lock = threading.Lock()
 
     def ask(self, tab: int, what: str, job: Job) -> None:
-        """Do this when it is that tab's turn."""
+        """Queue this job for the tab."""
         with self._lock:
             self._wanted[tab, what] = job
 
     def forget(self, tab: int) -> None:
-        """That tab looks at no picture any more."""
+        """Drop the tab's requests: it has closed."""
         with self._lock:
             for of_all in (self._wanted, self._drawn):
                 for key in [key for key in of_all if key[0] == tab]:
                     del of_all[key]
 
     def take(self) -> tuple[int, Job] | None:
-        """Whose turn it is, and what is to be done; None if nobody waits."""
+        """The next tab and its job; None if the queue is empty."""
         with self._lock:
             if not self._wanted:
                 return None
@@ -47,6 +46,6 @@ class PictureTurns:
 
 
 def fitting(size: tuple[int, int], room: tuple[int, int]) -> tuple[int, int]:
-    """The largest (width, height) of this shape within `room`; at least one pixel a side."""
+    """The largest (width, height) of this aspect within `room`; at least one pixel each."""
     scale = min(room[0] / size[0], room[1] / size[1])
     return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))

@@ -1,4 +1,4 @@
-"""One trainee's practice: levels, a board that is moved on the page, the way it takes."""
+"""One trainee's practice: levels, a board moved on the page, and the path it takes."""
 
 from __future__ import annotations
 
@@ -49,16 +49,16 @@ from venus3d.scene.pages.exercise.view_model import (
 from venus3d.storage.exercise import REACHED, ExerciseRow, Outcome, target_columns
 
 REACHED_FOR_NEXT_LEVEL = 2
-"""So many poses reached in a row lead to the next level."""
+"""Poses to reach in a row for the next level."""
 _NUDGE_DEG, _NUDGE_M = 1.0, 0.002
-_REPEAT_S = 0.25  # a key that comes again so soon is held down
+_REPEAT_S = 0.25  # a key repeated this soon is held down
 _FASTEST = 5.0
 _LONGEST_NAME = 40
 
 
 @dataclass(frozen=True, eq=False)
 class PracticeSettings:
-    """What all trainees of a server have in common."""
+    """Settings common to all trainees of a server."""
 
     camera: Camera
     board: Board
@@ -79,7 +79,7 @@ class PracticeSettings:
 
 
 class Practice(Exercise[PracticeViewModel]):
-    """Whoever sits before one tab."""
+    """The practice of one tab."""
 
     def __init__(
         self,
@@ -88,12 +88,12 @@ class Practice(Exercise[PracticeViewModel]):
         record: Callable[[ExerciseRow], None] = lambda _: None,
         known: Sequence[ExerciseRow] = (),
     ) -> None:
-        """A guest on the first level, helped by the steps; the board at the start.
+        """A guest on the first level, with the steps as help and the board at the start.
 
         Args:
             number: of the guest.
-            record: is given each pose as soon as it is done with.
-            known: the rows of the file; who was here before goes on where they left off.
+            record: called with each pose when it is finished.
+            known: the file's rows, so that a returning trainee continues where they stopped.
         """
         super().__init__(settings.camera, settings.board, settings.written, record)
         self._settings, self._known = settings, known
@@ -106,10 +106,10 @@ class Practice(Exercise[PracticeViewModel]):
         self._nudged: tuple[Nudge, float, int] | None = None
         self.begin()
 
-    # -- what is asked of it ---------------------------------------------------------------------
+    # -- requests ----------------------------------------------------------------------------------
 
     def handle(self, request: Request) -> None:
-        """Do what the trainee asked for."""
+        """Carry out the trainee's request."""
         match request:
             case MoveBoard(pose, by):
                 self._move(pose, by)
@@ -132,7 +132,7 @@ class Practice(Exercise[PracticeViewModel]):
                 super().handle(request)
 
     def tick(self, now_s: float) -> bool:
-        """Let time pass; whether the view has changed by itself."""
+        """Advance the clock; whether the view has changed by itself."""
         self._now_s = now_s
         self._compare()
         if self.stage == "hold" and self._attempt.still_s(now_s) >= HOLD_S:
@@ -144,7 +144,7 @@ class Practice(Exercise[PracticeViewModel]):
         return changed
 
     def view(self) -> PracticeViewModel:
-        """What there is to be seen now."""
+        """What is to be shown now."""
         attempt, match = self._attempt, self._compare()
         taken = self._taken_s if self.stage == "reached" else attempt.taken_s(self._now_s)
         return PracticeViewModel(
@@ -170,7 +170,7 @@ class Practice(Exercise[PracticeViewModel]):
     # -- targets -----------------------------------------------------------------------------------
 
     def begin(self) -> bool:
-        """Show the next target; the same one for everybody who gets so far on this level."""
+        """Show the next target; the same for everybody at this point of the level."""
         if not super().begin():
             return False
         self._note = ""
@@ -197,7 +197,7 @@ class Practice(Exercise[PracticeViewModel]):
         self._aim()
 
     def _rename(self, name: str) -> None:
-        # A spreadsheet would take a name that begins so for a formula.
+        # A spreadsheet would read a name that starts like this as a formula.
         name = " ".join(name.split())[:_LONGEST_NAME].lstrip("=+-@ ")
         self.name = name or self._guest
         mine = [row for row in self._known if row.participant == name]
@@ -206,15 +206,15 @@ class Practice(Exercise[PracticeViewModel]):
         for row in mine:
             if row.level in self._numbers:
                 self._numbers[row.level] = max(self._numbers[row.level], row.pose)
-        if self._attempt.began_s is None:  # nothing is lost: go on where this name left off
+        if self._attempt.began_s is None:  # continue where this name stopped
             self._level = min(max(mine[-1].level, LEVELS[0]), LEVELS[-1])
             self._aim()
 
     # -- the board ---------------------------------------------------------------------------------
 
     def _compare(self) -> Match:
-        """How the board stands to the target. Once for all that was moved since the last time:
-        nobody saw what was in between."""
+        """The board against the target; computed once for all moves since the last call, since
+        nobody saw those in between."""
         settings, attempt = self._settings, self._attempt
         if self._match is None or self._compared is not attempt.pose:
             self._compared = attempt.pose
@@ -232,11 +232,11 @@ class Practice(Exercise[PracticeViewModel]):
         if self.stage == "reached":
             return
         before = self._attempt
-        # Half of a number that is being typed is a pose as well, but not one on the way.
+        # A half-typed number is a pose too, but not one on the path.
         within = within_reach(pose, self._settings.reach)
         self._attempt = before.moved(within, self._now_s, jump=by == "sliders")
         if by not in self._movers[-1:]:
-            # The one that moved last stands last, each once.
+            # Each mover once, the latest last.
             self._movers = [*(mover for mover in self._movers if mover != by), by]
         if self._attempt is not before:
             self._note = ""
@@ -254,11 +254,11 @@ class Practice(Exercise[PracticeViewModel]):
         vector[nudge.number] += nudge.sign * faster * size
         self._move(Pose.from_vector(vector), "keys")
 
-    # -- a pose that is done with ------------------------------------------------------------------
+    # -- a finished pose ---------------------------------------------------------------------------
 
     def _row_of(self, outcome: Outcome) -> ExerciseRow:
         attempt, now_s, match = self._attempt, self._now_s, self._compare()
-        # The second of holding still is not the trainee's time.
+        # Holding still does not count as the trainee's time.
         held_s = attempt.still_s(now_s) if outcome == REACHED else 0.0
         self._taken_s = max(0.0, attempt.taken_s(now_s) - held_s)
         return ExerciseRow(

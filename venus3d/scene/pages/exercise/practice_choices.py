@@ -38,7 +38,7 @@ class PracticeChoices:
     def __init__(
         self, gui: viser.GuiApi, ask: Callable[[Request], None], view: PracticeViewModel
     ) -> None:
-        """`ask` is called on viser's threads, only for what a person did."""
+        """`ask` is called on viser's threads, only for a person's actions."""
         self._ask = ask
         self._side: ViewSide = view.side
         self._auto_level_shown = view.auto_level
@@ -78,11 +78,11 @@ class PracticeChoices:
         self._on_change(self._name, lambda: Rename(str(self._name.value)))
 
     def show(self, view: PracticeViewModel) -> None:
-        """Let the controls say how things stand."""
+        """Update the controls."""
         self._level.show(_LEVELS, view.level)
         self._help.show(_HELPS, view.help)
         if view.auto_level != self._auto_level_shown:
-            # Not otherwise: it is ticked before `ask` hears of it.
+            # Only on a change: it is ticked before `ask` is called.
             self._auto_level.value = self._auto_level_shown = view.auto_level
         self._next.disabled = view.stage != "reached"
         self._side = view.side
@@ -96,9 +96,9 @@ class PracticeChoices:
             self._ask(Press("view"))
 
     def _on_change(self, control: Any, request: Callable[[], Request]) -> None:
-        # Async, so that what is typed stays in order.
+        # Async, so that typed values stay in order.
         async def changed(event: Any) -> None:
-            if event.client is not None:  # values that the program sets come back without one
+            if event.client is not None:  # values set by the program come back without a client
                 self._ask(request())
 
         control.on_update(changed)

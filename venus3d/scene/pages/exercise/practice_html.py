@@ -1,4 +1,4 @@
-"""The texts of the practice page as HTML: what to do, how far it is, how it went, the keys."""
+"""The practice page's texts as HTML: instruction, distance, results, keys."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 from venus3d.scene.web.theme import Theme
 from venus3d.storage.exercise import REACHED, ExerciseRow
 
-_FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full there
+_FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full here
 
 
 def card_html(view: PracticeViewModel, theme: Theme) -> str:
-    """What to do now, in large letters; below it which numbers change."""
+    """What to do now, in large letters; below it the numbers to change."""
     colour, badge, headline, sentence, amount = _card_of(view, theme)
     free = say.ALL_FREE
     if view.level < 6:
@@ -64,8 +64,8 @@ def _amounts(view: PracticeViewModel) -> tuple[str, ...]:
 
 
 def bars_html(view: PracticeViewModel, theme: Theme) -> str:
-    """How far it is to the target. With the steps a bar for each; else one for the place and one
-    for the largest turn, since a help must not say more than it is."""
+    """Distance to the target: with the steps a bar for each; otherwise one for position and one for
+    the largest turn, since the other helps must not reveal more."""
     match = view.match
     mm, turns = float(np.linalg.norm(match.remaining_mm)), np.abs(match.remaining_deg)
     place = _share(mm, _FAR_MM), _share(match.limit_mm, _FAR_MM)
@@ -92,7 +92,7 @@ def bars_html(view: PracticeViewModel, theme: Theme) -> str:
             (theme.info, theme.info),
             strict=True,
         )
-    # What this level leaves alone is right from the start and only distracts.
+    # Numbers that this level leaves alone are right from the start and would distract.
     free = view.attempt.free
     asked = (any(free[3:]), *free[:3]) if view.help == "steps" else (any(free[3:]), any(free[:3]))
     bars = "".join(_bar(*row) for row, on in zip(rows, asked, strict=True) if on)
@@ -101,7 +101,7 @@ def bars_html(view: PracticeViewModel, theme: Theme) -> str:
 
 
 def _share(value: float, far: float) -> float:
-    """Percent of a bar; by the square root, so that the last bit is seen well."""
+    """Percent of a bar; a square-root scale, so that small rests are visible."""
     return 100 * float(np.sqrt(min(value / far, 1.0)))
 
 
@@ -118,7 +118,7 @@ def _bar(
 
 
 def clock_html(view: PracticeViewModel) -> str:
-    """Time and way of this pose."""
+    """Time and path length of this pose."""
     boxes = [(f"{view.seconds:.0f} {say.TIME_UNIT}", say.TIME)]
     if any(view.attempt.free[3:]):
         shortest = f"{view.attempt.shortest_mm:.0f} mm"
@@ -131,7 +131,7 @@ def clock_html(view: PracticeViewModel) -> str:
 
 
 def results_html(view: PracticeViewModel) -> str:
-    """The last poses, newest first, and where all of them are written."""
+    """The latest poses, newest first, and where all of them are written."""
     rows = view.rows
     if not rows:
         return (
@@ -153,7 +153,7 @@ def results_html(view: PracticeViewModel) -> str:
 
 
 def detour_of(row: ExerciseRow) -> float:
-    """How many times the shortest way was taken; NaN where there is none."""
+    """Path length over the shortest one; NaN without a path."""
     return detour(row.path_mm, row.shortest_mm, row.path_deg, row.shortest_deg)
 
 
@@ -166,10 +166,8 @@ def _cells(row: ExerciseRow) -> str:
 
 
 def plot_lines(rows: Sequence[ExerciseRow]) -> tuple[Array, Array, Array] | None:
-    """For two plots: pose numbers, seconds, ways in times the shortest; None before two poses.
-
-    Given up or without a way: not a number, a gap in the line.
-    """
+    """For two plots: pose numbers, seconds, path ratios; None before two poses. Poses that were
+    given up or have no path are NaN: a gap in the line."""
     reached = [row.outcome == REACHED for row in rows]
     if sum(reached) < 2:
         return None
@@ -180,7 +178,7 @@ def plot_lines(rows: Sequence[ExerciseRow]) -> tuple[Array, Array, Array] | None
 
 
 def series_of(label: str, theme: Theme) -> tuple[Any, ...]:
-    """The look of one plot's line."""
+    """The style of one plot's line."""
     points = {"show": True, "size": 8}
     return (
         {"label": say.POSE_AXIS},
@@ -189,7 +187,7 @@ def series_of(label: str, theme: Theme) -> tuple[Any, ...]:
 
 
 def keys_html() -> str:
-    """Which keys move the board, what the mouse does, and the other keys."""
+    """The keys that move the board, the mouse gestures, and the other keys."""
     head = "".join(f"<small>{name}</small>" for name in ("", *say.KEYS_HEAD))
     moves = "".join(
         f"<span>{_key(one)} {_key(other)}</span><span>{alone}</span><span>{shifted}</span>"
@@ -204,12 +202,12 @@ def keys_html() -> str:
 
 
 def legend_html(legend: str) -> str:
-    """Under the picture: what is drawn in it."""
+    """The legend below the picture."""
     return f"<div class='v-progress v-under'><div class='v-legend'>{escape(legend)}</div></div>"
 
 
 def title_html(title: str) -> str:
-    """Above a picture: what it is."""
+    """The title above a picture."""
     return f"<div class='v-progress'><h3>{escape(title)}</h3></div>"
 
 

@@ -1,7 +1,7 @@
 """One trainee's page.
 
-left    what to do, how far it is, time and way; level and help; the poses so far
-middle  the scene, from outside or through the camera; the board is dragged in it
+left    what to do, distance, time and path; level and help; the poses so far
+middle  the scene, from outside or through the camera, in which the board can be dragged
 right   what the camera sees, what it should see (help: none), sliders, keys
 """
 
@@ -33,7 +33,7 @@ from venus3d.scene.web.windows import on_window
 _LEFT_WIDTH, _RIGHT_WIDTH = 380, 560
 _SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
 _PHONE = 0.62
-"""Width over height of the scene below which all panels are one sheet, the right one first."""
+"""Aspect of the scene below which all panels are one sheet, the right one first."""
 _PLOT_HEIGHT = 150
 _JPEG_QUALITY = 80
 _UNITS = np.array([1.0, 1.0, 1.0, 1000.0, 1000.0, 1000.0])  # metres to the sliders' millimetres
@@ -53,7 +53,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
         view: PracticeViewModel,
         reach: Reach,
     ) -> None:
-        """`reach`: how far the sliders go."""
+        """`reach`: range of the sliders."""
         self._reach = reach
         self._fitted: tuple[bool, bool] | None = None
         super().__init__(client, ask, view)
@@ -83,7 +83,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
             self._target_title.visible = self._target_picture.visible = alone
         moved = before is None or before.pose is not view.pose
         if moved and view.last_mover != "sliders":
-            # Whoever drags a slider is ahead of what comes back.
+            # While a slider is dragged, it is ahead of the values that come back.
             self._sliders.show(_vector_of(view.pose))
         if before is None or before.attempt.free != view.attempt.free:
             self._sliders.enable(view.attempt.free)
@@ -131,7 +131,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
         on_window(self._client, self._fit)
 
     def _fit(self, client: viser.ClientHandle) -> None:
-        """Give the panels the widths that suit the window."""
+        """Set the panel widths that suit the window."""
         camera = client.camera
         form = camera.image_height < _SMALL_SCREEN_HEIGHT, camera.aspect < _PHONE
         if form != self._fitted:
@@ -153,7 +153,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
                 for label in (say.TIME_PLOT, say.WAY_PLOT)
             ]
         self._left.dock_left()
-        self._left.expand()  # on a phone panels are folded at first
+        self._left.expand()  # phones fold panels at first
 
     def _make_right(self, view: PracticeViewModel) -> None:
         gui = self._gui
@@ -181,7 +181,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
 
 
 def _chosen(view: PracticeViewModel) -> tuple[object, ...]:
-    """What changes with a choice or a pose that is done with, and not with every move."""
+    """What changes with a choice or a finished pose, but not with every move."""
     choices = (view.level, view.help, view.auto_level, view.side, view.dark)
     return (*choices, view.stage, len(view.rows))
 

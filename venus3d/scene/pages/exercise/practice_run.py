@@ -1,6 +1,6 @@
-"""The practice server: every tab is a trainee with a board, a scene and panels of its own.
+"""The practice server: every tab is a trainee with their own board, scene and panels.
 
-Only the file and the server are common to all. A tab that goes takes its trainee along.
+Only the file and the server are shared. Closing a tab discards its trainee.
 """
 
 from __future__ import annotations
@@ -46,10 +46,8 @@ _PICTURE_SIZE = (480, 270)
 
 
 def run_practice(options: PracticeOptions) -> None:
-    """Serve the page until Ctrl-C.
-
-    Raises `VenusError` for whatever the user can mend, `KeyboardInterrupt` if nothing was written.
-    """
+    """Serve the page until Ctrl-C. Raises `VenusError` for whatever the user can fix,
+    `KeyboardInterrupt` if nothing was written."""
     options.check()
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     path = options.output / FILE
@@ -70,7 +68,7 @@ def run_practice(options: PracticeOptions) -> None:
 
 
 class PracticeServer(ExerciseServer[PracticeViewModel]):
-    """All trainees of one server. `run` returns after `close` was called by another thread."""
+    """All trainees of one server. `run` returns after another thread has called `close`."""
 
     _title = TITLE
 
@@ -81,26 +79,26 @@ class PracticeServer(ExerciseServer[PracticeViewModel]):
         file: ExerciseFile,
         offscreen: Offscreen,
     ) -> None:
-        """Let trainees in. Server, file and renderer are closed by the caller, after this."""
+        """Accept trainees. The caller closes server, file and renderer afterwards."""
         super().__init__(server)
         self._settings, self._file, self._offscreen = settings, file, offscreen
-        # So that a slow disk keeps nobody waiting.
+        # So that a slow disk blocks nobody.
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="rows")
         self._open()
 
     @low_latency()
     def run(self) -> None:
-        """Serve everybody until `close`."""
+        """Serve until `close`."""
         while not self._stop.is_set():
             started = time.monotonic()
             more = self.step()
             self._stop.wait(_PERIOD_S - (time.monotonic() - started))
-            # Clocks run, views fly and windows change by themselves.
+            # Clocks, flights and window sizes change without requests.
             self._wake.wait(timeout=0 if more else 0.1)
             self._wake.clear()
 
     def close(self) -> None:
-        """Send everybody home and write what is still to be written. May be called twice."""
+        """Disconnect everybody and finish writing. May be called twice."""
         self._stop.set()
         self._wake.set()
         self._writer.shutdown(wait=True)
@@ -171,11 +169,11 @@ class PracticeServer(ExerciseServer[PracticeViewModel]):
 
 
 def _seen_key(view: PracticeViewModel) -> tuple[object, ...]:
-    """What two views share if their cameras see the same."""
+    """Equal for two views whose cameras see the same."""
     done = all(view.match.within)
     return (*_target_key(view), id(view.pose), view.match.active_step, done)
 
 
 def _target_key(view: PracticeViewModel) -> tuple[object, ...]:
-    """The same for a camera that looks at a board at the target."""
+    """The same for a camera that sees the board at the target."""
     return (id(view.target), view.help, view.dark)

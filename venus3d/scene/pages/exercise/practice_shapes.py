@@ -1,8 +1,7 @@
-"""What is seen of a practice, in space and in the camera's picture, under each help.
+"""Shapes of a practice, in the scene and in the camera's picture, under each help.
 
-The board is one shape in both; the help is shapes in space, and lines in the picture, the axes and
-the outline as a trial draws them. Names are those of `describe`; the axes are /axes/board/x ... and
-/axes/target/x ...
+The board is the same shape in both; the help is shapes in the scene, and lines in the picture as a
+trial draws them. Names are those of `describe`, plus /axes/board/x ... and /axes/target/x ...
 """
 
 from __future__ import annotations
@@ -32,17 +31,17 @@ _DASHES = 7
 
 
 def scene_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
-    """Everything in the trainee's 3D scene."""
+    """All shapes of the trainee's 3D scene."""
     camera = camera_shapes(view.camera, dark=view.dark)
     if view.side == "through":
-        # Whoever looks out of the camera sees nothing of it but where its picture ends.
+        # From inside the camera, only the edge of its picture is visible.
         camera = tuple(shape for shape in camera if shape.name == "/camera/border")
     board = board_shape(view.board, view.pose)
     return (*camera, board, *_help_shapes(view, for_camera=view.side == "through"))
 
 
 def picture_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
-    """What the camera's picture shows; `picture_finish` draws the help into it."""
+    """Shapes in the camera's picture; `picture_finish` draws the help into it."""
     return (board_shape(view.board, view.pose),)
 
 
@@ -52,13 +51,13 @@ def target_picture_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
 
 
 def picture_background(dark: bool) -> Colour:
-    """Colour of the picture where nothing stands."""
+    """Background colour of the picture."""
     colours = ground(dark)
     return mixed(colours.background, colours.text, 0.1)
 
 
 def picture_finish(view: PracticeViewModel) -> Callable[[Any], Any] | None:
-    """Draws this help into the picture (H, W, 3) RGB, if it is one that is drawn."""
+    """Draws this help into the picture (H, W, 3) RGB; None for a help that is not drawn."""
     if view.help == "none":
         return None
     camera, board, target, match = view.camera, view.board, view.target, view.match
@@ -105,14 +104,14 @@ def _step_shapes(view: PracticeViewModel, for_camera: bool) -> list[Shape]:
         *shapes,
         board_outline(board, step.after, f"{name}/outline", colour, 4.0),
         board_ghost(board, step.after, f"{name}/after", colour, 0.4),
-        # From outside an arrow is never seen end-on for long; what moves is sent to every trainee.
+        # From outside, an arrow is rarely seen end-on; whatever moves is sent to every trainee.
         *(shape for shape in arrow if for_camera or "/trail_" not in shape.name),
     ]
 
 
 @lru_cache(maxsize=64)
 def _goal_shapes(board: Board, target: Pose, dark: bool) -> tuple[Shape, ...]:
-    """The same objects as long as the target is the same: they are not drawn again."""
+    """The same objects for the same target, so that they are not redrawn."""
     colour = ground(dark).target
     below = target.apply([0, board.height / 2 + 0.7 * board.square, 0])
     return (

@@ -1,4 +1,4 @@
-"""What the page of practice says."""
+"""Texts of the practice page."""
 
 TITLE = "Practice"
 
@@ -107,7 +107,7 @@ MOVE_KEYS = (
     ("I", "K", "up, down", "tilt backwards, forwards"),
     ("U", "O", "nearer, farther", "rotate left, right"),
 )
-"""Two keys, what they do alone, and what they do with Shift."""
+"""Two keys, what they do alone, and with Shift."""
 KEYS_HEAD = ("alone", "with Shift")
 MOUSE_LINES = (
     ("drag", "move the board, in any view"),

@@ -1,11 +1,11 @@
-"""The server of an exercise: every tab has a page of its own.
+"""The server of an exercise: every tab has its own page.
 
-    viser's pool  pages are laid out for new tabs; what people ask for is queued
-    the caller's  `step`, again and again: requests and the clock -> each exercise -> its page;
-    thread        then, in turns, the pictures
+    viser's pool  lays pages out for new tabs; queues requests
+    the caller's  `step`, repeatedly: requests and the clock -> each exercise -> its page;
+    thread        then the pictures, in turns
 
-Scenes and pictures have one thread on purpose: two would take Python's lock from each other at each
-call of OpenGL, of which a picture needs hundreds, and both would be slower.
+Scenes and pictures share one thread on purpose: two would contend for Python's lock at each of the
+hundreds of OpenGL calls per picture, and both would be slower.
 """
 
 from __future__ import annotations
@@ -31,40 +31,40 @@ from venus3d.scene.web.server import LocalServer
 from venus3d.scene.web.texts import DRAWING_FAILED
 
 _FORGIVEN_S = 60.0
-"""So long after a page was drawn anew, the next failure counts as the first."""
+"""Seconds after a page was reloaded after which the next failure counts as the first."""
 _ROUND_S = 0.12
-"""So long after the last look at what people did, pictures wait for the next round."""
+"""Time budget of a round for drawing pictures, seconds; the rest wait."""
 
 
 @dataclass(eq=False)
 class Tab(Generic[View]):
-    """One tab and the exercise that it shows."""
+    """One tab and its exercise."""
 
     client: viser.ClientHandle
     exercise: Exercise[View]
     page: ExercisePage[View]
     requests: queue.SimpleQueue[Request]
     shown: View | None = field(default=None)
-    """None: it is to be drawn."""
+    """None: to be drawn."""
     failed_at: float = -np.inf
-    """When its page was drawn anew, seconds of the clock."""
+    """Clock time at which its page was reloaded, seconds."""
 
     def drain(self) -> list[Request]:
-        """What was asked for since the last call, in order."""
+        """Requests since the last call, in order."""
         drained: list[Request] = []
-        while not self.requests.empty():  # one reader, so a thing seen is still there
+        while not self.requests.empty():  # the only reader, so nothing is taken in between
             drained.append(self.requests.get())
         return drained
 
 
 class ExerciseServer(ABC, Generic[View]):
-    """All tabs of one server. A tab that goes takes its page along."""
+    """All tabs of one server. Closing a tab discards its page."""
 
     _title: str
-    """Of what is said to a tab that has no page."""
+    """Title of notes to a tab without a page."""
 
     def __init__(self, server: LocalServer) -> None:
-        """Nobody is let in before `_open`; the server is closed by the caller, after this."""
+        """Nobody is accepted before `_open`; the caller closes the server afterwards."""
         self.server = server
         self._tabs: dict[int, Tab[View]] = {}
         self._lock = threading.Lock()
@@ -75,28 +75,28 @@ class ExerciseServer(ABC, Generic[View]):
 
     @property
     def tabs(self) -> tuple[Tab[View], ...]:
-        """Who is here."""
+        """The open tabs."""
         with self._lock:
             return tuple(self._tabs.values())
 
     def step(self) -> bool:
-        """Serve everybody once; whether there is more to do at once."""
+        """Serve every tab once; whether more is due at once."""
         started = time.monotonic()
         moving = [self._serve(tab) for tab in self.tabs]
         return self._draw_until(started + _ROUND_S) or any(moving)
 
     def close(self) -> None:
-        """Let nobody ask for anything any more. May be called twice."""
+        """Accept no more requests. May be called twice."""
         self._stop.set()
         self._wake.set()
         with self._lock:
             self._tabs.clear()
 
-    # -- a subclass's own --------------------------------------------------------------------------
+    # -- for subclasses ----------------------------------------------------------------------------
 
     @abstractmethod
     def _exercise_of(self, number: int) -> Exercise[View]:
-        """The exercise of the tab of this number; on viser's threads."""
+        """The exercise for the tab of this number; on viser's threads."""
 
     @abstractmethod
     def _make_page(
@@ -105,15 +105,15 @@ class ExerciseServer(ABC, Generic[View]):
         exercise: Exercise[View],
         ask: Callable[[Request], None],
     ) -> ExercisePage[View]:
-        """Lay a page out; on viser's threads, or anew after a failure."""
+        """Lay a page out; on viser's threads, or again after a failure."""
 
     @abstractmethod
     def _next_view(self, tab: Tab[View]) -> View | None:
-        """What this tab is to show now; None if that is what it shows already."""
+        """The view this tab should show now; None if it shows it already."""
 
     @abstractmethod
     def _order_pictures(self, tab: Tab[View], view: View, before: View | None) -> None:
-        """Have the pictures drawn that have changed since `before`, in turns."""
+        """Queue the pictures that have changed since `before`."""
 
     # -- on viser's threads ------------------------------------------------------------------------
 
@@ -125,7 +125,7 @@ class ExerciseServer(ABC, Generic[View]):
 
     def _enter(self, client: viser.ClientHandle) -> None:
         number = client.client_id
-        if number not in self.server.get_clients():  # gone already
+        if number not in self.server.get_clients():  # already closed
             return
         requests: queue.SimpleQueue[Request] = queue.SimpleQueue()
         try:
@@ -137,7 +137,7 @@ class ExerciseServer(ABC, Generic[View]):
             return
         with self._lock:
             self._tabs[number] = Tab(client, exercise, page, requests)
-        # It may have gone while its page was laid out; then nobody else would clear it away.
+        # It may have closed while its page was laid out; nobody else would remove it then.
         if number not in self.server.get_clients():
             self._leave(client)
         self._wake.set()
@@ -157,10 +157,8 @@ class ExerciseServer(ABC, Generic[View]):
     # -- on the caller's thread --------------------------------------------------------------------
 
     def _serve(self, tab: Tab[View]) -> bool:
-        """Show one tab what is new; whether something on its page still moves.
-
-        A mistake of ours here is theirs alone.
-        """
+        """Update one tab; whether something on its page still moves. An error affects only this
+        tab."""
         try:
             view = self._next_view(tab)
             if view is not None:
@@ -175,7 +173,7 @@ class ExerciseServer(ABC, Generic[View]):
             return False
 
     def _draw_until(self, end_s: float) -> bool:
-        """Draw pictures, at least one, until this time; whether others still wait for theirs."""
+        """Draw pictures, at least one, until this time; whether others are waiting."""
         while (turn := self._turns.take()) is not None:
             number, draw = turn
             try:
@@ -190,10 +188,10 @@ class ExerciseServer(ABC, Generic[View]):
         return False
 
     def _failed(self, tab: Tab[View], error: Exception) -> None:
-        """Draw one tab's page anew; one that breaks again at once stands still until reloaded."""
+        """Reload one tab's page; one that fails again at once stays as it is."""
         client, now = tab.client, time.monotonic()
         if client.client_id not in self.server.get_clients():
-            self._leave(client)  # what is drawn for a tab that was just closed may fail in any way
+            self._leave(client)  # drawing for a tab that has just closed may fail in any way
             return
         self._failures.tell(error, DRAWING_FAILED)
         self._turns.forget(client.client_id)

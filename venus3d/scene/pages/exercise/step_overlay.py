@@ -1,7 +1,6 @@
-"""The step that is active, drawn into the camera's picture as the axes and the outline are.
+"""Draws the active step into the camera's picture, like the axes and the outline.
 
-Lines and labels only: the board itself is rendered, and meshes of arrows that are new in every
-picture would take longer than all the rest of it.
+Lines and labels only: new arrow meshes for every picture would take longer than all the rest.
 """
 
 from __future__ import annotations
@@ -23,16 +22,16 @@ from venus3d.render.step_shapes import arc_ends, instruction_shapes, protractor
 from venus3d.render.text_drawing import paint_labels
 
 Picture = NDArray[np.uint8]
-_POINTS = 25  # along an arrow: an arc, and behind a lens a curve anyway
-_HEAD = 4.5  # length of an arrow's head, in widths of its shaft
+_POINTS = 25  # along an arrow, which an arc or a lens bends
+_HEAD = 4.5  # length of an arrow's head, in shaft widths
 
 
 def draw_step(
     rgb: Picture, camera: Camera, board: Board, target: Pose, step: Step | None
 ) -> Picture:
-    """An RGB picture with the target's outline (thin), and of this step the outline of where it
-    ends (thick), its arrow and its labels. May draw into `rgb`; the camera may be of another image
-    size. The ground is taken for dark: lines have a dark casing of their own."""
+    """An RGB picture with the target's outline (thin) and the step's end outline (thick), arrow and
+    labels, drawn for a dark ground with dark casings. May draw into `rgb`; the camera may have
+    another image size."""
     seen = camera.scaled((rgb.shape[1], rgb.shape[0]))
     width = max(2, round(rgb.shape[1] / 200))
     goal = ground(True).target
@@ -56,13 +55,13 @@ def draw_step(
 
 
 def _arrows(board: Board, camera: Camera, step: Step) -> list[tuple[Array, float]]:
-    """Points (N, 3) along each arrow, tail to tip, camera frame, and how thick it is."""
+    """Points (N, 3) along each arrow, tail to tip, camera frame, and its thickness."""
     if step.is_idle:
         return []
     along = np.linspace(0, 1, _POINTS)
     if step.axis is None:
         starts = np.vstack([step.before.t, step.before.apply(outline_segments(board)[:, 0])])
-        # Straight ahead the arrow is a dot; at the corners the move is seen all the same.
+        # Straight ahead the arrow is a dot, but the move is visible at the corners.
         ways = starts[:, None] + along[:, None] * step.translation
         return [(way, 1.6 if i == 0 else 0.7) for i, way in enumerate(ways)]
     place = protractor(board, camera, step)
@@ -77,7 +76,7 @@ def _draw_arrow(rgb: Picture, points: Array, colour: Colour, width: float) -> No
         return
     tip, far = points[-1], np.linalg.norm(points - points[-1], axis=1)
     head = min(_HEAD * width, 0.6 * float(far.max()))
-    if head < 3:  # looked at end-on there is nothing to be seen
+    if head < 3:  # end-on, it is invisible
         return
     shaft = points[far >= head]
     base = shaft[-1]

@@ -1,7 +1,7 @@
 """One participant's trial: the same poses under each help, seen by a known camera.
 
-Nothing is calibrated; what counts is the time until each pose is reached and held. Times are those
-of the frames, so that a replayed or simulated trial gives the same ones.
+Nothing is calibrated; measured is the time until each pose is reached and held. Times are those of
+the frames, so a replayed or simulated trial repeats them.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from venus3d.storage.exercise import NAN, ExerciseRow, Outcome, target_columns
 
 
 class Trial(Exercise[TrialViewModel]):
-    """Whoever holds the board before the camera."""
+    """The trial of the person with the board."""
 
     def __init__(
         self,
@@ -52,9 +52,9 @@ class Trial(Exercise[TrialViewModel]):
         """
         Args:
             camera: the known camera, of the frames' size.
-            plan: who it is, and which helps in which order.
-            targets: asked for in this order under each help.
-            settings: when a pose counts as reached, and for how long it is held.
+            plan: the participant, and the order of helps.
+            targets: shown in this order under each help.
+            settings: when a pose counts as reached, and how long it is held.
             source, seed: for the rows.
         """
         super().__init__(camera, board, written, record)
@@ -68,16 +68,16 @@ class Trial(Exercise[TrialViewModel]):
         self._tracker = PoseTracker(board, camera.image_size, self._settings)
         self._number = 0
         self._start_s: float | None = None  # of this help; None until its first frame
-        self._shown_s = 0.0  # when the present pose was
-        self._first_s: float | None = None  # when the first pose of this help was done with
+        self._shown_s = 0.0  # time at which the current pose was shown
+        self._first_s: float | None = None  # time at which this help's first pose was finished
         self._by_machine = False
         self._step = 1
         self._note, self._note_until_s = "", 0.0
         self.autopilot = False
-        """Whether the simulated hand is to have the board."""
+        """Whether the simulated hand should move the board."""
 
     def handle(self, request: Request) -> None:
-        """Do what a person asked for; the simulated board itself is moved by others."""
+        """Carry out a request; the simulated board itself is moved elsewhere."""
         match request:
             case Press("autopilot"):
                 self.autopilot = not self.autopilot
@@ -87,14 +87,12 @@ class Trial(Exercise[TrialViewModel]):
                 super().handle(request)
 
     def say(self, text: str, seconds: float) -> None:
-        """Show a sentence for so long."""
+        """Show a sentence for `seconds`."""
         self._note, self._note_until_s = text, self._now_s + seconds
 
     def observe(self, observation: Observation, *, by_machine: bool = False) -> None:
-        """Take in what was seen in one frame; `by_machine`: the simulated hand has the board.
-
-        Raises `CalibrationError` if the frame's size is not the camera's.
-        """
+        """Process one frame's observation; `by_machine`: the simulated hand moves the board. Raises
+        `CalibrationError` if the frame's size is not the camera's."""
         if observation.board is not None:
             self._use_board(observation.board)
         self._now_s = observation.time_s
@@ -111,7 +109,7 @@ class Trial(Exercise[TrialViewModel]):
         self._judge(there=self._tracker.is_at_target, held=held)
 
     def view(self) -> TrialViewModel:
-        """What there is to be seen now."""
+        """What is to be shown now."""
         snapshot, help_ = self.snapshot(), self._help
         begun = self._start_s if self._first_s is None else self._first_s
         running = self.stage in ("aim", "hold") and begun is not None
@@ -139,7 +137,7 @@ class Trial(Exercise[TrialViewModel]):
         )
 
     def snapshot(self) -> Snapshot:
-        """What a guided calibration would tell of the same frame; nothing is calibrated."""
+        """What a guided calibration would report for the same frame."""
         seen = self._tracker
         phase = "finished" if self.stage == "over" else "guiding"
         headline, instruction = headline_and_prompt(phase, seen.match, seen.pose is not None)
@@ -160,7 +158,7 @@ class Trial(Exercise[TrialViewModel]):
         )
 
     def _use_board(self, board: Board) -> None:
-        """Go on with a board whose layout turned out differently."""
+        """Continue with a board whose layout turned out differently."""
         if board != self.board:
             self.board = board
             self._tracker = PoseTracker(board, self.camera.image_size, self._settings)
@@ -168,25 +166,25 @@ class Trial(Exercise[TrialViewModel]):
     # -- the clock and the targets -----------------------------------------------------------------
 
     def begin(self) -> bool:
-        """Show the first pose of the next help. False if none is waiting for that."""
+        """Show the first pose of the next help. False if none is waiting."""
         if self.stage == "ready":
             self._pose, self._start_s, self._first_s = 0, None, None
         return super().begin()
 
     def give_up(self) -> bool:
-        """Go on to the next pose. False if none is shown, or no frame has come since."""
+        """Skip to the next pose. False if none is shown, or no frame has come since."""
         return self._start_s is not None and super().give_up()
 
     @property
     def _help(self) -> Help:
-        """The help that is shown, or comes next; at the end, the last one."""
+        """The help shown, or the next one; at the end, the last one."""
         return self._left[0] if self._left else self._plan.order[-1]
 
     def _aim(self) -> None:
         self._shown_count, self._step = self._shown_count + 1, 1
         target = self._targets[self._pose]
         self._target = Target(
-            # Never the same number twice: the page starts again at step 1 on another one.
+            # Never the same number twice: a new number makes the page restart at step 1.
             number=self._shown_count,
             pose=target,
             steps=decompose(target, self.camera, self.board),

@@ -1,4 +1,4 @@
-"""What a trial's page says: who and where we are, what to do, and at the end how long it took."""
+"""The trial page's texts as HTML: participant, progress, instruction, and the times at the end."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from venus3d.scene.web.step_card import guide_card, hold_card, step_card, step_c
 from venus3d.scene.web.theme import Theme
 
 _HELP_COLOURS: dict[str, int] = {"steps": 3, "axes": 2, "outline": 4}
-"""Each help's colour in the plot, by the step that has it elsewhere."""
+"""Each help's colour in the plot, as the number of the step with that colour."""
 
 
 def side_html(view: TrialViewModel) -> str:
-    """The left column: participant, help, pose, time; and a remark."""
+    """The left column: participant, help, pose, time, and a remark."""
     if view.snapshot.number == 0:
         return f"<div class='v-progress'>{say.WAITING}</div>"
     place, helps = view.place, len(view.order)
@@ -61,7 +61,7 @@ def _order_row(view: TrialViewModel, number: int) -> str:
 
 
 def clock(seconds: float) -> str:
-    """Minutes and whole seconds that have passed, m:ss."""
+    """Elapsed minutes and whole seconds, m:ss."""
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
 
 
@@ -92,7 +92,7 @@ def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
 
 
 def steps_html(view: TrialViewModel, theme: Theme) -> str:
-    """The large text of the steps, as a guided calibration has it."""
+    """The large text of the steps, as in a guided calibration."""
     match, snapshot, target = view.match, view.snapshot, view.snapshot.target
     chips = step_chips(match, None if target is None else target.steps, view.step, theme)
     if match is None:
@@ -106,7 +106,7 @@ def steps_html(view: TrialViewModel, theme: Theme) -> str:
 
 
 def legend_html(view: TrialViewModel) -> str:
-    """Under the picture: what is drawn in it."""
+    """The legend below the picture."""
     if not view.is_running:
         return ""
     if view.help == "axes":
@@ -123,7 +123,7 @@ def _swatch(colour: Any) -> str:
 
 
 def result_html(view: TrialViewModel, theme: Theme) -> str:
-    """At the end: the times of each help, and where they are written."""
+    """The times of each help at the end, and where they are written."""
     head = f"<tr>{''.join(f'<th>{title}</th>' for title in say.RESULT_HEAD)}</tr>"
     rows = "".join(_time_row(times, theme) for times in times_of(view.rows))
     written = escape(say.WRITTEN.format(path=view.written))
@@ -145,8 +145,8 @@ def _colour(help_: str, theme: Theme) -> tuple[int, int, int]:
 
 
 def progress_lines(times: Sequence[HelpTimes]) -> tuple[Array, ...] | None:
-    """For a plot: numbers of the poses, then for each of `TRIAL_HELPS` the seconds since the first
-    pose when each was done with. None if no help was finished; one that was not done has zeros."""
+    """For a plot: pose numbers, then for each of `TRIAL_HELPS` the seconds since the first pose at
+    which each was finished, zeros for a help without times. None if no help was finished."""
     ends = {entry.help: entry.ends_s for entry in times}
     count = max((len(e) for e in ends.values()), default=0)
     if count < 2 or any(len(e) != count for e in ends.values()):
@@ -156,7 +156,7 @@ def progress_lines(times: Sequence[HelpTimes]) -> tuple[Array, ...] | None:
 
 
 def progress_series(theme: Theme, shown: Sequence[str] = TRIAL_HELPS) -> tuple[Any, ...]:
-    """Looks of those lines; a help that was not done is hidden."""
+    """Styles of those lines; a help without times is hidden."""
     series: list[dict[str, Any]] = [{"label": say.POSE}]
     for help_ in TRIAL_HELPS:
         series.append(

@@ -1,13 +1,13 @@
-"""The page of a trial: the same volunteer, the same poses, one help at a time and nothing else.
+"""The page of a trial: the same volunteer, the same poses, and only one help at a time.
 
 left    participant, help, pose, time; Start and Give up
 right   for the axes and the outline: the live picture, large, with the help drawn into it
-        for the steps: live picture and the four steps, with scene and text in the middle, just as
-        in a calibration: what is timed is the real page
+        for the steps: live picture and the four steps, with scene and text in the middle, exactly
+        as in a calibration, since the real page is timed
         at the end: the times
 
-The scene stays visible beside the large picture only where the simulated board is dragged in it;
-it shows the board there, and no target.
+The scene stays beside the large picture only if a simulated board is dragged in it; it then shows
+that board and no target.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ _LARGE_PICTURE_WIDTH = 1280
 _JPEG_QUALITY = 75
 _SIDE_WIDTH, _LEFT_WIDTH, _RIGHT_WIDTH = 340, 480, 510
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
-# What a card, a legend and the frame around them take of the window's height, pixels.
+# Height in the window of a card, a legend and their frame, pixels.
 _AROUND_THE_PICTURE = 230
 _SHARE_BESIDE_THE_SCENE = 0.68
 _PLOT_HEIGHT = 330
-# The scene beside the picture is narrow: seen from behind the camera, left and right are as in it.
+# The scene beside the picture is narrow; from behind the camera, left and right match it.
 _NARROW = 0.45  # width over height
 _BEHIND, _BEHIND_AT = np.array([0.0, -1.1, -1.1]), np.array([0.0, 0.08, 0.55])
 
@@ -76,13 +76,13 @@ class TrialPage(ExercisePage[TrialViewModel]):
         Args:
             simulated: the board can be dragged in the scene.
             shown_steps: the pictures of the target's four steps, as far as they are drawn.
-            drawn_by: what draws them, if it matters.
+            drawn_by: the renderer's note, if any.
         """
         self._simulated, self._shown_steps, self._drawn_by = simulated, shown_steps, drawn_by
         super().__init__(client, ask, view)
 
     def show_picture(self, rgb: Picture, drawn: Picture) -> None:
-        """The live picture (H, W, 3) RGB: as it came, and with the help drawn into it."""
+        """Show the live picture (H, W, 3) RGB: the original, and with the help drawn into it."""
         self._scene.set_picture(rgb)
         self._picture.image = drawn
         self._client.flush()
@@ -126,11 +126,11 @@ class TrialPage(ExercisePage[TrialViewModel]):
 
     def _arrange(self, layout: Layout) -> None:
         self._layout = layout
-        # The scene is of no use where neither steps are shown nor a simulated board is dragged.
+        # The scene is useless without steps or a simulated board to drag.
         dragged = self._simulated and layout == "picture"
         self._client.scene.set_global_visibility(layout == "steps" or dragged)
         self._guidance_panel.visible = layout == "steps"
-        if layout == "steps":  # a hidden panel has no place, so it is given one each time
+        if layout == "steps":  # a hidden panel loses its place
             self._guidance_panel.dock_above(self._left)
         self._left.set_width(_LEFT_WIDTH if layout == "steps" else _SIDE_WIDTH)
         self._gui.main_panel.set_width(self._right_width(self._client.camera.image_height))
@@ -144,10 +144,10 @@ class TrialPage(ExercisePage[TrialViewModel]):
             self._rig.go(partial(view_kept_wide, _BEHIND, _BEHIND_AT, _NARROW), at_once=True)
 
     def _right_width(self, height: int) -> int:
-        """Of the right panel in a window of this height, pixels."""
+        """Width of the right panel in a window of this height, pixels."""
         if self._layout == "steps":
             return _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
-        # As wide as a picture of 16:9 that fits the window's height.
+        # As wide as a 16:9 picture that fits the window's height.
         whole = max(480.0, (height - _AROUND_THE_PICTURE) * 16 / 9)
         beside = self._simulated and self._layout == "picture"
         return round(whole * (_SHARE_BESIDE_THE_SCENE if beside else 1.0))
@@ -169,7 +169,7 @@ class TrialPage(ExercisePage[TrialViewModel]):
             self._style.add()
             self._guidance = gui.add_html("")
         self._guidance_panel.dock_left()
-        self._guidance_panel.expand()  # on a phone panels are folded at first
+        self._guidance_panel.expand()  # phones fold panels at first
         self._left = gui.add_panel()
         with self._left.add_tab(say.TAB, viser.Icon.CLOCK):
             self._style.add()
@@ -203,14 +203,14 @@ class TrialPage(ExercisePage[TrialViewModel]):
 
 
 def layout_of(view: TrialViewModel) -> Layout:
-    """How the page is laid out for this view."""
+    """The page's layout for this view."""
     if view.stage == "over":
         return "result"
     return "steps" if view.is_running and view.help == "steps" else "picture"
 
 
 def live_picture(image: LivePicture, view: TrialViewModel) -> tuple[Picture, Picture]:
-    """A frame (BGR or grey) as it is shown, RGB: as it came, and with the help drawn into it."""
+    """A frame (BGR or grey) as RGB: the original, and with the help drawn into it."""
     steps = layout_of(view) == "steps"
     rgb = small_picture(image, PICTURE_WIDTH if steps else _LARGE_PICTURE_WIDTH)
     drawn = rgb.copy()
@@ -231,7 +231,7 @@ def _shapes(view: TrialViewModel, layout: Layout) -> tuple[Shape, ...]:
 
 
 def _looked_at(view: TrialViewModel) -> float:
-    """How far away the scene of the steps is looked at from; 0 for the other layouts."""
+    """The viewing distance of the steps' scene; 0 for the other layouts."""
     if layout_of(view) != "steps" or view.target is None:
         return 0.0
     return steps_back(float(np.linalg.norm(view.target.t)))

@@ -1,4 +1,4 @@
-"""Who gets which help when, which poses are asked for, and how long they took in all."""
+"""A trial's plan: the order of helps, the poses, and the times of each help."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Help
 from venus3d.storage.exercise import REACHED, ExerciseRow
 
-# A Latin square and its mirror image: after three participants each help has come first, second
-# and third equally often, after six each has followed each of the others equally often.
+# A Latin square and its mirror image: after three participants each help was first, second and
+# third equally often, after six each followed each of the others equally often.
 _ORDERS: tuple[tuple[int, int, int], ...] = (
     (0, 1, 2),
     (1, 2, 0),
@@ -34,42 +34,41 @@ class Plan:
 
     participant: str
     number: int
-    """1 ...: in order of appearance."""
+    """1 ...: in order of first appearance."""
     order: tuple[Help, ...]
     done: frozenset[Help] = frozenset()
-    """Helps that an earlier run has finished."""
+    """Helps finished in an earlier run."""
     attempts: tuple[tuple[Help, int], ...] = ()
-    """How often a help was begun before."""
+    """How often each help was started before."""
 
     def attempt(self, help_: Help) -> int:
-        """1 ...: the number of the attempt that comes."""
+        """1 ...: number of the next attempt."""
         return dict(self.attempts).get(help_, 0) + 1
 
 
 @dataclass(frozen=True)
 class HelpTimes:
-    """How one help went, or goes."""
+    """The times of one help."""
 
     help: str
     ends_s: tuple[float, ...]
-    """For each pose in order when it was done with, seconds since the first one was."""
+    """Finishing time of each pose in order, seconds since the first one's."""
     reached_s: tuple[float, ...]
-    """Seconds for each pose that was reached, the first one of the help left out: it is there to
-    get used to the help."""
+    """Seconds for each reached pose, without the help's first one, which is for practice."""
     given_up: int
-    """How many poses were given up."""
+    """Number of poses given up."""
 
 
 def order_of(number: int) -> tuple[Help, ...]:
-    """The helps in the order of participant `number` (1 ...); all six orders take turns."""
+    """The order of helps for participant `number` (1 ...); all six orders in turn."""
     return tuple(TRIAL_HELPS[i] for i in _ORDERS[(number - 1) % len(_ORDERS)])
 
 
 def plan_of(name: str | None, rows: Sequence[ExerciseRow]) -> Plan:
-    """The plan of a participant, given what is written already.
+    """The plan of a participant, given the rows written so far.
 
-    A new one, or None for "P1", "P2", ..., gets the next order; one whose run was broken off goes
-    on with the helps that are left. Raises `VenusError` for one who has done everything.
+    A new name, or None for "P1", "P2", ..., gets the next order; after an interrupted run, the
+    remaining helps follow. Raises `VenusError` for one who has finished everything.
     """
     numbers = {row.participant: row.number for row in rows}
     count = max(numbers.values(), default=0)
@@ -95,18 +94,16 @@ def plan_of(name: str | None, rows: Sequence[ExerciseRow]) -> Plan:
 def targets_of(
     seed: int, camera: Camera, board: Board, limits: Limits, count: int
 ) -> tuple[Pose, ...]:
-    """Random poses within the limits, the same for everybody and under every help, in one order.
-
-    The same order, so that the ways between the poses are equally long under every help. With the
-    simulated camera they are the ten that `venus3d study table3` asks its simulated people for.
-    """
+    """Random poses within the limits, in the same order for everybody and under every help, so that
+    the paths between them are equally long. With the simulated camera they are those of `venus3d
+    study table3`."""
     space = Space(board, camera, limits)
     rng = np.random.default_rng([seed, 0])
     return tuple(Pose.from_vector(random_pose(space, rng)) for _ in range(count))
 
 
 def times_of(rows: Sequence[ExerciseRow]) -> tuple[HelpTimes, ...]:
-    """How the helps of one run went, in their order."""
+    """The times of one run's helps, in their order."""
     begun = [row.help for row in rows]
     times: list[HelpTimes] = []
     for help_ in sorted({*begun}.intersection(TRIAL_HELPS), key=begun.index):

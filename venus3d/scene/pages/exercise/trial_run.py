@@ -1,4 +1,4 @@
-"""The server of a trial: all tabs show the one trial that runs before the camera."""
+"""The server of a trial: all tabs show the one trial at the camera."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.exercise import ExerciseFile, ExerciseRow
 
 FILE = "trial.csv"
-# Headless, the simulated hand is given up on after this long with a pose, seconds.
+# Headless, the simulated hand gives up a pose after this long, seconds.
 _PATIENCE_S = 120.0
 _PICTURE_PERIOD_S = 1 / 15
 _HINT_S = 60.0
@@ -47,15 +47,15 @@ _HINT_S = 60.0
 
 @dataclass(frozen=True)
 class TrialResult:
-    """What one participant's trial came to."""
+    """The result of one participant's trial."""
 
     plan: Plan
     run: tuple[ExerciseRow, ...]
-    """Of this run."""
+    """Rows of this run."""
     path: Path
     complete: bool
     rows: tuple[ExerciseRow, ...]
-    """Everything in the file, other participants' included."""
+    """All rows of the file, including other participants'."""
 
 
 class TrialServer(ExerciseServer[TrialViewModel]):
@@ -71,7 +71,7 @@ class TrialServer(ExerciseServer[TrialViewModel]):
         projections: Projections | None = None,
         simulation: Simulation | None = None,
     ) -> None:
-        """Let people look on.
+        """Accept visitors.
 
         Args:
             server: closed by the caller, after this.
@@ -92,14 +92,14 @@ class TrialServer(ExerciseServer[TrialViewModel]):
         self._image = image
 
     def refresh(self) -> None:
-        """Take over what has changed in the trial."""
+        """Show the changes in the trial."""
         self._view = self._trial.view()
         self._order_steps()
         if self._simulation is not None:
             self._simulation.follow(self._view.snapshot.target, self._view.pose)
 
     def obey(self) -> bool:
-        """Do what people asked for in any tab; whether anybody asked."""
+        """Carry out requests from any tab; whether there were any."""
         asked = [request for tab in self.tabs for request in tab.drain()]
         for request in asked:
             self._trial.handle(request)
@@ -110,7 +110,7 @@ class TrialServer(ExerciseServer[TrialViewModel]):
         return bool(asked)
 
     def step(self) -> bool:
-        """Show everybody the trial as it is now."""
+        """Update every tab."""
         now = time.monotonic()
         if self._image is not None and now >= self._picture_due_s:
             self._picture_due_s = now + _PICTURE_PERIOD_S
@@ -154,7 +154,7 @@ class TrialServer(ExerciseServer[TrialViewModel]):
             image, view = self._image, self._view
             if image is None:
                 return
-            # For all tabs at once.
+            # For all tabs together.
             if self._drawn is None or self._drawn[0] != (id(image), id(view)):
                 self._drawn = ((id(image), id(view)), live_picture(image, view))
             page.show_picture(*self._drawn[1])
@@ -162,7 +162,7 @@ class TrialServer(ExerciseServer[TrialViewModel]):
         self._turns.ask(tab.client.client_id, "live", draw)
 
     def _order_steps(self) -> None:
-        """Have the target's four steps drawn as the camera sees them, if they are not yet."""
+        """Request the pictures of the target's four steps, unless they are drawn."""
         view, target = self._view, self._view.snapshot.target
         if layout_of(view) != "steps" or target is None:
             self._tiles.forget()
@@ -176,10 +176,8 @@ class TrialServer(ExerciseServer[TrialViewModel]):
 
 
 def run_trial(options: TrialOptions) -> TrialResult:
-    """Run one participant's trial, until all is done (headless) or it is stopped (page).
-
-    Raises `VenusError` for whatever the user can mend.
-    """
+    """Run one participant's trial, until it is finished (headless) or stopped (page). Raises
+    `VenusError` for whatever the user can fix."""
     options.check()
     if options.headless:
         options = replace(options, autopilot=True)  # nobody could drag the simulated board
@@ -228,10 +226,8 @@ def run_trial(options: TrialOptions) -> TrialResult:
 def _run_on_a_page(
     trial: Trial, source: Source, tracker: BoardTracker, options: TrialOptions, stack: ExitStack
 ) -> None:
-    """Until Ctrl-C or a signal that asks to end; until then the page stays.
-
-    Raises what broke the source; what was measured is on the disk.
-    """
+    """Run until Ctrl-C or a termination signal; the page stays open until then. Raises the source's
+    error; everything measured is on disk."""
     simulation = source if isinstance(source, Simulation) else None
     offscreen = stack.enter_context(closing(Offscreen()))
     web, note = start_server(options.host, options.port)
@@ -259,7 +255,7 @@ def _run_on_a_page(
 
 
 def _run_headless(trial: Trial, source: Source, tracker: BoardTracker) -> None:
-    """The simulated hand does everything, in simulated time: a rehearsal."""
+    """A rehearsal: the simulated hand does everything, in simulated time."""
     assert isinstance(source, Simulation)
     since_s, done = 0.0, 0
     while trial.stage != "over":
@@ -278,7 +274,7 @@ def _run_headless(trial: Trial, source: Source, tracker: BoardTracker) -> None:
 
 
 def _camera(options: TrialOptions, source: Source) -> Camera:
-    """The camera that is known. Raises `VenusError` if its pictures have another shape."""
+    """The known camera. Raises `VenusError` if the source's pictures have another aspect."""
     if options.camera is None:
         assert isinstance(source, Simulation)
         return source.truth

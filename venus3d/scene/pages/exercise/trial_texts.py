@@ -1,4 +1,4 @@
-"""What the page of a trial says."""
+"""Texts of the trial page."""
 
 TAB, GUIDANCE_TAB = "Trial", "What to do now"
 START, START_HINT = (

@@ -1,7 +1,4 @@
-"""What the page of an exercise shows at one time, and what a person can ask for on it.
-
-Nothing in here computes: an `Exercise` fills the view models and carries out the requests.
-"""
+"""View models of the exercise pages, and the requests a person can make; no computation."""
 
 from __future__ import annotations
 
@@ -17,30 +14,30 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.storage.exercise import ExerciseRow
 
 Help = Literal["steps", "axes", "outline", "none"]
-"""steps: one degree of freedom at a time (the paper). axes: the board's axes and the target's
-(Rojtberg 2018). outline: the target's filled silhouette (AprilCal). none: nothing but a picture
-taken at the target; for practice only."""
+"""steps: one degree of freedom at a time (the paper). axes: the board's and the target's axes
+(Rojtberg 2018). outline: the target's filled silhouette (AprilCal). none: only a picture taken at
+the target; for practice."""
 PRACTICE_HELPS: tuple[Help, ...] = get_args(Help)
 TRIAL_HELPS: tuple[Help, ...] = PRACTICE_HELPS[:3]
 Stage = Literal["ready", "aim", "hold", "reached", "over"]
-"""ready: no target is shown yet. aim: bring the board there. hold: it is there and must stay.
-reached: it stayed, and the next target waits to be asked for. over: there are no more targets."""
+"""ready: no target yet. aim: bring the board there. hold: it is there and must stay. reached: it
+stayed; the next target waits for a request. over: no more targets."""
 ViewSide = Literal["outside", "through"]
-"""The scene is seen from outside, or through the camera."""
+"""Whether the scene is seen from outside or through the camera."""
 Mover = Literal["keys", "gizmo", "sliders", "picture"]
-"""What a board was moved with; picture: dragged by itself, in whichever view."""
+"""What moved a board; picture: the board was dragged itself, in either view."""
 Action = Literal["next", "give_up", "start_over", "view", "theme", "autopilot"]
-"""What a button or a key without a value asks for."""
+"""Requests without a value."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ExerciseView:
-    """What the pages of both exercises show."""
+    """View model common to both pages."""
 
     camera: Camera
     board: Board
     pose: Pose | None
-    """Of the board now; None while it is not seen."""
+    """The board's pose; None while it is not seen."""
     target: Pose | None
     match: Match | None
     """None without a board or a target."""
@@ -48,59 +45,59 @@ class ExerciseView:
     help: Help
     dark: bool
     seconds: float
-    """On the clock of this pose (practice) or of this help (trial)."""
+    """Clock of this pose (practice) or of this help (trial)."""
     rows: tuple[ExerciseRow, ...]
-    """All poses that were done with since the exercise was opened."""
+    """All poses finished since the exercise was opened."""
     written: str
-    """The file that they are in."""
+    """The file they are written to."""
     note: str
-    """What is said beside."""
+    """A remark beside the text."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PracticeViewModel(ExerciseView):
-    """Where one trainee stands."""
+    """One trainee's view model."""
 
     pose: Pose
     target: Pose
     match: Match
     attempt: Attempt
-    """How the board has been moved so far, and which numbers may be moved."""
+    """The board's moves so far, and which numbers may change."""
     level: int
     auto_level: bool
-    """Whether the next level comes by itself."""
+    """Whether the next level follows automatically."""
     side: ViewSide
     last_mover: Mover | None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TrialViewModel(ExerciseView):
-    """Where one participant's trial stands."""
+    """One participant's view model."""
 
     participant: str
     order: tuple[Help, ...]
-    """The helps in this participant's order; those done in an earlier run among them."""
+    """The helps in this participant's order, including those finished earlier."""
     place: int
-    """1 ...: which of `order` is shown, or comes next."""
+    """1 ...: position in `order` of the help shown, or next."""
     number: int
-    """1 ... `poses`: which pose is asked for."""
+    """1 ... `poses`: number of the current pose."""
     poses: int
     step: int
-    """1 ... 4: which of the four steps the board is on, or was when it was seen last."""
+    """1 ... 4: the board's current step, or its last one when it was seen."""
     autopilot: bool
-    """Whether the simulated hand has the board."""
+    """Whether the simulated hand moves the board."""
     snapshot: Snapshot
     """The same as a guided calibration would show it."""
 
     @property
     def is_running(self) -> bool:
-        """Whether a pose is asked for."""
+        """Whether a pose is being asked for."""
         return self.stage in ("aim", "hold")
 
 
 @dataclass(frozen=True, eq=False)
 class MoveBoard:
-    """The board was brought to this pose."""
+    """The board was moved to this pose."""
 
     pose: Pose
     by: Mover
@@ -108,7 +105,7 @@ class MoveBoard:
 
 @dataclass(frozen=True)
 class Nudge:
-    """One of the six numbers of the pose a little up or down."""
+    """Change one of the pose's six numbers a little."""
 
     number: int
     """0 ... 5: xr, yr, zr, xt, yt, zt."""
@@ -124,21 +121,21 @@ class ChooseLevel:
 
 @dataclass(frozen=True)
 class ChooseHelp:
-    """Practise with this help; None: with the next one."""
+    """Practise with this help; None: the next one."""
 
     help: Help | None
 
 
 @dataclass(frozen=True)
 class SetAutoLevel:
-    """Whether the next level comes by itself."""
+    """Whether the next level follows automatically."""
 
     on: bool
 
 
 @dataclass(frozen=True)
 class Rename:
-    """The trainee's name."""
+    """Set the trainee's name."""
 
     name: str
 

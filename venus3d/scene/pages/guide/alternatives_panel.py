@@ -1,7 +1,5 @@
-"""Buttons for poses that are nearly as good as the target; none while there are none.
-
-One of them may suit the person's wrists, or the room. The best of them stands first.
-"""
+"""Buttons for poses nearly as good as the target, best first; one may suit wrists or room
+better."""
 
 from __future__ import annotations
 
@@ -24,7 +22,7 @@ class AlternativesPanel:
     """The buttons of one server. `ask` is called on viser's threads."""
 
     def __init__(self, gui: viser.GuiApi, ask: Callable[[Intent], None]) -> None:
-        """Make the buttons in the current panel."""
+        """Create the buttons in the current panel."""
         self._ask = ask
         self._target = 0
         self._title = gui.add_html("", visible=False)
@@ -37,7 +35,7 @@ class AlternativesPanel:
 
     @property
     def commands(self) -> tuple[Command, ...]:
-        """The same choices, the first on a key."""
+        """The same choices as commands, the first with a key."""
         return tuple(
             Command(
                 label,
@@ -49,7 +47,7 @@ class AlternativesPanel:
         )
 
     def show(self, snapshot: Snapshot | None) -> None:
-        """Let the buttons say what there is to choose from."""
+        """Update the buttons to the alternatives."""
         shown = snapshot is not None and snapshot.phase in ("guiding", "captured")
         target = snapshot.target if snapshot is not None and shown else None
         others = () if target is None else target.alternatives[:_AT_MOST]
@@ -67,7 +65,7 @@ class AlternativesPanel:
 
 
 def alternative_text(other: Target) -> str:
-    """How the board is held there, and what comes of it."""
+    """How the board is held there, and the expected result."""
     if not np.isfinite(other.gain_px):
         return other.held
     return say.OTHER_TEXT.format(held=other.held, error=px_text(other.predicted_uncertainty_px))

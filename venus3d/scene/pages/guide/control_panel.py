@@ -1,7 +1,6 @@
-"""Buttons and commands of a guided calibration: which intent each stands for, and when it is shown.
+"""Buttons and commands of a guided calibration, their intents, and when they are shown.
 
-Only what still makes sense is shown: with no target there are no steps to look at, and once the
-person has ended the calibration nothing is captured any more.
+Only useful ones are shown: no steps without a target, no capture after the end.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.texts import SWITCHED_ON
 
-# By the names of their texts, with their keys. Letters that fly the browser's camera (W A S D Q E)
-# and the arrows are not ours to take. Finish has none: it cannot be taken back.
+# By the names of their texts, with their keys. W A S D Q E and the arrows move the browser's
+# camera. Finish has no key: it cannot be undone.
 CONTROLS: dict[str, tuple[Intent, str | None]] = {
     "capture": (Capture(), "C"),
     "skip": (SkipTarget(), "K"),
@@ -58,7 +57,7 @@ class ControlPanel:
     def __init__(
         self, gui: viser.GuiApi, ask: Callable[[Intent], None], *, simulated: bool
     ) -> None:
-        """Make the buttons in the current panel."""
+        """Create the buttons in the current panel."""
         self._ask = ask
         self._offered = CONTROLS.keys() - (set() if simulated else {"autopilot"})
         self._capture = gui.add_button(say.CAPTURE, icon=viser.Icon.CAMERA, hint=say.CAPTURE_HINT)
@@ -67,7 +66,7 @@ class ControlPanel:
 
     @property
     def commands(self) -> tuple[Command, ...]:
-        """The same by key and by name."""
+        """The same as commands, with keys."""
         return tuple(
             Command(*_command_texts(name, key), lambda intent=intent: self._ask(intent))
             for name, (intent, key) in CONTROLS.items()
@@ -75,7 +74,7 @@ class ControlPanel:
         )
 
     def show(self, state: ViewState, phase: Phase = "startup") -> None:
-        """Let the buttons say what is on, and go when there is nothing to do with them."""
+        """Update the buttons; hide those without a use."""
         useful = useful_in(phase)
         self._capture.visible = "capture" in useful
         for name, row in self._rows.items():
@@ -94,7 +93,7 @@ class ControlPanel:
 
 
 def useful_in(phase: Phase) -> frozenset[str]:
-    """Names of the controls that can do anything in this phase."""
+    """Names of the controls that are useful in this phase."""
     useful = frozenset(CONTROLS)
     if phase in ("converged", "finished"):
         useful -= _WITH_A_TARGET

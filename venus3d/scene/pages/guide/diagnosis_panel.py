@@ -1,7 +1,6 @@
-"""What makes the numbers doubtful: an area above the progress, absent while there is nothing.
+"""The diagnoses against the result, above the progress; hidden while there are none.
 
-Each diagnosis has a title, its cause and its cure. How bad it is can be told without colours, by
-the sign, its shape and a word.
+Each has a title, a cause and a cure. Sign, shape and word give the severity without colours.
 """
 
 from __future__ import annotations
@@ -14,12 +13,12 @@ from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.web.diagnoses import SEVERITIES, Severity
 
 SHOWN = 2
-"""So many are told in full; of the others only the number."""
+"""Number of diagnoses shown in full; the others are only counted."""
 _SIGNS: dict[Severity, str] = {"wrong": "✕", "weak": "!", "note": "i"}
 
 
 def diagnoses_html(snapshot: Snapshot | None) -> str:
-    """The diagnoses of a moment, worst first; empty if there are none."""
+    """The diagnoses of a moment, worst first; empty without any."""
     if snapshot is None or not snapshot.diagnoses:
         return ""
     items = "".join(_item(diagnosis) for diagnosis in snapshot.diagnoses[:SHOWN])

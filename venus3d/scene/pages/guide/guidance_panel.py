@@ -1,4 +1,4 @@
-"""The large text of a guided calibration: what state we are in, what to do now."""
+"""The large text of a guided calibration: its state, and what to do now."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
 def _state_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
     against = doubt(snapshot)
     if snapshot.phase == "converged" and against is not None:
-        # The sigmas have settled, but on views that do not say enough.
+        # The sigmas have settled, but the views are not informative enough.
         second = second_line(say.DOUBTED_NEXT)
         return guide_card(theme.info, "!", say.DOUBTFUL, against.cure, below=second, note=note)
     busy = snapshot.phase == "captured"

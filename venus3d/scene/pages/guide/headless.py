@@ -1,4 +1,4 @@
-"""Guiding without a screen: everything in order on one thread, so that a seed repeats a run."""
+"""Guiding without a viewer: everything in order on one thread, so that a seed repeats a run."""
 
 from __future__ import annotations
 
@@ -12,20 +12,18 @@ from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 
-# Some ten times as long as the simulated hand takes for a target.
+# About ten times what the simulated hand takes for a target.
 _PATIENCE_FRAMES = 400
 
 
 def run_headless(
     session: Session, source: Source, tracker: BoardTracker, keep: Callable[[Snapshot], None]
 ) -> str:
-    """Guide without a screen until convergence, enough views, or the recording's end.
+    """Guide without a viewer until convergence, enough views, or the recording's end; `keep` is
+    called after every view.
 
-    `keep` is called after every view.
-
-    Returns a sentence if it ended otherwise, because the source broke after views had been captured
-    or because the simulated hand got nowhere; the views are kept. Raises `SourceError` if the
-    source broke before.
+    Returns a sentence on any other end (the source failed after captured views, or the simulated
+    hand got stuck); the views are kept. Raises `SourceError` if the source failed before.
     """
     waited, views = 0, 0
     try:
@@ -44,7 +42,7 @@ def run_headless(
                 waited = waited + 1 if len(snapshot.views) == views else 0
                 views = len(snapshot.views)
     except KeyboardInterrupt:
-        # What was captured until then is a result, too.
+        # The views captured until then are a result too.
         session.run_pending(stop=lambda: True)
     except SourceError as error:
         if session.snapshot().calibration is None:

@@ -1,7 +1,7 @@
-"""What a person asks for in the browser, by button, key or command.
+"""Intents: what a person asks for in the browser, by button, key or command.
 
-The page's state follows each of them (`ViewState.after`), then they are queued for the guidance
-loop, which obeys those that are the session's or the source's.
+Each updates the page's state (`ViewState.after`) and is queued for the guidance loop, which carries
+out those for the session or the source.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from venus3d.engine.planning.method import Cost, Method
 
 @dataclass(frozen=True)
 class Capture:
-    """Take the present view, matched or not."""
+    """Capture the current view, matched or not."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +25,12 @@ class SkipTarget:
 
 @dataclass(frozen=True)
 class UndoView:
-    """Take back the last captured view."""
+    """Remove the last captured view."""
 
 
 @dataclass(frozen=True)
 class DropView:
-    """Leave one captured view out of the calibration."""
+    """Exclude one captured view from the calibration."""
 
     number: int
     """The view's number, as in `View.number`."""
@@ -38,26 +38,26 @@ class DropView:
 
 @dataclass(frozen=True)
 class ChangeMethod:
-    """Find the next poses in another way."""
+    """Change how the next poses are found."""
 
     method: Method
     cost: Cost | None = None
-    """None: the method's own."""
+    """None: the method's default."""
 
 
 @dataclass(frozen=True)
 class ChooseAlternative:
-    """Take another of the nearly equal targets."""
+    """Choose one of the nearly equal targets."""
 
     index: int
     """Into the target's `alternatives`."""
     target: int
-    """Number of the target that they belong to: meanwhile there may be another."""
+    """Number of their target, which may have changed meanwhile."""
 
 
 @dataclass(frozen=True)
 class Finish:
-    """End the calibration and keep what is known."""
+    """End the calibration and keep the result."""
 
 
 Option = Literal["playing", "follow", "strip", "dark", "paused", "autopilot"]
@@ -66,14 +66,14 @@ Option = Literal["playing", "follow", "strip", "dark", "paused", "autopilot"]
 
 @dataclass(frozen=True)
 class Toggle:
-    """Switch an option on or off; `Viewer.state` says which it is then."""
+    """Toggle an option; `Viewer.state` has its new value."""
 
     option: Option
 
 
 @dataclass(frozen=True)
 class TurnStep:
-    """Look at another step."""
+    """Show another step."""
 
     by: int
     """1: the next one, -1: the one before."""

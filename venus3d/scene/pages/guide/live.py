@@ -1,10 +1,10 @@
-"""Guiding with the viewer: observations and what users ask for go to the session, snapshots out.
+"""Guiding with the viewer: observations and intents go to the session, snapshots to the viewer.
 
     think   the session's slow work: calibration and search
     guide   (the caller's thread) observations and intents -> session -> viewer
 
-Frames are read and boards detected on two more threads (`sources.observation_stream`); detection
-never waits for the mathematics.
+Two more threads read frames and detect boards (`sources.observation_stream`); detection never waits
+for the computations.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from venus3d.sources.sim import Simulation
 
 
 class LiveGuide:
-    """One session with its viewer. `run` returns when `stop` was called or the source broke."""
+    """One session with its viewer. `run` returns after `stop` or a failure of the source."""
 
     def __init__(
         self,
@@ -40,8 +40,8 @@ class LiveGuide:
         again: Callable[[], Source],
         monitors: Sequence[SecondMonitor] = (),
     ) -> None:
-        """`keep` is called with every moment that may hold a new result, and must not wait; `again`
-        opens a recording anew when it has ended; `source` is closed by `run`."""
+        """`keep` is called with every moment that may hold a new result, and must not block;
+        `again` reopens a recording that has ended; `run` closes `source`."""
         self._session, self._keep = session, keep
         self._viewer, self._monitors = viewer, tuple(monitors)
         self._stream = ObservationStream(
@@ -51,18 +51,16 @@ class LiveGuide:
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
 
     def stop(self) -> None:
-        """Ask for the end; from any thread."""
+        """Ask `run` to end; from any thread."""
         self._stream.stop()
 
     def run(self) -> Snapshot:
-        """Guide until stopped, by `stop`, Ctrl-C or a signal that asks to end.
-
-        Raises what broke the source or anything else, after what had been captured was handed on.
-        """
+        """Guide until `stop`, Ctrl-C or a termination signal. Raises the source's or any other
+        error, after all captured views were passed on."""
         try:
             self._stream.run(self._guide, self._end)
         except BaseException:
-            with suppress(Exception):  # the first error is the one to tell
+            with suppress(Exception):  # the first error is the one to report
                 self._concluded()
             raise
         snapshot = self._concluded()
@@ -70,7 +68,7 @@ class LiveGuide:
         return snapshot
 
     def _concluded(self) -> Snapshot:
-        # A view that was captured a moment ago counts; there is no next pose to search.
+        # A view captured just now counts; no next pose is searched.
         snapshot = self._session.run_pending(stop=lambda: True)
         self._keep(snapshot)
         return snapshot
@@ -98,7 +96,7 @@ class LiveGuide:
         self._keep_picture()
         if asked or observation is not None:
             self._show()
-        # Only now: a board that moved need not wait to be seen for what came of the search.
+        # Only now: the moved board is shown before the search's result.
         if self._think():
             self._show()
 
@@ -113,13 +111,13 @@ class LiveGuide:
         self._keep(snapshot)
 
     def _keep_picture(self) -> None:
-        """Hand on the picture of a view that was captured just now."""
+        """Pass on the picture of a view captured just now."""
         view = self._session.take_new_view()
         if view is not None and view.observation.image is not None:
             self._viewer.keep_view(view.number, view.observation.image)
 
     def _think(self) -> bool:
-        """Hand pending work to its thread, take finished work back; whether any came back."""
+        """Start pending work on its thread, collect finished work; whether there was any."""
         pending, came = self._session.pending, False
         if self._job is not None:
             work, future, halt = self._job

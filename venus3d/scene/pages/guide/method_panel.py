@@ -1,8 +1,7 @@
-"""How the next pose is found: our method or the paper's, in a list and in the command palette.
+"""How the next pose is found, ours or the paper's, as a list and as commands.
 
-Other methods and costs are for research and chosen on the command line; one that was chosen there
-stands in the list as well. The list shows what the session does, not what was clicked: a choice
-that is refused goes back by itself.
+Other methods and costs are for research and set on the command line; one set there is listed too.
+The list shows the session's method, not the click: a refused choice reverts by itself.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ class _Entry(NamedTuple):
 
 OFFERED: tuple[Method, ...] = ("global", "venus")
 _OFFERED = tuple(_Entry(method, DEFAULT_COST[method]) for method in OFFERED)
-# A choice is on its way to the session and back for so long; until then it is not put back.
+# Seconds for which a choice is not reverted, until the session has answered.
 _ON_ITS_WAY_S = 1.0
 
 
@@ -43,7 +42,7 @@ class MethodPanel:
     """The list of one server. `ask` is called on viser's threads."""
 
     def __init__(self, gui: viser.GuiApi, ask: Callable[[Intent], None]) -> None:
-        """Make the list in the current panel, folded away."""
+        """Create the list in the current panel, folded."""
         self._ask = ask
         self._shown = _OFFERED[0]
         self._picked: float | None = None
@@ -53,7 +52,7 @@ class MethodPanel:
 
     @property
     def commands(self) -> tuple[Command, ...]:
-        """The same choices, by their names."""
+        """The same choices as commands."""
         return tuple(
             Command(
                 say.METHOD_COMMAND.format(words=entry.label),
@@ -65,11 +64,8 @@ class MethodPanel:
         )
 
     def show(self, snapshot: Snapshot) -> None:
-        """Let the list say how the session finds its poses.
-
-        Only when that has changed, or a while after somebody picked: what was picked this moment is
-        in the list before `_pick` hears of it, and must not be put back meanwhile.
-        """
+        """Update the list to the session's method, if that has changed or a while after a choice: a
+        choice is in the list before `_pick` is called and must not be reverted meanwhile."""
         now, found = monotonic(), _Entry(snapshot.method, snapshot.cost)
         is_due = self._picked is not None and now - self._picked >= _ON_ITS_WAY_S
         if found == self._shown and not is_due:

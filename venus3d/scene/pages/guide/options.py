@@ -1,4 +1,4 @@
-"""What a person can choose for a guided calibration; a docstring is its option's `--help`."""
+"""Options of a guided calibration; a docstring is its option's `--help`."""
 
 from __future__ import annotations
 

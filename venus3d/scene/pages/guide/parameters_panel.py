@@ -1,4 +1,4 @@
-"""The camera's parameters: their table, and how their sigmas shrink."""
+"""The camera's parameters: a table, and a plot of their sigmas."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from venus3d.scene.web.theme import Theme
 
 
 class ParametersPanel:
-    """One tab's content, shared by all browsers."""
+    """The content of one tab, shared by all browsers."""
 
     def __init__(self, gui: viser.GuiApi, theme: Theme) -> None:
-        """Make it in the current tab."""
+        """Create it in the current tab."""
         self._shown: tuple[object, ...] = (self, self, self)  # nothing yet
         self._table = gui.add_html("")
         self._caption = gui.add_html(trend_caption(theme), visible=False)
@@ -42,7 +42,7 @@ class ParametersPanel:
         )
 
     def show(self, snapshot: Snapshot) -> None:
-        """Put what is known at this moment there."""
+        """Show this moment's parameters."""
         shown = (snapshot.calibration, snapshot.convergence, snapshot.history)
         if all(a is b for a, b in zip(shown, self._shown, strict=True)):
             return
@@ -54,7 +54,7 @@ class ParametersPanel:
             self._trend.data = lines
 
     def recolour(self, theme: Theme) -> None:
-        """Take these colours."""
+        """Use these colours."""
         self._trend.series = trend_series(theme)
         self._caption.content = trend_caption(theme)
         across, up = self._trend.axes or ({}, {})

@@ -1,4 +1,4 @@
-"""How well the camera is known: views, errors promised and come, parameters, the sigmas' trend."""
+"""How well the camera is known: views, predicted and achieved uncertainties, the sigmas' trend."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from venus3d.scene.web.theme import Theme
 
 
 def progress_html(snapshot: Snapshot | None) -> str:
-    """Views, errors, what the last view brought, what the next pose is for and should bring."""
+    """Views, uncertainties, the last view's gain, the next pose's purpose and expected gain."""
     if snapshot is None or (snapshot.calibration is None and snapshot.target is None):
         return f"<div class='v-progress'>{say.NOT_KNOWN_YET}</div>"
     parts = _summary(snapshot) + _outcome(snapshot) + _reason(snapshot)
@@ -39,7 +39,7 @@ def _summary(snapshot: Snapshot) -> str:
 
 
 def _outcome(snapshot: Snapshot) -> str:
-    """What the last view brought, and how many more it takes."""
+    """The last view's gain, and how many more views it takes."""
     lines = [brought_text(snapshot.history)]
     if snapshot.forecast is not None and snapshot.phase != "finished":
         goes_on = snapshot.phase == "guiding"
@@ -48,10 +48,8 @@ def _outcome(snapshot: Snapshot) -> str:
 
 
 def brought_text(history: Sequence[Progress]) -> str:
-    """What the last view brought and what its target had promised; empty if unknown.
-
-    Unknown it is, too, once an earlier view was dropped: nobody calibrated without just this one.
-    """
+    """The last view's gain and its target's prediction; empty if unknown, also once an earlier view
+    was dropped, since no calibration lacks just the last one."""
     if not history or not np.isfinite(history[-1].uncertainty_px):
         return ""
     if history[-1].views != (history[-2].views if len(history) > 1 else 0) + 1:
@@ -65,13 +63,13 @@ def brought_text(history: Sequence[Progress]) -> str:
 
 
 def px_text(uncertainty_px: float) -> str:
-    """An error with the figures it is worth."""
+    """An uncertainty with its significant figures."""
     return f"{uncertainty_px:.2f}" if uncertainty_px >= 0.1 else f"{uncertainty_px:.3f}"
 
 
 def forecast_text(forecast: Forecast, *, goes_on: bool = False) -> str:
-    """About how many more views, with the interval; `goes_on` if guidance does although none is
-    needed."""
+    """About how many more views, with the interval; `goes_on` if guidance continues although none
+    is needed."""
     goal = say.FORECAST_GOAL.format(error=forecast.wanted_px)
     low, high, views = forecast.low, forecast.high, forecast.views
     if views == 0:
@@ -89,7 +87,7 @@ def forecast_text(forecast: Forecast, *, goes_on: bool = False) -> str:
 
 def _promise(snapshot: Snapshot) -> str:
     target = snapshot.target
-    # After a single view the noise is hardly known, so neither is what the next one brings.
+    # After a single view the noise, and so the next view's gain, is hardly known.
     if target is None or not np.isfinite(target.gain_px):
         return ""
     now, then = px_text(target.uncertainty_px), px_text(target.predicted_uncertainty_px)
@@ -115,10 +113,8 @@ def _short(value: float) -> str:
 
 
 def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:
-    """Numbers of views, then nine sigmas over those of the first full calibration.
-
-    None until two calibrations estimated all nine parameters.
-    """
+    """View numbers, then nine sigmas relative to the first full calibration; None until two
+    calibrations have estimated all nine parameters."""
     full = [entry for entry in history if (entry.sigma > 0).all()]
     if len(full) < 2:
         return None
@@ -129,7 +125,7 @@ def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:
 
 
 def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
-    """Looks of the nine lines: one colour for each kind of parameter."""
+    """Styles of the nine lines: one colour per kind of parameter."""
     colours = [theme.info] * 2 + [theme.reached] * 2 + [theme.quiet] * 5
     solid: tuple[float, ...] = ()
     dashes = [solid] * 4 + [(6.0, 5.0)] * 5
@@ -148,7 +144,7 @@ def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
 
 
 def trend_caption(theme: Theme) -> str:
-    """Words for the plot: what it shows, and which line is which."""
+    """Caption of the plot: what it shows, and which line is which."""
     looks = zip((theme.info, theme.reached, theme.quiet), "━━┅", say.TREND_KEYS, strict=True)
     keys = " &nbsp; ".join(
         f"<span style='color:{colour}'>{stroke} {name}</span>" for colour, stroke, name in looks

@@ -1,4 +1,4 @@
-"""The newest calibration on its way to the disk, on a thread of its own."""
+"""Writes the newest calibration to disk on its own thread."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _LOG = logging.getLogger(__name__)
 
 
 def is_over(snapshot: Snapshot) -> bool:
-    """Whether no more views are asked for."""
+    """Whether no more views are requested."""
     return snapshot.phase in ("converged", "finished")
 
 
 class ResultSaver:
-    """Has every new calibration written; the newest wins, and nobody waits for the disk."""
+    """Writes every new calibration, the newest first; callers never wait for the disk."""
 
     def __init__(
         self,
@@ -29,26 +29,24 @@ class ResultSaver:
         saved: Callable[[str], None] = lambda _: None,
         failed: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """Nothing runs until there is something to write.
+        """No thread runs until there is something to write.
 
         Args:
-            write: writes one moment's calibration; gives back a sentence that says where.
-            saved: hears that sentence when the calibration is over.
-            failed: hears why something could not be written; the next view is tried again.
+            write: writes one moment's calibration; returns a sentence that says where.
+            saved: called with that sentence when the calibration is over.
+            failed: called with the reason of a failed write; the next view is tried again.
         """
         self._write, self._saved, self._failed = write, saved, failed
         self._box: Latest[Snapshot] = Latest()
         self._known: Calibration | None = None
         self._was_over = False
-        # No daemon: what is in the box is written even if whoever closes this is interrupted.
+        # Not a daemon: the pending result is written even if the closing thread is interrupted.
         self._thread = threading.Thread(target=self._run, name="keep", daemon=False)
         self._started = False
 
     def put(self, snapshot: Snapshot) -> None:
-        """Have this moment written if there is a new calibration in it, or it is over; never waits.
-
-        Where no view is left, what was written last stays.
-        """
+        """Queue this moment if it has a new calibration or is the last; never waits. If no view is
+        left, the last file stays."""
         known, over = snapshot.calibration, is_over(snapshot)
         if known is not None and (known is not self._known or (over and not self._was_over)):
             self._box.put(snapshot)
@@ -58,7 +56,7 @@ class ResultSaver:
         self._known, self._was_over = known, over
 
     def close(self) -> None:
-        """Write what is still to be written. May be called twice."""
+        """Write what is pending. May be called twice."""
         self._box.close()
         if self._started:
             self._thread.join()
@@ -69,7 +67,7 @@ class ResultSaver:
                 sentence = self._write(snapshot)
             except VenusError as error:
                 self._failed(texts.NOT_SAVED.format(error=error))
-            except Exception:  # a mistake of ours: the next view is worth trying
+            except Exception:  # our error: the next view is worth trying
                 _LOG.exception(texts.NOT_SAVED_LOG)
                 self._failed(texts.NOT_SAVED_MISTAKE)
             else:

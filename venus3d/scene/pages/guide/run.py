@@ -1,4 +1,4 @@
-"""From a person's options to a guided calibration: opens source and viewer, runs, closes."""
+"""Runs a guided calibration from its options: opens source and viewer, runs, closes."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.sim import Simulation
 
-# A recording does not follow a target: a view that lowers the expected error so much counts.
+# Recordings ignore targets: a view counts if it lowers the expected uncertainty this much.
 _USEFUL_DROP = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class GuideResult:
-    """What a guided calibration came to."""
+    """The result of a guided calibration."""
 
     snapshot: Snapshot
     warnings: tuple[str, ...]
@@ -52,17 +52,16 @@ def run_guide(
     monitors: Sequence[SecondMonitor] = (),
     on_viewer: Callable[[Viewer], None] = lambda _: None,
 ) -> GuideResult:
-    """Guide one calibration as the options say, until it ends (headless) or is stopped (viewer).
+    """Run one guided calibration, until it ends (headless) or is stopped (viewer).
 
-    `keep` is called after every view, on a thread of its own; the newest view wins, and the last is
-    kept before this ends, however it ends. What it returns is said on the screen once all is over,
-    and what it raises at once.
+    `keep` is called after every view, on its own thread; the newest view wins, and the last is
+    always kept. What it returns is printed at the end, what it raises at once.
 
     Args:
-        monitors: are shown what the viewer is shown; their owner closes them.
-        on_viewer: called with the viewer when it is open, to put more on its page.
+        monitors: are shown what the viewer is shown; the caller closes them.
+        on_viewer: called with the open viewer, to add to its page.
 
-    Raises `VenusError` for whatever the user can mend.
+    Raises `VenusError` for whatever the user can fix.
     """
     board = options.board.board()
     options = _possible(options)
@@ -74,7 +73,7 @@ def run_guide(
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
             said = (*source.notes, *tracker.detector.notes, *snapshot.warnings, *notes)
-            # No more views come, so the set is judged as it is.
+            # No more views come: judge the set as it is.
             known = snapshot.calibration
             found = tracker.detector.explain_misses() if known is None else diagnose(known)
             found = dict.fromkeys((*tracker.detector.diagnoses, *found))
@@ -115,14 +114,14 @@ def run_guide(
 
 
 def _possible(options: GuideOptions) -> GuideOptions:
-    """The options as they can be met. Raises `VenusError` for those that would never end."""
+    """The options, adjusted. Raises `VenusError` for those that would never end."""
     if not options.headless:
         return options
     if not options.auto_capture:
         raise VenusError(
             "Without a viewer nobody can press the key, so --headless goes with --auto-capture."
         )
-    # Nobody could drag the simulated board either.
+    # Nobody could drag the simulated board.
     return replace(options, autopilot=True)
 
 

@@ -1,4 +1,4 @@
-"""What is shown, apart from the calibration itself: one state for all tabs of a viewer."""
+"""The view options of a guided calibration, shared by all tabs of a viewer."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from venus3d.scene.pages.guide.intents import (
 )
 
 SECONDS_PER_STEP = 1.2
-"""How long the animation spends on one step."""
+"""Duration of one step in the animation."""
 
 
 @dataclass(frozen=True)
@@ -22,22 +22,22 @@ class ViewState:
     """View options. Frozen: every change is a new state, so that threads may share it."""
 
     step: int = 1
-    """1 ... 4: the step that is shown."""
+    """1 ... 4: the step shown."""
     follow: bool = True
-    """Whether the step shown follows the step that the board is on."""
+    """Whether the step shown follows the board."""
     strip: bool = False
-    """Whether all four steps are spread out side by side."""
+    """Whether all four steps are shown side by side."""
     playing: bool = False
     sweep: float = 1.0
-    """0 ... 1: how far the step shown has been carried out in the animation."""
+    """0 ... 1: the animation's progress in the step shown."""
     dark: bool = True
     paused: bool = False
     autopilot: bool = True
     target: int = 0
-    """Number of the target that the step belongs to."""
+    """Number of the step's target."""
 
     def seeing(self, snapshot: Snapshot) -> ViewState:
-        """The state once this snapshot is shown: a new target starts to follow again."""
+        """The state for this snapshot: a new target follows the board again."""
         state = self
         number = 0 if snapshot.target is None else snapshot.target.number
         if number != self.target:
@@ -47,22 +47,22 @@ class ViewState:
         return state
 
     def turned_to(self, step: int) -> ViewState:
-        """Another step is picked by hand; it stays until the next target."""
+        """The state with a step picked by hand, until the next target."""
         picked = min(max(step, 1), 4)
         return replace(self, step=picked, follow=False, playing=False, sweep=1.0)
 
     def following(self, on: bool) -> ViewState:
-        """The step shown follows the board again, or stays."""
+        """The state in which the step follows the board again, or stays."""
         return replace(self, follow=on, playing=False, sweep=1.0)
 
     def play(self, on: bool) -> ViewState:
-        """The animation starts at step 1, or stops where it is."""
+        """The state in which the animation starts at step 1, or stops."""
         if on:
             return replace(self, playing=True, step=1, sweep=0.0)
         return replace(self, playing=False, sweep=1.0)
 
     def after(self, intent: Intent) -> ViewState:
-        """What is shown once that was asked for."""
+        """The state after this intent."""
         match intent:
             case TurnStep(by):
                 return self.turned_to(self.step + by)
@@ -80,7 +80,7 @@ class ViewState:
                 return self
 
     def later(self, seconds: float) -> ViewState:
-        """The animation, `seconds` later; it goes round and round."""
+        """The state `seconds` later; the animation repeats."""
         if not self.playing:
             return self
         sweep = self.sweep + seconds / SECONDS_PER_STEP

@@ -1,4 +1,4 @@
-"""What the page of a guided calibration says."""
+"""Texts of the guided calibration's page."""
 
 from venus3d.engine.calibration.diagnosis import DiagnosisKind
 from venus3d.engine.planning.method import Cost, Method
@@ -41,7 +41,7 @@ ROWS = {
     "run": ("Run", "Stop taking pictures and go on."),
     "page": ("Page", "The keys and what they do; what stands where on this page."),
 }
-"""What stands before a row of buttons, and its hint."""
+"""Label of a row of buttons, and its hint."""
 AUTOPILOT_HINT = " Autopilot lets a simulated hand move the board."
 BUTTONS: dict[str, tuple[str, ...]] = {
     "skip": ("Skip K",),
@@ -58,7 +58,7 @@ BUTTONS: dict[str, tuple[str, ...]] = {
     "help": ("Keys H",),
     "tour": ("Tour",),
 }
-"""What stands on a button; where there are two, the second while it is on."""
+"""Labels of a button; of two, the second while it is on."""
 COMMANDS: dict[str, tuple[str, str]] = {
     "capture": ("Capture this view", "Take the picture as it is now"),
     "skip": ("Skip this target", "Ask for another pose"),
@@ -187,7 +187,7 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "same-depth": "always the same distance",
     "wrong-layout": "another layout of the board",
 }
-"""In a few words."""
+"""Short forms."""
 
 # -- the tour --------------------------------------------------------------------------------------
 
@@ -218,4 +218,4 @@ TOUR = (
         "After ten views or so the camera is known. H shows all keys.",
     ),
 )
-"""Title and text of each step; the first stands for the whole page."""
+"""Title and text of each step of the tour; the first is about the whole page."""

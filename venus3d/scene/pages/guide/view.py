@@ -1,7 +1,7 @@
-"""The page's layout: what stands where, and how one moment is put on it.
+"""The page's layout, and how one moment is shown on it.
 
-left    what to do now, in large letters; below it the progress (views, what the next pose is for
-        and which others would do) and, in a tab of its own, the camera's parameters
+left    what to do now, in large letters; below it the progress (views, purpose of the next pose,
+its alternatives) and, in its own tab, the camera's parameters
 middle  the 3D scene
 right   live picture, the four steps as the camera sees them, controls, how poses are found
 """
@@ -40,7 +40,7 @@ LEFT_WIDTH, _RIGHT_WIDTH = 480, 510
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
 JPEG_QUALITY = 75
 _MARKS = ("", "guidance", "pictures", "scene", "guidance")
-"""What each step of the tour frames."""
+"""What each step of the tour highlights."""
 TOUR_KEY = "tour-guide"
 
 
@@ -57,11 +57,11 @@ class GuideView:
         simulated: bool,
         tour: bool,
     ) -> None:
-        """Lay everything out, each layer in a tab of its own.
+        """Lay everything out, each layer in its own tab.
 
         Args:
-            simulated: whether a simulated hand can have the board.
-            tour: show a browser that is new here around.
+            simulated: whether there is a simulated hand.
+            tour: show new browsers around.
         """
         self._server, self._gui = server, server.gui
         self._style = PanelStyle(server.gui)
@@ -75,7 +75,7 @@ class GuideView:
         fit_width(server, self._gui.main_panel, lambda height: self._right_width(height))
 
     def show_picture(self, rgb: NDArray[np.uint8]) -> None:
-        """The live picture (H, W, 3) RGB."""
+        """Show the live picture (H, W, 3) RGB."""
         self.picture.image = rgb
 
     def show(
@@ -86,7 +86,7 @@ class GuideView:
         note: str,
         drawn_by: str,
     ) -> None:
-        """Put one moment on the page; `drawn_by` says what draws the projections, if it matters."""
+        """Show one moment; `drawn_by` is the renderer's note, if any."""
         theme = Theme(state.dark)
         self._set_theme(theme)
         text = guidance_html(snapshot, state, theme, note)
@@ -97,7 +97,7 @@ class GuideView:
         self.alternatives.show(snapshot)
         self.projections.show(tiles, state.step, theme, drawn_by)
         phase = "startup" if snapshot is None else snapshot.phase
-        # Once it has ended no target follows, so none is announced and none is drawn.
+        # After the end no target follows, so none is announced or drawn.
         ended = phase in ("converged", "finished")
         self.projections.visible = tiles is not None or not ended
         self._legend.visible = not ended
@@ -117,7 +117,7 @@ class GuideView:
             self.guidance = self._gui.add_html("")
         panel.dock_left()
         panel.set_width(LEFT_WIDTH)
-        panel.expand()  # on a phone panels are folded at first
+        panel.expand()  # phones fold panels at first
 
     def _make_left(self, theme: Theme) -> None:
         gui = self._gui

@@ -1,9 +1,8 @@
-"""The page in the browser: takes snapshots and pictures, gives back what people asked for.
+"""The page in the browser: shows snapshots and pictures, returns intents.
 
-Any thread may call it. Two small threads draw: one the scene and the panels, one the live picture,
-which so never waits for the rest. Callbacks only queue intents or change the view's options; what
-an intent means is the guidance loop's. Another program can feed it, with poses
-(`show_pose`) or with the snapshots of a session (`show`).
+Any thread may call it. One thread draws scene and panels, another the live picture, which so never
+waits. Callbacks only queue intents or change view options; the guidance loop carries them out.
+Other programs can feed it poses (`show_pose`) or a session's snapshots (`show`).
 """
 
 from __future__ import annotations
@@ -47,11 +46,11 @@ from venus3d.scene.web.theme import Theme
 
 _NOTE_SECONDS = 6.0
 Addition = Callable[[LocalServer], Sequence[Command]]
-"""Puts something on a page; gives back the commands, for the page's help."""
+"""Adds to a page; returns its commands, for the page's help."""
 
 
 class Viewer(Page[ViewState]):
-    """The page of a guided calibration, shared by all tabs that are open on it."""
+    """The page of a guided calibration, shared by all its tabs."""
 
     def __init__(
         self,
@@ -69,12 +68,12 @@ class Viewer(Page[ViewState]):
 
         Args:
             host, port: where; if the port is taken, the next free one is used and `notes` says so.
-            dark: the page's brightness at the start.
+            dark: the page's initial brightness.
             projections: draws the four steps as the camera sees them; the caller closes it.
             step_pictures: draw them with a renderer of the viewer's own, which starts OpenGL.
             draggable_board: put a gizmo on the board; for the simulation.
             autopilot: whether the simulation's autopilot is on at the start.
-            tour: show a browser that is new here around.
+            tour: show new browsers around.
 
         Raises `AddressError` if the address cannot be bound.
         """
@@ -96,7 +95,7 @@ class Viewer(Page[ViewState]):
 
     @property
     def scene_names(self) -> tuple[str, ...]:
-        """Names of the shapes that the scene shows now."""
+        """Names of the shapes in the scene."""
         return self._scene.names
 
     def show(self, snapshot: Snapshot) -> None:
@@ -104,7 +103,7 @@ class Viewer(Page[ViewState]):
         self._snapshot = snapshot
         self.wake()
         if self._state.paused:
-            self._pictures.again()  # no frame comes that would bring the new outline
+            self._pictures.again()  # no frame would bring the new outline
 
     def show_pose(
         self,
@@ -113,22 +112,22 @@ class Viewer(Page[ViewState]):
         pose: Pose | None,
         target: Pose | Target | None = None,
     ) -> None:
-        """Show a board's pose that another program has found; the newest wins.
+        """Show a board's pose from another program; the newest wins.
 
         Args:
-            board, camera: what is looked at, and by which camera.
+            board, camera: the board, and the camera that sees it.
             pose: `T_camera_board`; None while the board is not seen.
-            target: where the board is to be brought; the steps that are left are shown.
+            target: the pose to reach; the remaining steps are shown.
         """
         self.show(pose_snapshot(board, camera, pose, target, self._snapshot))
 
     def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
-        """Show this live picture (BGR or grey), with the corners of `observation`, or by default
-        of the newest snapshot; the newest wins."""
+        """Show this live picture (BGR or grey), with the corners of `observation`, or by default of
+        the newest snapshot; the newest wins."""
         self._pictures.put(image, observation)
 
     def keep_view(self, number: int, image: LivePicture) -> None:
-        """Keep the picture (BGR or grey) of the captured view of this number, to be looked at."""
+        """Keep the picture (BGR or grey) of the captured view of this number, for its card."""
         for layer in self.layers:
             layer.keep_picture(number, image)
 
@@ -138,15 +137,13 @@ class Viewer(Page[ViewState]):
         self.wake()
 
     def saved(self, text: str) -> None:
-        """Show a sentence on where the result is, for as long as the calibration has ended."""
+        """Show where the result is, as long as the calibration has ended."""
         self._saved = text
         self.wake()
 
     def extend(self, addition: Addition) -> None:
-        """Put something more on the page, now and whenever the page is drawn anew.
-
-        Raises `ValueError` if a command has a key that the page has.
-        """
+        """Add to the page, now and whenever it is reloaded. Raises `ValueError` if a command's key
+        is taken."""
         self._additions.append(addition)
         try:
             self.view.help.explain(addition(self.server))
@@ -155,9 +152,9 @@ class Viewer(Page[ViewState]):
             raise
 
     def drain_intents(self) -> list[intents.Intent]:
-        """What people asked for since the last call, in order."""
+        """Intents since the last call, in order."""
         drained: list[intents.Intent] = []
-        while not self._intents.empty():  # one reader, so a thing seen is still there
+        while not self._intents.empty():  # the only reader, so nothing is taken in between
             drained.append(self._intents.get())
         return drained
 
@@ -220,7 +217,7 @@ class Viewer(Page[ViewState]):
         over = bool(self._note) and time.monotonic() > self._note_until
         if over:
             self._note = ""
-        # Once more after what moved has ended, or its last moment would stay.
+        # Once more after a movement has ended, to show its last moment.
         if changed or over or moves or self._moved:
             self._draw_page(snapshot, state, self._note)
         self._moved = moves
@@ -244,7 +241,7 @@ class Viewer(Page[ViewState]):
                     layer.show(snapshot, theme)
         self.server.flush()
         if snapshot is not None:
-            # Only now: the board that moved is to be seen before maps, and pictures of a target.
+            # Only now: the moved board comes before maps and pictures of a target.
             for layer in self.layers:
                 layer.show_late(snapshot, theme)
             self._order_steps(snapshot, state)
@@ -266,7 +263,7 @@ class Viewer(Page[ViewState]):
             layer.bind(self._scene)
 
     def _standing_note(self, snapshot: Snapshot) -> str:
-        """What is said while nothing new is."""
+        """The note while there is no newer one."""
         caption = next((layer.caption for layer in self.layers if layer.caption), "")
         if caption:
             return caption
@@ -275,14 +272,14 @@ class Viewer(Page[ViewState]):
         return snapshot.warnings[-1] if snapshot.warnings else ""
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
-        """Turn the tabs' cameras where it is needed."""
+        """Turn the tabs' cameras where needed."""
         looking_at, view = guide_view(shapes, state.target)
         if looking_at != self._looking_at:
             self._looking_at = looking_at
             self._rig.go(view, at_once=True)
 
     def _order_steps(self, snapshot: Snapshot, state: ViewState) -> None:
-        """Have the target's four steps drawn as the camera sees them, if they are not yet."""
+        """Request the pictures of the target's four steps, unless they are drawn."""
         if snapshot.target is None or self._projections is None:
             return
         target, key = snapshot.target, (id(snapshot.target), state.dark)

@@ -1,5 +1,5 @@
-"""Where the scene of a guided calibration is looked at from: from behind the camera, at camera,
-board and target, or at the strip of steps."""
+"""The scene camera of a guided calibration: from behind the camera at camera, board and target, or
+at the strip of steps."""
 
 from __future__ import annotations
 
@@ -15,26 +15,25 @@ from venus3d.scene.web.camera_rig import View
 
 
 def guide_view(shapes: tuple[Shape, ...], target: int) -> tuple[object, View]:
-    """What is looked at, and from where.
+    """What is looked at, and the view of it.
 
-    Tabs turn when what is looked at is another: when the strip comes, is another one, or goes, or
-    when the target, whose number `target` is, is far away. Otherwise they stay as people left them.
+    Tabs turn only when the subject changes: the strip appears, changes or disappears, or the target
+    of number `target` is far away.
     """
     strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
     goals = [s.pose for s in shapes if isinstance(s, LineShape) and s.name == "/target/board"]
     if strip:
-        # Another pose of the same number is another strip.
+        # Another pose with the same number is another strip.
         return (target, goals[0].vector().tobytes()), _strip_view(bounds_of(strip))
     back = steps_back(goals[0].distance_to(Pose.identity()) if goals else 0.0)
     return back, guiding_view(back)
 
 
 def _strip_view(bounds: Array) -> View:
-    """From behind the camera at a strip with these bounds, (2, 3), metres."""
+    """From behind the camera at a strip with bounds (2, 3), metres."""
     x, y, z = STRIP_CENTRE
     width = 1.1 * float(bounds[1, 0] - bounds[0, 0])
-    # What stands in front of the steps' common depth (where the board comes from) looks larger
-    # and needs room as well.
+    # Boards in front of the steps' common depth (start poses) look larger and need room too.
     distance = 0.5 * width / np.tan(FOV_RAD / 2) + max(0.0, z - float(bounds[0, 2]))
     eye = np.array([x, y - 0.25 * distance, z - distance])
     return partial(view_kept_wide, eye, np.array([x, y, z]), 1.0)

@@ -1,1 +1,1 @@
-"""The teaching page: a pose by sliders, its four steps, lessons."""
+"""The teaching page: a pose set by sliders, its four steps, lessons."""

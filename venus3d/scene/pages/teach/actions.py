@@ -1,4 +1,4 @@
-"""What a person can ask of a teaching page, by button, key or palette, and what it changes."""
+"""Actions of a teaching page, by button, key or palette, and how they change its state."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from venus3d.lessons.lesson import Arrangement, Viewpoint
 from venus3d.scene.pages.teach.state import TeachState
 
 FileKind = Literal["html", "png", "mp4", "gif"]
-"""What a lesson can be saved as."""
+"""File types of a saved lesson."""
 FILE_KINDS: tuple[FileKind, ...] = get_args(FileKind)
 
 
 class PageAction(Enum):
-    """Actions that need no value."""
+    """Actions without a value."""
 
     PLAY = auto()
     NEXT_STEP = auto()
@@ -34,14 +34,14 @@ class PageAction(Enum):
 
 @dataclass(frozen=True)
 class LookFrom:
-    """Look at the scene from here."""
+    """View the scene from here."""
 
     viewpoint: Viewpoint
 
 
 @dataclass(frozen=True)
 class Arrange:
-    """Show this arrangement; once more: the steps in place again."""
+    """Show this arrangement; again: back to the steps in place."""
 
     arrangement: Arrangement
 
@@ -51,12 +51,12 @@ class Answer:
     """Answer the page's question."""
 
     number: int
-    """1 ...: which answer."""
+    """1 ...: number of the answer."""
 
 
 @dataclass(frozen=True)
 class Save:
-    """Save the lesson, or the pose, as a file."""
+    """Save the lesson or the pose as a file."""
 
     kind: FileKind
 
@@ -79,7 +79,7 @@ _CHANGES: dict[PageAction, Callable[[TeachState], TeachState]] = {
 
 
 def after_action(state: TeachState, action: Action) -> TeachState:
-    """What is shown then; saving a file changes nothing on the page."""
+    """The state after the action; saving a file changes nothing on the page."""
     match action:
         case PageAction():
             return _CHANGES[action](state)

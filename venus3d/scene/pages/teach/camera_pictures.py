@@ -1,7 +1,6 @@
-"""The two pictures of a teaching page: what the camera sees now, and the four steps in one sheet.
+"""The two pictures of a teaching page: the camera's view, and the four steps on one sheet.
 
-While somebody drags, small pictures come quickly; large ones follow once it is quiet. Nothing here
-decides when: `viewer` does.
+Small pictures while somebody drags, large ones once it is quiet; `viewer` decides when.
 """
 
 from __future__ import annotations
@@ -30,16 +29,16 @@ _GAP = 6
 
 
 class TeachPictures:
-    """Draws on the offscreen renderer's thread and waits for it."""
+    """Requests pictures from the offscreen renderer and waits for them."""
 
     def __init__(self, offscreen: Offscreen) -> None:
-        """Pictures come from this renderer; its owner closes it."""
+        """`offscreen` renders the pictures; the caller closes it."""
         self._offscreen = offscreen
         self._projections = Projections(offscreen)
         self._tiles: dict[tuple[object, ...], Picture] = {}
 
     def camera_picture(self, taught: TaughtPose, state: TeachState, *, fine: bool) -> Picture:
-        """What the camera sees now, RGB; a refused pose is marked."""
+        """The camera's current view, RGB; a refused pose is marked."""
         width, supersample = _FINE if fine else _QUICK
         camera = taught.camera
         size = (width, round(width * camera.height / camera.width))
@@ -60,12 +59,10 @@ class TeachPictures:
         fine: bool,
         wanted: Callable[[], bool] = lambda: True,
     ) -> Picture | None:
-        """The four steps two by two, the one shown now framed, RGB; tiles are kept.
-
-        None if after one of the tiles the sheet is no longer `wanted`.
-        """
+        """The four steps two by two, RGB, the current one framed; tiles are cached. None if, after
+        one of the tiles, the sheet is no longer `wanted`."""
         places = [(step.number, *_places(step), state.dark) for step in taught.steps]
-        # Fine ones that are there already are not made coarse because another one is framed.
+        # Fine tiles are not replaced by coarse ones because another step is framed.
         fine = fine or all((*place, True) in self._tiles for place in places)
         width, supersample = _FINE_TILE if fine else _QUICK_TILE
         camera = taught.camera
@@ -73,7 +70,7 @@ class TeachPictures:
         tiles: dict[tuple[object, ...], Picture] = {}
         for step, place in zip(taught.steps, places, strict=True):
             key = (*place, fine)
-            # A slider leaves the steps before its own as they are.
+            # A slider leaves the steps before its own unchanged.
             if key in self._tiles:
                 tiles[key] = self._tiles[key]
             elif not wanted():
@@ -91,7 +88,7 @@ def _places(step: Step) -> tuple[bytes, bytes, float]:
 
 
 def _two_by_two(tiles: list[Picture], step: int, dark: bool) -> Picture:
-    """The tiles two by two; that of `step` (0: none) with a frame."""
+    """The tiles two by two; that of `step` framed (0: none)."""
     height, width = tiles[0].shape[:2]
     gap = round(_GAP * width / 320)
     sheet = np.empty((2 * height + 3 * gap, 2 * width + 3 * gap, 3), np.uint8)
@@ -108,7 +105,7 @@ def _two_by_two(tiles: list[Picture], step: int, dark: bool) -> Picture:
 
 
 def with_refusal(picture: Picture, taught: TaughtPose, dark: bool) -> Picture:
-    """The picture with the corners that are to blame, and the worst reason, if it is refused."""
+    """The picture of a refused pose with the offending corners and the main reason."""
     if not taught.refusals:
         return picture
     colour = ground(dark).warning
@@ -123,7 +120,7 @@ def with_refusal(picture: Picture, taught: TaughtPose, dark: bool) -> Picture:
 
 
 def _mark(picture: Picture, place: Array, colour: Colour) -> None:
-    """A cross at a corner; where it is outside, an arrow head at the border that points to it."""
+    """A cross at a corner; for one outside, an arrow head at the border pointing to it."""
     size = np.array([picture.shape[1], picture.shape[0]])
     arm = 0.022 * size[0]
     inside = np.clip(place, 2 * arm, size - 1 - 2 * arm)

@@ -1,4 +1,4 @@
-"""Two boards side by side: the same three numbers read in two ways, each with its axes drawn.
+"""Two boards side by side with their axes: the same three numbers read in two ways.
 
 /compare/left/board, outline, goal, label, facts    the usual reading: fixed axes, X, Y, Z
 /compare/left/x, y, z and x_name, ...               the axes as they stand now
@@ -33,19 +33,19 @@ CENTRES: dict[Side, Array] = {
     "left": np.array([-0.185, 0.0, 0.6]),
     "right": np.array([0.185, 0.0, 0.6]),
 }
-"""Where the two boards stand for a board as wide as the default one, camera frame, metres."""
+"""Positions of the two boards for a board as wide as the default one, camera frame, metres."""
 _USUAL_WIDTH = 0.252
-_AXIS = 0.64  # of the board's width: the axes reach beyond the board
+_AXIS = 0.64  # of the board's width: the axes extend beyond the board
 _SHORTEST_ARC_DEG = 12.0
 
 
 def board_centre(board: Board, side: Side) -> Array:
-    """(3,) where this side's board stands: larger boards stand farther apart."""
+    """(3,) the centre of this side's board; larger boards are farther apart."""
     return CENTRES[side] * (board.width / _USUAL_WIDTH)
 
 
 def comparison_points(board: Board) -> Array:
-    """(N, 3) points around all that is drawn here, metres."""
+    """(N, 3) points around all shapes here, metres."""
     reach = 1.05 * _AXIS * board.width
     box = np.array(np.meshgrid([-1, 1], [-1.25, 1.1], [-0.6, 0.6])).reshape(3, -1).T * reach
     return np.concatenate([board_centre(board, side) + box for side in CENTRES])
@@ -61,14 +61,14 @@ def turning_board_shapes(
     title: str,
     dark: bool,
 ) -> list[Shape]:
-    """One board, `progress` (0 ... 3) of its three turns on, with its axes.
+    """One board after `progress` (0 ... 3) of its three turns, with its axes.
 
     Args:
-        axes: which axes are drawn: the camera's, or the board's own.
-        title: stands above the board.
+        axes: the axes to draw: the camera's, or the board's own.
+        title: text above the board.
     """
     name, centre, colours = f"/compare/{side}", board_centre(board, side), ground(dark)
-    # A turn that has just ended is still the one that the words speak of.
+    # A turn that has just ended is still the one described.
     index = min(max(ceil(progress - 1e-6) - 1, 0), 2)
     turn, fraction = turns[index], min(progress - index, 1.0)
 
@@ -93,7 +93,7 @@ def _axes_shapes(
     board: Board, name: str, now: Pose, start: Pose, turn: Turn, axes: Axes, dark: bool
 ) -> list[Shape]:
     shapes: list[Shape] = []
-    # The board's own axes start where the camera's are and are carried along.
+    # The board's own axes start along the camera's and move with the board.
     directions = np.eye(3) if axes == "fixed" else now.R @ start.R.T
     for i, axis in enumerate(AXES):
         colour = step_colour(i + 2, dark)
@@ -102,7 +102,7 @@ def _axes_shapes(
             colour = mixed(colour, ground(dark).background, 0.35)
         direction = directions[:, i]
         arrow = straight_arrow(round(_AXIS * board.width, 4), 0.014 * board.width)
-        # Two arrows at the same place would flicker where they begin.
+        # Two arrows from the same point would flicker there.
         shapes.append(
             MeshShape(f"{name}/{axis}", arrow, frame_along(direction, now.t), colour, shaded=True)
         )

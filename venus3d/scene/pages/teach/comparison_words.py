@@ -1,4 +1,4 @@
-"""What is said of two boards that stand side by side."""
+"""Texts about the two boards of a comparison."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from venus3d.scene.pages.teach.view_model import TaughtPose
 
 @dataclass(frozen=True)
 class ComparisonWords:
-    """What the two boards do now."""
+    """The comparison's texts at one moment."""
 
     headline: str
     amount: str
     sentence: str
     turn: int | None = None
-    """1 ... 3: which turn goes on; None before the first and after the last."""
+    """1 ... 3: the current turn; None before the first and after the last."""
     axis: int = 0
-    """0 ... 2: about which axis the left board turns."""
+    """0 ... 2: axis of the left board's turn."""
 
 
 def comparison_words(taught: TaughtPose, state: TeachState) -> ComparisonWords:
-    """What the two boards do at this moment."""
+    """The texts for this moment."""
     step, sweep = state.step_and_share
     others = taught.others(state.arrangement)
     if step == 1:

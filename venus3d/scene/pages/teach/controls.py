@@ -16,9 +16,9 @@ from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
 
 Act = Callable[[Action, viser.ClientHandle | None], None]
-"""Called with an action and the tab that asked (or None), on viser's threads."""
+"""Called on viser's threads with an action and the tab that asked, or None."""
 
-# W A S D Q E and the arrows fly the browser's camera.
+# W A S D Q E and the arrows move the browser's camera.
 HOTKEYS: dict[Action, Any] = {
     PageAction.PLAY: "space",
     PageAction.NEXT_STEP: "N",
@@ -55,12 +55,12 @@ class StateButtons:
     def __init__(
         self, gui: viser.GuiApi, title: str, actions: Iterable[Action], act: Act, hint: str
     ) -> None:
-        """Make the row in the current panel."""
+        """Create the row in the current panel."""
         self._actions = tuple(actions)
         self._row = ButtonRow(gui, title, self._labels(TeachState()), act, hint=hint)
 
     def show(self, state: TeachState) -> None:
-        """Let the labels say what is on."""
+        """Update the labels."""
         self._row.show(self._labels(state))
 
     def _labels(self, state: TeachState) -> dict[Action, str]:
@@ -68,10 +68,8 @@ class StateButtons:
 
 
 def make_commands(server: viser.ViserServer, act: Act, saved: Iterable[Save]) -> HelpOverlay:
-    """Every action in the command palette, most with a hotkey; returns the help that lists them.
-
-    `saved` are the kinds of file that can be saved.
-    """
+    """Add every action to the command palette, most with a hotkey; returns the help that lists
+    them. `saved` are the available file types."""
 
     def command(action: Action) -> Command:
         label, description = texts.COMMANDS[action]
@@ -89,7 +87,7 @@ def make_commands(server: viser.ViserServer, act: Act, saved: Iterable[Save]) ->
 
 
 def label_of(action: Action, state: TeachState) -> str:
-    """A button's text: a tick says that it is on."""
+    """A button's label, with a tick if it is on."""
     if action is PageAction.PLAY and state.playing:
         return texts.PAUSE
     if action is PageAction.BRIGHTNESS and not state.dark:

@@ -1,4 +1,4 @@
-"""What the left column says of a pose: whether it may be, what is odd about it, what it tells."""
+"""The left column's texts as HTML: lesson, whether a pose is acceptable, and its information."""
 
 from __future__ import annotations
 
@@ -19,8 +19,7 @@ def _wrapped(body: str) -> str:
 
 
 def lesson_html(title: str, where: str, text: str) -> str:
-    """A page's title, which page it is, and its text (Markdown), in letters that a class can
-    read."""
+    """A page's title, its number, and its text (Markdown), large enough for a class."""
     small = f"<div class='v-where'>{escape(where)}</div>" if where else ""
     return _wrapped(
         f"<div class='v-lesson'><h2>{escape(title)}</h2>{small}{lesson_text_html(text)}</div>"
@@ -28,11 +27,8 @@ def lesson_html(title: str, where: str, text: str) -> str:
 
 
 def acceptance_html(taught: TaughtPose, *, live: bool = True) -> str:
-    """Whether a person would be asked for this pose, and why not; gimbal lock.
-
-    Args:
-        live: there are sliders to try it with.
-    """
+    """Whether guidance would ask for this pose, and why not; gimbal lock. `live`: sliders are
+    present."""
     parts: list[str] = []
     if taught.locked:
         locked = f"{texts.LOCKED} {texts.LOCKED_TRY}" if live else texts.LOCKED
@@ -48,7 +44,7 @@ def acceptance_html(taught: TaughtPose, *, live: bool = True) -> str:
 
 
 def comparison_html(taught: TaughtPose, state: TeachState) -> str:
-    """Why the two boards side by side differ; empty if none are shown."""
+    """Why the two boards differ; empty without a comparison."""
     if not state.compares:
         return ""
     apart = taught.apart_deg(state.arrangement)
@@ -61,10 +57,10 @@ def comparison_html(taught: TaughtPose, state: TeachState) -> str:
 
 
 def focal_uncertainty_html(taught: TaughtPose) -> str:
-    """How well views like this one tell the focal length, as a figure and a bar."""
+    """How well views like this one determine the focal length, as a number and a bar."""
     sigma = taught.sigma_px
     known = bool(np.isfinite(sigma))
-    # From a thousandth of the focal length to all of it, each tenfold the same length.
+    # Logarithmic, from a thousandth of the focal length to all of it.
     share = np.clip(1 + np.log10(max(sigma, 1e-9) / taught.camera.fx) / 3, 0.02, 1) if known else 1
     figure = texts.SIGMA_NOTHING
     if known:
@@ -78,7 +74,7 @@ def focal_uncertainty_html(taught: TaughtPose) -> str:
 
 
 def lens_legend_html(times: float, shift_px: float) -> str:
-    """The legend of the picture of the lens."""
+    """The legend of the lens picture."""
     return _wrapped(
         f"<div class='v-legend'>{escape(texts.LENS_LEGEND.format(times=times, shift=shift_px))}"
         "</div>"
@@ -86,7 +82,7 @@ def lens_legend_html(times: float, shift_px: float) -> str:
 
 
 def question_html(state: TeachState) -> str:
-    """The page's question, and after an answer whether it is right, and why."""
+    """The page's question; after an answer, whether it is right, and why."""
     page = state.current_page
     if page is None or page.question is None:
         return ""

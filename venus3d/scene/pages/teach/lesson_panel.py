@@ -1,4 +1,4 @@
-"""The left column of a teaching page: the lesson, its question, and the pose in six numbers."""
+"""The left column of a teaching page: lesson, question, and the pose's six numbers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _LENS_WIDTH = 640
 
 
 class LessonPanel:
-    """Made in the current panel. Callbacks come on viser's threads."""
+    """Created in the current panel. Callbacks come on viser's threads."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class LessonPanel:
         on_pose: Callable[[Vector], object],
         on_lesson: Callable[[int | None], object],
     ) -> None:
-        """`on_pose` gets what the sliders say, `on_lesson` a lesson's number, None for free."""
+        """`on_pose` gets the sliders' values, `on_lesson` a lesson's number, None for free."""
         self._titles = {number: lesson.title for number, lesson in enumerate(lessons)}
         self._titles[_FREE] = texts.FREE
 
@@ -81,7 +81,7 @@ class LessonPanel:
         self._shown: dict[str, object] = {}
 
     def show(self, taught: TaughtPose, state: TeachState, theme: Theme) -> None:
-        """Put one pose into the column; what is the same is not touched."""
+        """Show one pose; unchanged parts are not touched."""
         self._show_lesson(state)
         self._put(self._question, question_html(state))
         self._show_answers(state)

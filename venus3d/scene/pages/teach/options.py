@@ -1,4 +1,4 @@
-"""What a person can choose for the teaching page. Each field's docstring is its `--help` text."""
+"""Options of the teaching page; a docstring is its option's `--help`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The large card of a teaching page: what happens now, in words and in numbers."""
+"""The large card of a teaching page: the current step in words and numbers."""
 
 from __future__ import annotations
 

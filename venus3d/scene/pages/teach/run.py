@@ -1,4 +1,4 @@
-"""Runs the teaching page, and writes a lesson to files."""
+"""Runs the teaching page and exports lessons."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from venus3d.threads.latency import low_latency
 
 
 def run_teach(options: TeachOptions) -> None:
-    """Serve the page until Ctrl-C. Raises `VenusError` for whatever the user can mend."""
+    """Serve the page until Ctrl-C. Raises `VenusError` for whatever the user can fix."""
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     analyse = PoseAnalysis(camera, options.board.board())
     lessons, chosen = _lessons(options.lesson)
@@ -47,8 +47,8 @@ def run_teach(options: TeachOptions) -> None:
 def _saved_file(
     analyse: AnalysePose, offscreen: Offscreen, state: TeachState, kind: FileKind
 ) -> tuple[str, bytes]:
-    """Name and content of a file of what the page shows: the lesson, or the pose if none is open;
-    a picture is always of the pose."""
+    """Name and content of a file: the open lesson, or else the pose; a picture is always of the
+    pose."""
     lesson = state.current_lesson
     if lesson is None or kind == "png":
         lesson = lesson_of_pose(state.vector)
@@ -57,20 +57,18 @@ def _saved_file(
 
 
 def export_lesson(options: TeachOptions, kind: FileKind) -> tuple[tuple[bytes, ...], str]:
-    """The chosen lesson's files of this kind, and why the painter drew them if OpenGL did not.
-
-    Raises `VenusError` for whatever the user can mend.
-    """
+    """The chosen lesson's files of this type, and why the painter drew them if OpenGL did not.
+    Raises `VenusError` for whatever the user can fix."""
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     analyse = PoseAnalysis(camera, options.board.board())
     lesson = lesson_of(options.lesson)
     with closing(Offscreen()) as offscreen:
-        note = offscreen.note  # one that comes later is logged
+        note = offscreen.note  # a later one is logged
         return export_files(lesson, kind, analyse, offscreen, dark=options.dark), note
 
 
 def _lessons(choice: str) -> tuple[tuple[Lesson, ...], int | None]:
-    """All lessons, an own one first, and the number of the one that was chosen."""
+    """All lessons, the user's own first, and the number of the chosen one."""
     shipped = shipped_lessons()
     if not choice and not shipped:
         return (), None

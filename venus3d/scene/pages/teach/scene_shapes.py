@@ -1,7 +1,7 @@
-"""The shapes of a teaching page: in 3D, and in the picture of what the camera sees.
+"""The shapes of a teaching page, in 3D and in the camera's picture.
 
-The steps themselves are described by `scene.describe` and `scene.strip`, so that they look as they
-do in a calibration; here the board glides along them and a refused pose is with_refusal.
+`render.describe` and `render.strip` describe the steps as in a calibration; this module adds the
+moving board and the camera's picture.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from venus3d.scene.pages.teach.view_model import TaughtPose
 
 
 def board_pose_at(taught: TaughtPose, state: TeachState) -> Pose:
-    """Where the board is on its way, `T_camera_board`."""
+    """The board's current pose on its path, `T_camera_board`."""
     step, sweep = state.step_and_share
     if step == 4 and sweep == 1.0:
         return taught.pose
@@ -43,12 +43,12 @@ def board_pose_at(taught: TaughtPose, state: TeachState) -> Pose:
 
 
 def shown_step(taught: TaughtPose, state: TeachState) -> int:
-    """1 ... 4: the step that is drawn; at the target, the last one in which something was done."""
+    """1 ... 4: the step drawn; at the target, the last one that was not idle."""
     return taught.last_busy if state.at_rest else state.step
 
 
 def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
-    """All that the 3D scene shows."""
+    """All shapes of the 3D scene."""
     camera, board = taught.camera, taught.board
     if state.compares:
         return tuple(_comparison(taught, state))
@@ -64,7 +64,7 @@ def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
     if state.at_rest and not taught.refusals:
         hidden = (*hidden, "/target/label")
     if state.viewpoint == "camera":
-        # From inside the camera its own picture and axes are in the way.
+        # From inside the camera, its own picture and axes are in the way.
         hidden = (*hidden, "/camera/frustum", "/camera/ax")
     grown = _grown_sector(taught, state)
     shapes = [
@@ -79,7 +79,7 @@ def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
 
 
 def _grown_sector(taught: TaughtPose, state: TeachState) -> Shape | None:
-    """The sector of a turn that is under way: what has been turned so far."""
+    """The sector of the current turn, so far."""
     step = taught.steps[state.step - 1]
     if state.sweep == 1.0 or step.axis is None:
         return None
@@ -90,7 +90,7 @@ def _grown_sector(taught: TaughtPose, state: TeachState) -> Shape | None:
 
 
 def _refused(taught: TaughtPose, dark: bool) -> Shape:
-    # A little in front of the board, or the two would flicker.
+    # Slightly in front of the board, to avoid flicker.
     sheet = taught.pose @ Pose(np.eye(3), np.array([0.0, 0.0, -0.002]))
     return board_ghost(taught.board, sheet, "/target/refused", ground(dark).warning, 0.4)
 
@@ -98,7 +98,7 @@ def _refused(taught: TaughtPose, dark: bool) -> Shape:
 def _adapted(shape: Shape, taught: TaughtPose, state: TeachState) -> Shape:
     colours = ground(state.dark)
     if isinstance(shape, LabelShape) and shape.name.startswith("/steps/"):
-        # The only label of a step that says an amount.
+        # The only label of a step with an amount.
         if shape.name.endswith("/label"):
             text = amount_text(taught.steps[shown_step(taught, state) - 1], state.sweep)
             return replace(shape, text=text)
@@ -111,14 +111,14 @@ def _adapted(shape: Shape, taught: TaughtPose, state: TeachState) -> Shape:
 
 
 def amount_text(step: Step, sweep: float) -> str:
-    """How much of a step is done, with its unit: "+17°" on the way, "+30°" at its end."""
+    """The amount done of a step, with unit: "+17°" on the way, "+30°" at its end."""
     if step.axis is None:
         return f"{sweep * float(np.linalg.norm(step.translation)) * 1000:.0f} mm"
     return degrees(sweep * step.angle_deg)
 
 
 def _comparison(taught: TaughtPose, state: TeachState) -> list[Shape]:
-    progress = min(max(state.progress - 1.0, 0.0), 3.0)  # the move is no turn
+    progress = min(max(state.progress - 1.0, 0.0), 3.0)  # the move is not a turn
     own = state.arrangement == "axes"
     left, right = texts.COLUMNS[state.arrangement]
     readings: tuple[tuple[TurnSequence, Axes, str], ...] = (
@@ -129,7 +129,7 @@ def _comparison(taught: TaughtPose, state: TeachState) -> list[Shape]:
             right.format(order=_order_name(taught.order)),
         ),
     )
-    # Whoever faces the camera sees left and right swapped, and the words say left and right.
+    # Facing the camera swaps left and right, which the words name.
     sides: tuple[Side, Side] = ("left", "right")
     if state.viewpoint == "holder":
         sides = ("right", "left")
@@ -148,7 +148,7 @@ def _order_name(order: str) -> str:
 
 
 def camera_shapes_at(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
-    """What the camera sees at this moment: the board on its way, its goal, what it does now."""
+    """Shapes in the camera's picture now: the moving board, its goal, the active step."""
     board, colours = taught.board, ground(state.dark)
     step = taught.steps[shown_step(taught, state) - 1]
     goal = colours.warning if taught.refusals else colours.target
@@ -180,7 +180,7 @@ def camera_shapes_at(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]
 def scene_view_of(
     taught: TaughtPose, state: TeachState, shapes: tuple[Shape, ...], aspect: float
 ) -> SceneCamera:
-    """Where the scene with these shapes is looked at from in a window of this shape."""
+    """The scene camera for these shapes in a window of this aspect."""
     points = _points_of_interest(taught, state.arrangement, shapes)
     if state.arrangement != "place":
         return view_abreast(state.viewpoint, points, aspect)
@@ -190,7 +190,7 @@ def scene_view_of(
 def _points_of_interest(
     taught: TaughtPose, arrangement: Arrangement, shapes: tuple[Shape, ...]
 ) -> Array:
-    # (N, 3) what a view of this arrangement must hold, metres.
+    # (N, 3) points that a view of this arrangement must hold, metres.
     if arrangement in ("axes", "order"):
         return comparison_points(taught.board)
     if arrangement == "strip":

@@ -1,6 +1,6 @@
-"""What a teaching page shows, as one frozen state that all tabs share, and how it changes.
+"""The state of a teaching page, frozen and shared by all tabs, and its changes.
 
-No drawing, no threads, no geometry: `stage` draws, `viewer` owns the state.
+No drawing, threads or geometry.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ Vector = tuple[float, float, float, float, float, float]
 SECONDS_PER_STEP = 1.8
 SPEEDS: tuple[float, ...] = (0.5, 1.0, 2.0)
 FREE_VECTOR: Vector = (25.0, -30.0, 15.0, 60.0, -30.0, 520.0)
-_IDLE_HASTE = 6.0  # a step with nothing to do is passed quickly
-_HOLD = 0.7  # of a step: the target is looked at before a loop begins anew
+_IDLE_HASTE = 6.0  # an idle step is passed quickly
+_HOLD = 0.7  # of a step: rest at the target before a loop restarts
 _EPS = 1e-6
 
 
@@ -28,28 +28,28 @@ class TeachState:
     vector: Vector = FREE_VECTOR
     """The target's pose."""
     progress: float = 4.0
-    """0 ... 4 on the way from the upright board to the target: 1.5 is half of step 2."""
+    """0 ... 4 from the upright board to the target: 1.5 is half of step 2."""
     stop_at: float | None = None
-    """Where the animation stops; None while it does not play."""
+    """Where the animation stops; None while it is not playing."""
     focus: int | None = None
-    """The step whose number was changed last: shown although the board is at the target."""
+    """The step whose number changed last: shown although the board is at the target."""
     dragged: bool = False
-    """Whether a person drags the board along its way; the slider must not be moved then."""
+    """Whether a person is dragging the progress slider, which must not be moved then."""
     loop: bool = False
     speed: float = 1.0
     arrangement: Arrangement = "place"
     order: str = "zyx"
-    """The order of turns shown beside "xyz"."""
+    """The order of turns compared with "xyz"."""
     viewpoint: Viewpoint = "outside"
     dark: bool = True
     lessons: tuple[Lesson, ...] = ()
     lesson: int | None = None
-    """Which lesson; None: free."""
+    """Number of the lesson; None: free."""
     page: int = 0
     answer: int | None = None
-    """1 ...: the answer that was given to this page's question."""
+    """1 ...: the answer given to this page's question."""
     pose_version: int = 0
-    """Counts the poses that were not set with the sliders, so that these must follow."""
+    """Counts the poses not set with the sliders, which must follow them."""
 
     @property
     def playing(self) -> bool:
@@ -58,16 +58,14 @@ class TeachState:
 
     @property
     def step_and_share(self) -> tuple[int, float]:
-        """Where the board is: on which step, 1 ... 4, and how much of it is done, 0 ... 1.
-
-        A step that has just ended still counts.
-        """
+        """The board's step, 1 ... 4, and how much of it is done, 0 ... 1; a step that has just
+        ended still counts."""
         step = min(max(ceil(self.progress - _EPS), 1), 4)
         return step, min(max(self.progress - (step - 1), 0.0), 1.0)
 
     @property
     def step(self) -> int:
-        """1 ... 4: the step that is shown."""
+        """1 ... 4: the step shown."""
         return self.step_and_share[0] if self.focus is None else self.focus
 
     @property
@@ -77,35 +75,36 @@ class TeachState:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the board is at its target and nothing else is looked at."""
+        """Whether the board is at its target and no step is selected."""
         return self.progress >= 4.0 - _EPS and self.focus is None
 
     @property
     def compares(self) -> bool:
-        """Whether two results stand side by side."""
+        """Whether two results are shown side by side."""
         return self.arrangement in ("axes", "order")
 
     @property
     def current_lesson(self) -> Lesson | None:
-        """The lesson that is open."""
+        """The open lesson."""
         return None if self.lesson is None else self.lessons[self.lesson]
 
     @property
     def current_page(self) -> LessonPage | None:
-        """The page that is open."""
+        """The open page."""
         lesson = self.current_lesson
         return None if lesson is None else lesson.pages[self.page]
 
     # -- the pose ---------------------------------------------------------------------------------
 
     def with_vector(self, vector: Vector) -> TeachState:
-        """Another target, with the board at it; the step whose number has changed is shown."""
+        """The state with another target and the board at it; shows the step whose number
+        changed."""
         changed = [i for i in range(6) if vector[i] != self.vector[i]]
         focus = self.focus if not changed else (changed[0] + 2 if changed[0] < 3 else 1)
         return replace(self._at(4.0), vector=vector, focus=focus)
 
     def reset(self) -> TeachState:
-        """The page's own pose again."""
+        """The state with the page's own pose again."""
         page = self.current_page
         vector = FREE_VECTOR if page is None else page.pose
         return replace(self._at(4.0), vector=vector, pose_version=self.pose_version + 1)
@@ -116,27 +115,27 @@ class TeachState:
     # -- the animation ---------------------------------------------------------------------------
 
     def play(self, on: bool) -> TeachState:
-        """Play to the end, from the start if it is there already; or stop."""
+        """Play to the end, from the start if already there; or stop."""
         if not on:
             return replace(self, stop_at=None)
         return self._at(0.0 if self.progress >= 4.0 - _EPS else self.progress, 4.0)
 
     def step_on(self) -> TeachState:
-        """Let the next step happen, and stop."""
+        """Play the next step, then stop."""
         if self.progress >= 4.0 - _EPS:
             return self._at(0.0, 1.0)
         return self._at(self.progress, float(floor(self.progress + _EPS) + 1))
 
     def step_back(self) -> TeachState:
-        """Before this step; at its beginning, before the one before."""
+        """Back to the start of this step; from there, to that of the previous one."""
         return self._at(float(max(ceil(min(self.progress, 4.0) - _EPS) - 1, 0)))
 
     def carried_to(self, share: float) -> TeachState:
-        """A `share` (0 ... 1) of the whole way."""
+        """Move to a `share` (0 ... 1) of the whole path."""
         return replace(self._at(4.0 * min(max(share, 0.0), 1.0)), dragged=True)
 
     def after(self, seconds: float, idle: tuple[bool, ...]) -> TeachState:
-        """The animation, `seconds` later. `idle`: which steps have nothing to do."""
+        """The state `seconds` later. `idle`: which steps have nothing to do."""
         if self.stop_at is None:
             return self
         haste = (
@@ -153,18 +152,18 @@ class TeachState:
         return replace(self, progress=progress)
 
     def next_speed(self) -> TeachState:
-        """The next speed, round and round."""
+        """The next speed, cyclically."""
         return replace(self, speed=SPEEDS[(SPEEDS.index(self.speed) + 1) % len(SPEEDS)])
 
     # -- what is shown ----------------------------------------------------------------------------
 
     def with_arrangement(self, arrangement: Arrangement) -> TeachState:
-        """This arrangement; once more: the steps in place again."""
+        """Show this arrangement; again: back to the steps in place."""
         wanted = "place" if arrangement == self.arrangement else arrangement
         return replace(self, arrangement=wanted)
 
     def next_order(self) -> TeachState:
-        """Another order of turns beside "xyz"; where none is shown, the comparison first."""
+        """The next order of turns compared with "xyz"; without a comparison, show it first."""
         if self.arrangement != "order":
             return self.with_arrangement("order")
         others = ORDERS[1:]
@@ -173,7 +172,7 @@ class TeachState:
     # -- lessons ----------------------------------------------------------------------------------
 
     def opened(self, lesson: int | None, page: int = 0) -> TeachState:
-        """A page of a lesson, as its writer set it; None: free, with a pose of its own."""
+        """A page of a lesson, as its author set it; None: free, with a pose of its own."""
         if lesson is None:
             free = replace(self, lesson=None, page=0, answer=None, arrangement="place")
             return replace(free, viewpoint="outside").reset()
@@ -192,8 +191,8 @@ class TeachState:
         )
 
     def page_turned(self, pages: int) -> TeachState:
-        """Some pages on or back; past a lesson's end, the next lesson; past the last one's, free.
-        Free: the first page."""
+        """Turn some pages forwards or back; past a lesson's end, the next lesson; past the last
+        one's, free. From free: the first page."""
         if self.lesson is None:
             return self.opened(0) if self.lessons and pages > 0 else self
         page = self.page + pages
@@ -206,13 +205,13 @@ class TeachState:
         return self.opened(self.lesson, page)
 
     def next_lesson(self) -> TeachState:
-        """The lesson after this one, round and round."""
+        """The lesson after this one, cyclically."""
         if not self.lessons:
             return self
         return self.opened(0 if self.lesson is None else (self.lesson + 1) % len(self.lessons))
 
     def answered(self, number: int) -> TeachState:
-        """An answer to the page's question; nothing if it has none of this number."""
+        """Answer the page's question; ignored if it has no such answer."""
         page = self.current_page
         if page is None or page.question is None or number > len(page.question.answers):
             return self

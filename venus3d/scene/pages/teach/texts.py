@@ -1,4 +1,4 @@
-"""All that the teaching page says."""
+"""Texts of the teaching page."""
 
 from __future__ import annotations
 

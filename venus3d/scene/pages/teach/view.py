@@ -1,9 +1,10 @@
-"""The layout of a teaching page: what stands where, and how one pose is put on it.
+"""The layout of a teaching page, and how one pose is shown on it.
 
-left    the lesson, its question, what it shows live; the pose in six numbers and whether it may be
+left    the lesson, its question, its live figures; the pose in six numbers and whether it is
+acceptable
 middle  the 3D scene
-right   what the camera sees now; what happens, in words; the way and its controls; where to look
-        from; the four steps as the camera sees them; saving
+right   the camera's view; the current step in words; progress and its controls; viewpoints; the
+four steps as the camera sees them; saving
 """
 
 from __future__ import annotations
@@ -61,8 +62,8 @@ class TeachView:
         """Lay everything out.
 
         Args:
-            on_progress: gets a share of the way, 0 ... 1.
-            kinds: the kinds of file that can be saved.
+            on_progress: gets a share of the path, 0 ... 1.
+            kinds: the available file types.
             aspect: the camera picture's width over its height.
         """
         self._server, self._gui = server, server.gui
@@ -81,13 +82,13 @@ class TeachView:
                 labels = {Save(kind): texts.SAVE_LABELS[kind] for kind in kinds}
                 ButtonRow(self._gui, texts.SAVE, labels, act, hint=texts.SAVE_HINT)
         panel.dock_left()
-        panel.expand()  # on a phone panels are folded at first
+        panel.expand()  # phones fold panels at first
         self._help = make_commands(server, act, [Save(kind) for kind in kinds])
         fit_width(server, panel, lambda height: _widths(height)[0])
         fit_width(server, self._gui.main_panel, lambda height: _widths(height)[1])
 
     def show(self, taught: TaughtPose, state: TeachState) -> None:
-        """Put one pose on the page."""
+        """Show one pose."""
         theme = Theme(state.dark)
         self._style.show(theme)
         self._help.show(theme)
@@ -99,17 +100,17 @@ class TeachView:
             row.show(state)
         share = round(25 * min(state.progress, 4.0))
         if share != self._share:
-            # Not otherwise: where it was put is in the slider before `on_progress` hears of it.
+            # Only on a change: the slider has its new value before `on_progress` is called.
             self._share = share
             if not state.dragged:
                 self.progress.value = share
 
     def show_camera_picture(self, picture: Picture) -> None:
-        """What the camera sees now, RGB."""
+        """Show the camera's view, RGB."""
         self.picture.image = picture
 
     def show_steps_picture(self, picture: Picture) -> None:
-        """The four steps in one picture, RGB."""
+        """Show the four steps in one picture, RGB."""
         self.steps_picture.image = picture
 
     def notify(
@@ -120,13 +121,8 @@ class TeachView:
         seconds: float | None = None,
         busy: bool = False,
     ) -> Callable[[], None]:
-        """Tell one tab, or all, a sentence, for some seconds or until it is closed.
-
-        Args:
-            busy: with a mark that turns: something is going on.
-
-        Returns what takes the sentence away again.
-        """
+        """Show one tab, or all, a sentence, for some seconds or until closed; returns a function
+        that removes it. `busy`: with a spinner."""
         clients = self._server.get_clients().values() if client is None else (client,)
         notes = [
             one.add_notification(texts.SAVE, text, loading=busy, auto_close_seconds=seconds)
@@ -171,5 +167,5 @@ class TeachView:
 
 
 def _widths(height: int) -> tuple[int, int]:
-    """Of the left and of the right panel in a window of this height, pixels."""
+    """Widths of the left and right panel in a window of this height, pixels."""
     return next((left, right) for low, left, right in _WIDTHS if height >= low)

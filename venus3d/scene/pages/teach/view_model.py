@@ -1,4 +1,4 @@
-"""The pose that is taught: its four steps, its other readings, and what views like it tell."""
+"""The pose being taught: its four steps, its other readings, and its information."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class TaughtPose:
     """The target, `T_camera_board`."""
     steps: Steps
     refusals: tuple[Refusal, ...]
-    """Why a person would not be asked for this pose, worst first."""
+    """Why guidance would not ask for this pose, worst first."""
     fixed: TurnSequence
     """X, Y, Z about the camera's fixed axes."""
     own: TurnSequence
@@ -39,48 +39,49 @@ class TaughtPose:
     order: str
     """That order."""
     locked: bool
-    """Whether Y is so near +-90 degrees that X and Z turn the board alike."""
+    """Whether Y is so close to +-90 degrees that X and Z become equivalent (gimbal lock)."""
     sigma_px: float
-    """Standard deviation of the focal length from some views like this one; inf: they tell none."""
+    """Standard deviation of the focal length from views like this one; inf: undetermined."""
     sigma_words: str
-    """What that means, in one sentence."""
+    """Its meaning, in one sentence."""
 
     @property
     def last_busy(self) -> int:
-        """1 ... 4: the last step in which something is done; 1 if there is none."""
+        """1 ... 4: the last step that is not idle; 1 if there is none."""
         return max((step.number for step in self.steps if not step.is_idle), default=1)
 
     def others(self, arrangement: Arrangement) -> TurnSequence:
-        """The turns that are shown beside `fixed`."""
+        """The turns shown beside `fixed`."""
         return self.own if arrangement == "axes" else self.reordered
 
     def idle(self, arrangement: Arrangement) -> tuple[bool, ...]:
-        """Which of the four steps show nothing, as this arrangement plays them."""
+        """Which of the four steps are idle in this arrangement."""
         if arrangement not in ("axes", "order"):
             return tuple(step.is_idle for step in self.steps)
         both = zip(self.fixed, self.others(arrangement), strict=True)
-        # Two boards side by side do not move, they only turn.
+        # Boards side by side only turn.
         return (True, *(max(abs(a.angle_deg), abs(b.angle_deg)) < 0.5 for a, b in both))
 
     def apart_deg(self, arrangement: Arrangement) -> float:
-        """The one angle between the two results side by side, degrees."""
+        """The rotation angle between the two results side by side, degrees."""
         return self.fixed[2].after.angle_to_deg(self.others(arrangement)[2].after)
 
 
 AnalysePose = Callable[[Vector, str], TaughtPose]
-"""Works out the pose of six numbers; the order of turns is compared with "xyz"."""
+"""Analyses the pose of six numbers; the order of turns is compared with "xyz"."""
 
 
 class PoseAnalysis:
-    """Works out what is shown of the poses of one board, as one camera sees it."""
+    """Analyses poses of one board as one camera sees it."""
 
     def __init__(self, camera: Camera, board: Board) -> None:
-        """The limits are the board's and the camera's own."""
+        """The limits come from board and camera."""
         self._camera, self._board = camera, board
         self._limits = Limits.for_board(board, camera)
 
     def __call__(self, vector: Vector, order: str = "zyx") -> TaughtPose:
-        """The pose of six numbers; a few milliseconds. `order` is compared with "xyz"."""
+        """Analyse the pose of six numbers, in a few milliseconds; `order` is compared with
+        "xyz"."""
         camera, board = self._camera, self._board
         p = np.array([*vector[:3], *(length / 1000 for length in vector[3:])])
         steps = decompose_vector(p, camera, board)

@@ -1,7 +1,7 @@
-"""The teaching page in the browser: owns what is shown and draws it.
+"""The teaching page in the browser: owns the state and draws it.
 
-One thread draws the scene and the panels, another one the pictures; for each the newest wins, so
-that a hand on a slider never waits. Callbacks only change the frozen state.
+One thread draws scene and panels, another the pictures; the newest state wins, so a slider never
+waits. Callbacks only change the frozen state.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer, start_server
 
 SaveFile = Callable[[TeachState, FileKind], tuple[str, bytes]]
-"""Makes a file of a kind from what is shown: its name and content. Raises `VenusError`."""
+"""Makes a file of a type from the state: name and content. Raises `VenusError`."""
 
 _PERIOD_S = 1 / 30
 _QUIET_S = 0.25
-"""So long after the last change, pictures are drawn once more, fine."""
+"""Seconds after the last change after which pictures are redrawn in fine quality."""
 
 
 class TeachViewer(Page[TeachState]):
-    """One page, shared by all tabs that are open on it."""
+    """One page, shared by all its tabs."""
 
     def __init__(
         self,
@@ -59,9 +59,9 @@ class TeachViewer(Page[TeachState]):
 
         Args:
             analyse: called on the drawing thread; a few milliseconds at most.
-            offscreen: draws the pictures; its owner closes it.
-            lesson: the number of the lesson that is open at first; None: free.
-            save, kinds: makes files, and of which kinds; called on threads of their own.
+            offscreen: draws the pictures; the caller closes it.
+            lesson: the number of the lesson open at first; None: free.
+            save, kinds: makes files, and the available types; called on separate threads.
 
         Raises `AddressError` if the address cannot be bound.
         """
@@ -78,7 +78,7 @@ class TeachViewer(Page[TeachState]):
 
     @property
     def scene_names(self) -> tuple[str, ...]:
-        """Names of the shapes that the scene shows now."""
+        """Names of the shapes in the scene."""
         return self._scene.names
 
     # -- what people do; on viser's threads -------------------------------------------------------
@@ -101,7 +101,7 @@ class TeachViewer(Page[TeachState]):
             self._view.notify(client, str(error))
             return
         except Exception:
-            # Our mistake: the tab must not wait for ever, and the traceback is still printed.
+            # Our error: the tab must not wait for ever, and the traceback is still printed.
             self._view.notify(client, texts.SAVING_FAILED)
             raise
         finally:
@@ -165,7 +165,7 @@ class TeachViewer(Page[TeachState]):
     def _turn_cameras(
         self, taught: TaughtPose, state: TeachState, shapes: tuple[Shape, ...]
     ) -> None:
-        """Fly when another view is asked for, or when the target has gone far out of this one."""
+        """Fly when another view is chosen, or when the target has moved far out of this one."""
         far = tuple(np.ceil(np.abs(taught.pose.t) / (0.15, 0.12, 0.25)).tolist())
         looking_at = (
             state.viewpoint,
@@ -188,7 +188,7 @@ class TeachViewer(Page[TeachState]):
             wanted = self._wanted
             if wanted is None or self._stopping.is_set() or (fine and wanted is shown):
                 continue
-            # Quick while things move; once it is quiet the same again, fine, until they move again.
+            # Quick while things move; the same again, fine, once it is quiet.
             fine = not came
             picture = self._pictures.camera_picture(*wanted, fine=fine)
             self._view.show_camera_picture(picture)

@@ -1,1 +1,1 @@
-"""What the engine knows, made visible: uncertainty, captured views, the search."""
+"""Displays of what the engine knows: uncertainty, captured views, the search."""

@@ -1,4 +1,4 @@
-"""The captured views in the scene: where the board was, a faint sheet each, its colour the misfit.
+"""The captured views in the scene: a faint sheet at each board pose, coloured by its residuals.
 
 /views/N/sheet, /views/N/outline, /views/N/label      the board in view N
 """
@@ -19,7 +19,7 @@ _OPACITY, _CHOSEN_OPACITY = 0.28, 0.75
 
 
 def misfit_end_px(views: tuple[View, ...]) -> float:
-    """The upper end of the scale of colours of views, pixels; the lower one is 0."""
+    """Upper end of the views' colour scale, pixels; the lower one is 0."""
     return round_up(max((view.rms_px for view in views), default=1.0))
 
 
@@ -27,7 +27,7 @@ def misfit_end_px(views: tuple[View, ...]) -> float:
 def captured_view_shapes(
     board: Board, views: tuple[View, ...], chosen: int | None, dark: bool
 ) -> tuple[Shape, ...]:
-    """The board in each of the views; the one chosen stands out."""
+    """The board in each view; the chosen one stands out."""
     high, colours = misfit_end_px(views), ground(dark)
     shapes: list[Shape] = []
     for view in views:
@@ -35,7 +35,7 @@ def captured_view_shapes(
         colour = colour_of(view.rms_px, 0.0, high)
         opacity = _CHOSEN_OPACITY if marked else _OPACITY
         edge = colours.warning if marked else colour
-        # Not all at the same corner: boards of many views overlap.
+        # Labels at different corners, since the boards of many views overlap.
         corner = view.pose.apply(0.86 * board.outline[view.number % 4])
         text = texts.CAPTURED_VIEW_LABEL.format(number=view.number)
         shapes += [
@@ -47,7 +47,7 @@ def captured_view_shapes(
 
 
 def view_of(name: str) -> int | None:
-    """The number of the view whose sheet has this name; None if it is none."""
+    """The number of the view with this sheet; None if there is none."""
     parts = name.split("/")
     is_sheet = len(parts) == 4 and parts[1] == "views" and parts[3] == "sheet"
     return int(parts[2]) if is_sheet and parts[2].isdigit() else None

@@ -1,6 +1,6 @@
-"""The maps of the camera's uncertainty, one at a time: title, picture, figures on it, legend.
+"""The maps of the camera's uncertainty: title, picture, numbers on it, legend.
 
-The pictures are drawn by `render.map_pictures`; which one is shown is the panel's.
+`render.map_pictures` draws the pictures; the panel chooses the map.
 """
 
 from __future__ import annotations
@@ -31,26 +31,26 @@ from venus3d.scene.web.projections_panel import encoded
 
 MAP_KINDS: tuple[MapKind, ...] = tuple(texts.MAPS)
 WIDTH = 640
-"""Of the pictures, pixels."""
+"""Width of the pictures, pixels."""
 
 
 @dataclass(frozen=True, eq=False)
 class ShownMap:
-    """One map as it stands on the page."""
+    """One map on the page."""
 
     title: str
     sentence: str
     picture: Picture | None = None
     """None where there is nothing to draw yet."""
     ticks: tuple[float, ...] = ()
-    """The legend's figures, from the lower end to the upper, equally far apart; none for none."""
+    """The legend's numbers, evenly spaced from the lower end to the upper; may be empty."""
     unit: str = texts.PIXELS
     figures: Array | None = None
-    """(rows, columns) numbers of the picture, to be written at its middle and corners."""
+    """(rows, columns) values of the picture, to be written at its middle and corners."""
 
 
 def map_of(snapshot: Snapshot, kind: MapKind, *, dark: bool, chosen: int | None = None) -> ShownMap:
-    """The map at this moment; `chosen` is the number of a view to be drawn strongly."""
+    """The map at this moment; `chosen` is the number of a view to emphasise."""
     width, height = snapshot.camera.image_size
     size = (WIDTH, round(WIDTH * height / width))
     if kind == "corners":
@@ -89,7 +89,7 @@ def map_html(shown: ShownMap) -> str:
 
 
 def scale_html(ticks: tuple[float, ...], unit: str) -> str:
-    """The legend of the scale of colours, with its figures."""
+    """The legend of the colour scale, with its numbers."""
     last = len(ticks) - 1
     figures = "".join(
         f"<span>{figure(tick)}{f' {unit}' if index == last else ''}</span>"
@@ -102,12 +102,12 @@ def scale_html(ticks: tuple[float, ...], unit: str) -> str:
 
 
 def even_ticks(high: float) -> tuple[float, ...]:
-    """Figures of a scale from 0."""
+    """Numbers for a scale from 0."""
     return (0.0, high / 2, high)
 
 
 def figure(value: float) -> str:
-    """A number with the figures that it is worth: 0.034, 0.42, 3.1, 12."""
+    """A number with its significant figures: 0.034, 0.42, 3.1, 12."""
     if not np.isfinite(value):
         return texts.NO_VIEW
     if value == 0 or value >= 9.95:
@@ -118,7 +118,7 @@ def figure(value: float) -> str:
 
 
 def error_ticks(snapshot: Snapshot) -> tuple[float, ...]:
-    """Figures of the scale that the maps “now” and “next” share, in equal ratios, pixels."""
+    """Numbers of the logarithmic scale that the maps “now” and “next” share, pixels."""
     known, target = snapshot.uncertainty, snapshot.target
     if known is None:
         return ()
@@ -191,7 +191,7 @@ def _misfit(snapshot: Snapshot, size: tuple[int, int], dark: bool, chosen: int |
 
 
 def _figures(shown: ShownMap) -> str:
-    """The numbers at the picture's middle and its four corners."""
+    """The values at the picture's middle and four corners."""
     if shown.figures is None:
         return ""
     rows, columns = (n - 1 for n in shown.figures.shape)

@@ -1,7 +1,7 @@
-"""What is known of the camera: a tab with maps and captured views, and its part of the scene.
+"""The uncertainty layer: a tab with maps and captured views, and its shapes in the scene.
 
-Buttons and keys change a frozen state under a lock; the thread that draws the scene reads it. A map
-is drawn again only when what it shows has changed. What a view left out means is the session's.
+Buttons and keys change a frozen state under a lock; the drawing thread reads it. A map is redrawn
+only when its content has changed.
 """
 
 from __future__ import annotations
@@ -52,11 +52,11 @@ class UncertaintyState:
 
     map: MapKind = "now"
     views: bool = False
-    """Whether the captured views stand in the scene."""
+    """Whether the captured views are in the scene."""
     search: bool = False
     """Whether searches are replayed."""
     view: int | None = None
-    """Number of the view looked at."""
+    """Number of the selected view."""
 
 
 class UncertaintyPanel:
@@ -68,8 +68,8 @@ class UncertaintyPanel:
         """Nothing is shown until `lay_out`.
 
         Args:
-            on_drop: called on viser's threads with the number of a view to be left out.
-            wake: called on any thread when there is something else to draw.
+            on_drop: called on viser's threads with the number of a view to exclude.
+            wake: called on any thread when something must be redrawn.
         """
         self._on_drop, self._wake = on_drop, wake
         self._lock = threading.Lock()
@@ -81,7 +81,7 @@ class UncertaintyPanel:
 
     @property
     def commands(self) -> tuple[Command, ...]:
-        """What can be asked for by a key; whoever owns the page adds them to it."""
+        """Its commands, which the page's owner adds."""
         return (
             Command(texts.NEXT_MAP, "M", texts.NEXT_MAP_HINT, self._next_map),
             Command(
@@ -95,16 +95,16 @@ class UncertaintyPanel:
 
     @property
     def is_moving(self) -> bool:
-        """Whether something is to be drawn soon, though nothing comes in."""
+        """Whether it must be redrawn soon without new input."""
         return self._replay.is_moving or self._wanted != self._drawn
 
     @property
     def caption(self) -> str:
-        """What the scene shows of a search, in one line; empty if nothing."""
+        """One line on the search shown in the scene; empty for none."""
         return self._replay.caption
 
     def lay_out(self, gui: viser.GuiApi) -> None:
-        """Make everything in the current panel."""
+        """Create all widgets in the current panel."""
         self._wanted: tuple[object, ...] = ()
         self._drawn: tuple[object, ...] = ()
         self._card: tuple[object, ...] = ()
@@ -142,15 +142,14 @@ class UncertaintyPanel:
     # -- what the page's threads call ------------------------------------------------------------
 
     def keep_picture(self, number: int, image: LivePicture) -> None:
-        """Keep the picture of the view of this number, small."""
+        """Keep a small copy of the picture of the view of this number."""
         source = encoded(small_picture(image, _VIEW_PICTURE_WIDTH))
         with self._lock:
             self._pictures[number] = source
         self._wake()
 
     def put(self, snapshot: Snapshot, shapes: tuple[Shape, ...], theme: Theme) -> tuple[Shape, ...]:
-        """The scene's shapes with the captured views; a search that is replayed takes the steps'
-        place."""
+        """The scene's shapes with the captured views; a replayed search replaces the steps."""
         state = self.state
         if state.views and snapshot.views:
             views = captured_view_shapes(snapshot.board, snapshot.views, state.view, theme.dark)
@@ -158,16 +157,16 @@ class UncertaintyPanel:
         return self._replay.of(snapshot, shapes, on=state.search, dark=theme.dark)
 
     def show(self, snapshot: Snapshot, theme: Theme) -> None:
-        """Put what is known at this moment on the tab, all but the map."""
+        """Update the tab, except for the map."""
         self._snapshot, self._theme = snapshot, theme
         self._show_views(snapshot, self.state)
 
     def show_late(self, snapshot: Snapshot, theme: Theme) -> None:
-        """Have the map on the tab drawn if it shows something else now: not in this call but in the
-        next, since the scene with a new target, drawn just before, has had enough to do."""
+        """Start drawing the tab's map if it has changed: in the next call, since the scene of a new
+        target, drawn just before, took time enough."""
         state = self.state
         chosen = state.view if state.map == "misfit" else None
-        # The scale of “now” is that of “next” as well.
+        # “now” and “next” share a scale.
         target = snapshot.target if state.map in ("now", "after") else None
         key = (snapshot.calibration, target and target.pose, state.map, theme.dark, chosen)
         if key != self._wanted:
@@ -178,7 +177,7 @@ class UncertaintyPanel:
             self._map.content = map_html(shown)
 
     def bind(self, scene: SceneView) -> None:
-        """Let the captured views that have been drawn be clicked."""
+        """Make the drawn views clickable."""
         for name in scene.names:
             number = view_of(name)
             if number is not None and name not in self._bound:
@@ -210,7 +209,7 @@ class UncertaintyPanel:
         self._switches.show(_switch_labels(state))
 
     def _forget_old(self, numbers: list[int]) -> None:
-        """Pictures of views that were left out go; of views still being calibrated they stay."""
+        """Drop pictures of excluded views; those still being calibrated stay."""
         newest = max(numbers, default=0)
         with self._lock:
             self._pictures = {
@@ -226,7 +225,7 @@ class UncertaintyPanel:
         return opened
 
     def _open(self, client: viser.ClientHandle, number: int) -> None:
-        """All about a view, in the tab in which it was clicked."""
+        """Open a view's card in the tab in which it was clicked."""
         snapshot = self._snapshot
         self._change(view=number)
         if snapshot is None:
@@ -265,7 +264,7 @@ class UncertaintyPanel:
 
 
 def _legend(snapshot: Snapshot, state: UncertaintyState, theme: Theme) -> str:
-    """What the colours mean of what stands in the scene; empty if nothing does."""
+    """The legend for the colours in the scene; empty without any."""
     told = ""
     if state.views and snapshot.views:
         ticks = even_ticks(misfit_end_px(snapshot.views))

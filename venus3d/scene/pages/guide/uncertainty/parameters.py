@@ -1,6 +1,6 @@
-"""The nine parameters in a table: value and sigma, how the sigma fell, settled or not, what it is.
+"""The nine parameters in a table: value, sigma and its trend, settled or not, meaning.
 
-A row opens and says what the number does to the picture, by a click or by Enter.
+A row opens, by a click or Enter, and explains the parameter's effect on the picture.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.uncertainty import texts
 
 _IN_PIXELS = 4
-"""The first four parameters are in pixels, the others have no unit."""
+"""Number of leading parameters in pixels; the others have no unit."""
 _SPARK = (58.0, 16.0)
 """Width and height of a sparkline, CSS pixels."""
 
 
 def parameters_html(snapshot: Snapshot | None) -> str:
-    """The table of parameters; a sentence while there are none."""
+    """The table of parameters; a sentence without any."""
     if snapshot is None or snapshot.calibration is None:
         return f"<div class='v-progress'>{escape(texts.NO_PARAMETERS)}</div>"
     rows = "".join(_row(snapshot, index) for index in range(len(PARAMETERS)))
@@ -34,20 +34,18 @@ def parameters_html(snapshot: Snapshot | None) -> str:
 
 
 def value_text(value: float, sigma: float, index: int) -> str:
-    """Value ± sigma of the parameter of this index, with the figures that they are worth."""
+    """Value ± sigma of the parameter of this index, with their significant figures."""
     unit = f" {texts.PIXELS}" if index < _IN_PIXELS else ""
     if not sigma > 0:
         return f"{value:.1f}{unit}" if index < _IN_PIXELS else f"{value:.4f}"
-    # Two figures of the sigma are all that it is worth.
+    # Two figures of the sigma are significant.
     places = min(max(1 - math.floor(math.log10(sigma)), 0), 6)
     return f"{value:.{places}f} <i>± {sigma:.{places}f}{unit}</i>"
 
 
 def sparkline(history: Sequence[Progress], index: int) -> str:
-    """The sigma of the parameter of this index from view to view, as a small drawing.
-
-    Its height is the logarithm: as far down for each halving. Empty while there are not two.
-    """
+    """The sigma of the parameter of this index from view to view, as a small plot with a
+    logarithmic scale; empty before two values."""
     sigmas = [float(entry.sigma[index]) for entry in history if (entry.sigma > 0).all()]
     if len(sigmas) < 2:
         return ""

@@ -1,6 +1,6 @@
-"""Which part of which search is being replayed now: each new target's search once, slowly.
+"""Chooses the part of a search to replay: each new target's search once, slowly.
 
-What a moment of it looks like is `replay`'s. Used by the thread that draws the scene.
+`search_shapes` draws it. Used by the drawing thread.
 """
 
 from __future__ import annotations
@@ -27,28 +27,26 @@ _KEPT = "/camera/"
 
 
 class SearchReplay:
-    """The replay of one page."""
+    """The replay on one page."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        """`clock` tells seconds."""
+        """`clock` returns seconds."""
         self._clock = clock
         self._search_trace: SearchTrace | None = None
         self._began = 0.0
         self.caption = ""
-        """What the scene shows of a search, in one line; empty if nothing."""
+        """One line on the search shown in the scene; empty for none."""
 
     @property
     def is_moving(self) -> bool:
-        """Whether a search is being shown."""
+        """Whether a search is being replayed."""
         return self._search_trace is not None and self._clock() - self._began < _WHOLE
 
     def of(
         self, snapshot: Snapshot, shapes: tuple[Shape, ...], *, on: bool, dark: bool
     ) -> tuple[Shape, ...]:
-        """The scene's shapes; while a search is shown, it takes the place of all but the camera.
-
-        A search that was not shown yet begins; switched off and on again, it begins anew.
-        """
+        """The scene's shapes; a replayed search replaces all but the camera. A new search starts;
+        switching off and on restarts it."""
         self.caption = ""
         target, search_trace = snapshot.target, snapshot.search_trace
         if not on or target is None or search_trace is None:
@@ -67,6 +65,6 @@ class SearchReplay:
         calm = tuple(shape for shape in shapes if shape.name.startswith(_KEPT))
         if snapshot.pose is None:
             return (*calm, *search)
-        # Its outline only: the printed board would hide the dots behind it.
+        # Only its outline: the printed board would hide the dots behind it.
         live = board_outline(snapshot.board, snapshot.pose, "/search/live", ground(dark).text)
         return (*calm, *search, live)

@@ -1,8 +1,8 @@
-"""A search, watched afterwards at a speed that a person can follow.
+"""Replays a search afterwards, at a speed that a person can follow.
 
-Each pose looked at is a dot, twice: where the board's centre would be, and in a box of three axes,
-the turns about X and Y and the distance. The more a dot stands out, the smaller the cost. A search
-in batches shows batch after batch; the annealing walks move by move, a line along what it took.
+Each evaluated pose is two dots: at the board's centre, and in a box with three axes, the turns
+about X and Y and the distance. The smaller the cost, the stronger the dot. A batch search is shown
+batch by batch, annealing move by move, with a line along the accepted poses.
 
     /search/places, /search/angles            the dots in front of the camera, and in the box
     /search/faint                             outlines of a few of the newest poses
@@ -36,18 +36,18 @@ from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.maps import figure
 
 SECONDS, REST_SECONDS = 13.0, 4.0
-"""How long the search takes to be shown, and how long its end stays."""
-_FAINT = 10  # boards of a batch that are outlined
+"""Duration of the replay, and of the rest at its end."""
+_FAINT = 10  # outlined boards of a batch
 _DOT = 0.0035
-_AGED = 0.6  # of the ground's colour in dots of earlier batches
-# Lowest corner and side of the box, metres, seen from as near as usual.
+_AGED = 0.6  # share of the background's colour in dots of earlier batches
+# Lowest corner and side of the box, metres, at the usual viewing distance.
 _BOX, _SIDE = np.array([-0.14, 0.17, 0.10]), 0.14
 _FURTHEST_M = 1.2
 
 
 @dataclass(frozen=True, eq=False)
 class SearchFrame:
-    """One moment of the replay: all that has been looked at so far."""
+    """One moment of the replay: all poses evaluated so far."""
 
     search_trace: SearchTrace
     shown: int
@@ -60,12 +60,12 @@ class SearchFrame:
 
     @property
     def back(self) -> float:
-        """So many times farther away than usual is looked from: the box is as much larger."""
+        """Viewing distance relative to the usual one; the box grows with it."""
         return steps_back(float(np.linalg.norm(self.search_trace.end[3:])))
 
 
 def shown_after(search_trace: SearchTrace, seconds: float) -> int:
-    """How many moves are shown so long after the start; at least 1."""
+    """How many moves are shown this long after the start; at least 1."""
     count = len(search_trace.steps)
     return min(count, 1 + int(count * max(seconds, 0.0) / SECONDS))
 
@@ -104,7 +104,7 @@ def search_shapes(
 
 
 def caption(search_trace: SearchTrace, shown: int, number: int, *, in_px: bool) -> str:
-    """What is to be seen, in one line; `in_px` if the cost is a mean variance in square pixels."""
+    """One line on what is shown; `in_px` if the cost is a mean variance in square pixels."""
     last, title = search_trace.steps[shown - 1], texts.SEARCH_TITLE.format(number=number)
     best, is_last = _cost_text(last.best_cost, in_px), shown == len(search_trace.steps)
     if search_trace.is_batched:
@@ -147,7 +147,7 @@ def _dots(stage: SearchFrame, dark: bool) -> tuple[Array, NDArray[np.uint8], Arr
     costs = np.log(np.concatenate([costs for _, costs in seen]))
     newest, worth = seen[-1]
     few = newest[np.argsort(worth)[:: max(1, len(worth) // _FAINT)][:_FAINT]]
-    # Small costs stand out against the ground: bright on dark, dark on light.
+    # Low costs contrast with the ground: bright on dark, dark on light.
     ends = (-costs, -high, -low) if dark else (costs, low, high)
     colour = colours_of(*ends).astype(np.float64)
     if stage.search_trace.is_batched and not stage.is_last:
@@ -164,7 +164,7 @@ def _outlines(board: Board, poses: Array) -> Array:
 
 
 def _in_box(poses: Array, back: float) -> Array:
-    """(N, 3) where pose vectors (N, 6) stand in the box, camera frame, metres."""
+    """(N, 3) points in the box of pose vectors (N, 6), camera frame, metres."""
     share = np.stack(
         [
             (poses[:, 0] + 90) / 180,
@@ -177,7 +177,7 @@ def _in_box(poses: Array, back: float) -> Array:
 
 
 def _walk_shapes(stage: SearchFrame, board: Board, dark: bool) -> list[Shape]:
-    """The line of the poses taken so far, and the pose that is looked at now."""
+    """The line of accepted poses, and the pose being evaluated."""
     colours = ground(dark)
     moves = stage.search_trace.steps[: stage.shown]
     taken = [move.vector for move in moves if move.accepted]
@@ -198,19 +198,19 @@ def _walk_shapes(stage: SearchFrame, board: Board, dark: bool) -> list[Shape]:
 
 
 def _chain(points: Array) -> Array:
-    """(N - 1, 2, 3) segments from each of the points (N, 3) to the next."""
+    """(N - 1, 2, 3) segments between consecutive points (N, 3)."""
     return np.array([[a, b] for a, b in pairwise(points)])
 
 
 @lru_cache(maxsize=4)
 def _box_shapes(dark: bool, back: float) -> tuple[Shape, ...]:
-    """The box's edges; three of them are its axes, each with its name at the end."""
+    """The box's edges; three of them are labelled axes."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     edges = [(a, b) for a in corners for b in corners if np.sum(b - a) == 1 and np.sum(a != b) == 1]
     here, colours = Pose.identity(), ground(dark)
     lines = back * (_BOX + _SIDE * np.array(edges, dtype=np.float64))
     shapes: list[Shape] = [LineShape("/search/box", lines, here, colours.ghost, 1.0)]
-    # The turns have their steps' colours, the distance that of the move.
+    # The turns have their steps' colours, the distance the move's.
     for index, (text, step) in enumerate(zip(texts.SEARCH_AXES, (2, 3, 1), strict=True)):
         name, colour, along = f"/search/axis_{index + 1}", step_colour(step, dark), np.eye(3)[index]
         ends = back * (_BOX + _SIDE * np.array([[0 * along, along]]))

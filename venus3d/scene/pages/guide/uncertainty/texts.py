@@ -1,4 +1,4 @@
-"""What the page says about how well the camera is known: maps, captured views, the search."""
+"""Texts on the camera's uncertainty: maps, captured views, the search."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ MAPS: dict[MapKind, str] = {
     "lens": "Lens",
     "misfit": "Misfit",
 }
-"""What stands on the maps' buttons, in order."""
+"""Labels of the maps' buttons, in order."""
 MAPS_LABEL = "Map"
 MAPS_HINT = "Choose what is shown about the camera's picture. M goes through all five."
 NOTHING_YET = (
@@ -135,5 +135,5 @@ PARAMETER_SENTENCES = (
     "The lens sits slightly tilted, sideways: left and right are bent unequally.",
     "The last correction, for the far corners only; the hardest of the nine to know.",
 )
-"""What each of the nine parameters does to the picture, in their order."""
+"""Effect of each of the nine parameters on the picture, in their order."""
 PARAMETERS_HINT = "Click a row to read what the number does to the picture."

@@ -1,7 +1,5 @@
-"""One captured view in words and figures: its picture, pose and misfit, and what it gave.
-
-What if it were left out is told before anybody does it. The figures are the engine's.
-"""
+"""One captured view: its picture, pose, residuals and information, and what excluding it would
+do."""
 
 from __future__ import annotations
 
@@ -20,16 +18,14 @@ from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.maps import figure
 
 _FX, _FY = PARAMETERS.index("fx"), PARAMETERS.index("fy")
-# Errors that differ by less are the same to a person.
+# Errors that differ by less look the same to a person.
 _SAME = 0.03
 _ALIKE = 0.1
 
 
 def view_html(snapshot: Snapshot, number: int, picture: str = "") -> str:
-    """All about the view of this number; empty if it is none of the snapshot's.
-
-    `picture` is the source of an HTML image.
-    """
+    """The card of the view of this number; empty if the snapshot has none. `picture` is the source
+    of an HTML image."""
     calibration = snapshot.calibration
     view = next((view for view in snapshot.views if view.number == number), None)
     if calibration is None or view is None:
@@ -49,7 +45,7 @@ def view_html(snapshot: Snapshot, number: int, picture: str = "") -> str:
 
 
 def verdict(now_px: float, without_px: float) -> str:
-    """What leaving out would come to, in one sentence."""
+    """The effect of excluding the view, in one sentence."""
     change = without_px / now_px - 1
     if not np.isfinite(change):
         return texts.WITHOUT_UNKNOWN
@@ -85,7 +81,7 @@ def _error_line(view: View, calibration: Calibration) -> str:
 
 
 def _gave_lines(snapshot: Snapshot, calibration: Calibration, left: Influence) -> list[str]:
-    """What this view gave: against what all the others would know without it."""
+    """What this view contributed, compared with all the others without it."""
     known = snapshot.uncertainty
     if known is None or not np.isfinite(left.uncertainty_px):
         return []

@@ -1,4 +1,4 @@
-"""A window with one captured view, over the page of the tab in which it was clicked."""
+"""A window about one captured view, in the tab in which it was clicked."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from venus3d.scene.pages.guide.uncertainty import texts
 
 
 class ViewWindow:
-    """At most one in a tab; Esc puts it away. Callbacks come on viser's threads."""
+    """At most one per tab; Esc closes it. Callbacks come on viser's threads."""
 
     def __init__(self) -> None:
         self._lock = Lock()
@@ -25,7 +25,7 @@ class ViewWindow:
         html: str,
         leave_out: Callable[[], None] | None,
     ) -> None:
-        """Show `html` of the view of this number, with a button that leaves it out if it may be."""
+        """Show `html` of the view of this number, with a button that excludes it if allowed."""
         self.close(client)
         with self._lock, client.atomic():
             modal = client.gui.add_modal(texts.VIEW_TITLE.format(number=number))
@@ -46,7 +46,7 @@ class ViewWindow:
             self._open[client.client_id] = (modal, escape)
 
     def close(self, client: viser.ClientHandle) -> None:
-        """Put this tab's away, if there is one."""
+        """Close this tab's window, if there is one."""
         with self._lock:
             opened = self._open.pop(client.client_id, None)
         if opened is not None:

@@ -1,1 +1,1 @@
-"""Lessons and targets as files: a page that plays offline, a sheet, an animation."""
+"""Exports lessons and targets: an offline page, a sheet, an animation."""

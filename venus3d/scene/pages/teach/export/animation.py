@@ -1,6 +1,6 @@
-"""The pages of a lesson as they are exported, and the board's way through the steps on each.
+"""The exported pages of a lesson, and the board's path through the steps on each.
 
-The states are those that the teaching page plays; `film` and `scene_recording` draw them.
+The states are those the teaching page plays; `film` and `scene_recording` draw them.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import AnalysePose, TaughtPose
 
 _BEFORE_S, _AFTER_S = 0.6, 1.4
-"""How long the upright board and the target are looked at."""
+"""Seconds for which the upright board and the target are shown."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExportedPage:
-    """A page of a lesson as it is opened on the teaching page."""
+    """A lesson's page as the teaching page opens it."""
 
     page: LessonPage
     state: TeachState
@@ -25,12 +25,12 @@ class ExportedPage:
 
     @property
     def is_idle(self) -> bool:
-        """Whether there is nothing to do in any step."""
+        """Whether no step has anything to do."""
         return all(step.is_idle for step in self.taught.steps)
 
 
 def exported_pages(lesson: Lesson, analyse: AnalysePose, *, dark: bool) -> list[ExportedPage]:
-    """All pages of a lesson, in their order."""
+    """All pages of a lesson, in order."""
     opened = TeachState(lessons=(lesson,), dark=dark)
     states = [opened.opened(0, number) for number in range(len(lesson.pages))]
     return [
@@ -40,10 +40,8 @@ def exported_pages(lesson: Lesson, analyse: AnalysePose, *, dark: bool) -> list[
 
 
 def animation_states(page: ExportedPage, fps: float) -> tuple[TeachState, ...]:
-    """One state for each picture: upright, through the steps at the page's own pace, target.
-
-    A pose with nothing to do stands still.
-    """
+    """One state per frame: upright, through the steps at the page's pace, target; a single pose if
+    there is nothing to do."""
     idle = page.taught.idle(page.state.arrangement)
     start = replace(page.state, progress=0.0, focus=None, speed=1.0, loop=False)
     states = [start] * round(_BEFORE_S * fps)

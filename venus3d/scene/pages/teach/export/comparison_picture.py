@@ -1,7 +1,7 @@
-"""Two boards side by side as one picture: the same numbers, read in two ways.
+"""Two boards side by side in one picture: the same numbers read in two ways.
 
-Each board is looked at by an eye of its own that stands to it as the other one does to the other
-board, so that boards which are turned alike look alike.
+Each board has its own eye in the same relative place, so that boards with equal rotations look
+alike.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
 
 _DIRECTION = (0.3, 0.42, 1.0)
-"""Into the picture, from the camera's side, from above and from the left: all axes are seen."""
-_REACH = 0.8  # of the board's width around its centre: so far its axes and their names go
+"""Viewing direction: from the camera's side, above and left, so that all axes are visible."""
+_REACH = 0.8  # of the board's width around its centre: extent of axes and names
 _LARGE = 500  # pixels: wider pictures need no smoothing
 _SIDES: tuple[Side, Side] = ("left", "right")
 
@@ -40,11 +40,9 @@ _SIDES: tuple[Side, Side] = ("left", "right")
 def comparison_picture(
     taught: TaughtPose, state: TeachState, offscreen: Offscreen, size: tuple[int, int]
 ) -> Callable[[], Picture]:
-    """Ask for the picture, RGB, as large as `size` and the header of the steps' pictures above it.
-
-    What is returned waits for it. `state` must be one that compares.
-    """
-    state = replace(state, viewpoint="outside")  # left stays left
+    """Request the picture, RGB, of `size` plus a header like that of the steps' pictures; the
+    returned function waits for it. `state` must be a comparison."""
+    state = replace(state, viewpoint="outside")  # the left board stays on the left
     shapes, half = scene_shapes(taught, state), (size[0] // 2, size[1])
     futures = [_half(shapes, taught.board, side, offscreen, half, state.dark) for side in _SIDES]
 
@@ -64,7 +62,7 @@ def _words(taught: TaughtPose, state: TeachState) -> tuple[str, Colour, str, str
         title = ", ".join(part for part in (remark.headline, remark.amount) if part)
         return str(remark.turn), colour, title, remark.sentence
     colour = ground(state.dark).text
-    if state.progress <= 1:  # there is nothing to press in a film
+    if state.progress <= 1:  # a film has no buttons
         return texts.ALIKE, colour, remark.headline, ""
     badge = texts.ALIKE if taught.apart_deg(state.arrangement) < 0.5 else texts.DIFFERENT
     return badge, colour, remark.headline, f"{remark.amount.capitalize()}. {remark.sentence}"
@@ -93,7 +91,7 @@ def _half(
 
 
 def _eye(board: Board, side: Side, size: tuple[int, int]) -> tuple[Camera, Pose]:
-    """What looks at this side's board, and from the camera's frame to its own."""
+    """The camera of this side's board, and the pose from the camera's frame to its own."""
     f = size[1] / 2 / np.tan(FOV_RAD / 2)
     eye = Camera(*size, f, f, (size[0] - 1) / 2, (size[1] - 1) / 2)
     centre, ahead = board_centre(board, side), np.array(_DIRECTION)

@@ -1,7 +1,4 @@
-"""A lesson, or one pose, as files: a page that plays offline, sheets to print, a film.
-
-Where the files go is the command line's or the page's.
-"""
+"""Exports a lesson, or one pose, to bytes: an offline page, sheets to print, a film."""
 
 from __future__ import annotations
 
@@ -35,7 +32,7 @@ _FIRST_PORT = 8900
 
 
 def kind_of(path: Path) -> FileKind:
-    """What a file of this name is. Raises `StorageError` for an ending that is not known."""
+    """The file type of this name. Raises `StorageError` for an unknown extension."""
     for kind in FILE_KINDS:
         if path.suffix.lower() == f".{kind}":
             return kind
@@ -46,7 +43,7 @@ def kind_of(path: Path) -> FileKind:
 
 
 def lesson_of_pose(vector: Vector) -> Lesson:
-    """One pose as a lesson of one page."""
+    """One pose as a one-page lesson."""
     page = LessonPage(texts.TARGET_PAGE, texts.TARGET_TEXT, vector)
     return Lesson("pose", texts.TARGET_TITLE, "", (page,))
 
@@ -59,7 +56,7 @@ def export_files(
     *,
     dark: bool = False,
 ) -> tuple[bytes, ...]:
-    """The lesson's files of this kind: one; of sheets, one for each pose with anything to do."""
+    """The lesson's files of this type: one; for sheets, one per pose with anything to do."""
     pages = exported_pages(lesson, analyse, dark=dark)
     if kind == "html":
         contents = _page_contents(pages, offscreen)
@@ -76,7 +73,7 @@ def export_files(
 
 def _page_contents(pages: list[ExportedPage], offscreen: Offscreen) -> list[PageContent]:
     projections, contents = Projections(offscreen), list[PageContent]()
-    server, _ = start_server("127.0.0.1", _FIRST_PORT)  # only to record; nobody is told of it
+    server, _ = start_server("127.0.0.1", _FIRST_PORT)  # only for recording; not announced
     try:
         for page in pages:
             camera, board = page.taught.camera, page.taught.board

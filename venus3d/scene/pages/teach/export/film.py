@@ -1,8 +1,8 @@
-"""The way through the four steps as a film: what the camera sees, under the step's words; of a
-page that compares two readings, both boards.
+"""The path through the four steps as a film: the camera's view under the step's words; for a page
+that compares two readings, both boards.
 
-Pictures come from the offscreen renderer; PyAV writes MP4 (its wheels bring the encoder along,
-imageio's would be downloaded when first used), Pillow writes GIF. No files here: bytes.
+The offscreen renderer draws; PyAV writes MP4 (its wheels include the encoder, imageio would
+download one), Pillow writes GIF. Returns bytes, not files.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from venus3d.scene.pages.teach.view_model import TaughtPose
 MP4_FPS, GIF_FPS = 25, 10
 MP4_WIDTH, GIF_WIDTH = 1280, 640
 _TITLE_S = 1.6
-_AHEAD = 4  # pictures that the renderer works on while one is encoded
+_AHEAD = 4  # frames rendered ahead of the encoder
 
 
 def film(
     lesson: Lesson, pages: Sequence[ExportedPage], offscreen: Offscreen, *, fps: int, width: int
 ) -> Iterator[Picture]:
-    """The pictures, RGB, of one size with even sides; before each page a card with its title."""
+    """RGB frames of one size with even sides; a title card before each page."""
     for page in pages:
         camera, states = page.taught.camera, animation_states(page, fps)
         size = (width, round(width * camera.height / camera.width))
@@ -71,13 +71,13 @@ def _picture(
 
 
 def _with_header(picture: Picture, taught: TaughtPose, state: TeachState) -> Picture:
-    """The picture under its header. A step with nothing to do leaves the word to the next."""
+    """The frame under its header. An idle step shows the next step's words."""
     busy = [step for step in taught.steps if not step.is_idle]
     if not busy:
         text = ground(state.dark).text
         return with_header(picture, "0", text, texts.UPRIGHT, texts.UPRIGHT_WHERE, state.dark)
     if state.progress >= 4:
-        # Why a pose is refused is said where the board has come to it.
+        # The reason for a refused pose is given once the board has reached it.
         picture = with_refusal(picture, taught, state.dark)
     now = shown_step(taught, state)
     step = next((step for step in busy if step.number >= now), busy[-1])
@@ -85,7 +85,7 @@ def _with_header(picture: Picture, taught: TaughtPose, state: TeachState) -> Pic
 
 
 def _even(picture: Picture) -> Picture:
-    # A video's colours are kept for two by two pixels.
+    # Video stores colours for blocks of two by two pixels.
     height, width = (side // 2 * 2 for side in picture.shape[:2])
     return picture[:height, :width]
 
@@ -111,7 +111,7 @@ def _title_card(lesson: str, page: str, shape: tuple[int, ...], dark: bool) -> P
 
 
 def mp4(pictures: Iterable[Picture], fps: int) -> bytes:
-    """H.264 in MP4, as every browser and projector plays it. Raises `ValueError` for no picture."""
+    """H.264 in MP4, for every browser and projector. Raises `ValueError` without frames."""
     buffer = io.BytesIO()
     stream: Any = None
     with av.open(buffer, "w", format="mp4") as container:
@@ -129,7 +129,7 @@ def mp4(pictures: Iterable[Picture], fps: int) -> bytes:
 
 
 def gif(pictures: Iterable[Picture], fps: int) -> bytes:
-    """An endless GIF of one palette a picture. Raises `ValueError` for no picture."""
+    """A looping GIF with one palette per frame. Raises `ValueError` without frames."""
     images = [
         Image.fromarray(picture).quantize(64, dither=Image.Dither.NONE) for picture in pictures
     ]

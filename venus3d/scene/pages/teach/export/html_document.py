@@ -1,10 +1,9 @@
 """A lesson as one HTML file that plays offline: texts, steps as the camera sees them, 3D scene.
 
-Everything is inside: viser's player once, a recording and four pictures for each page. Nothing is
-fetched from anywhere. Without JavaScript the first page's words and pictures still show.
-
-What a lesson says is text. Should that ever fail, the document's own policy still holds: no script
-runs in it but the player's and ours, and nothing is loaded from outside.
+It contains viser's player once, and a recording and four pictures per page, and loads nothing.
+Without JavaScript the first page's words and pictures still show. A lesson's content is escaped
+text; as a second barrier, the document's policy allows only the player's and our scripts and no
+external resources.
 """
 
 from __future__ import annotations
@@ -43,12 +42,12 @@ from venus3d.scene.web.theme import Theme, style_sheet
 
 _LENS_WIDTH = 640
 _PLAYER_BAR_PX = 32
-"""Height of the player's own bar below the scene, at least."""
+"""Minimum height of the player's bar below the scene."""
 
 
 @dataclass(frozen=True, eq=False)
 class PageContent:
-    """What one page of the document holds."""
+    """Content of one page of the document."""
 
     page: ExportedPage
     pictures: tuple[Picture, ...]
@@ -60,7 +59,7 @@ class PageContent:
 def html_document(
     lesson: Lesson, contents: Sequence[PageContent], player: str, *, dark: bool = False
 ) -> str:
-    """The whole file's text; `contents` in the pages' order, `player` is viser's."""
+    """The whole file; `contents` in the pages' order, `player` is viser's."""
     pages = "".join(
         _page(content, number, len(contents), dark) for number, content in enumerate(contents)
     )
@@ -89,10 +88,11 @@ def html_document(
 
 
 def _policy(scripts: Sequence[str] | None) -> str:
-    """Lets these scripts run and nothing be loaded; the scene's frame inherits it.
+    """The content security policy: allows these scripts and loads nothing; the scene's frame
+    inherits it.
 
     Args:
-        scripts: None if they are not all known; then those run that stand in the document.
+        scripts: None if not all are known; then all inline scripts are allowed.
     """
     allowed = "'unsafe-inline'"
     if scripts is not None:
@@ -105,7 +105,7 @@ def _policy(scripts: Sequence[str] | None) -> str:
 
 
 def _inside(value: object) -> str:
-    """JSON that cannot end the script element it stands in."""
+    """JSON that cannot close its script element."""
     return json.dumps(value).replace("</", "<\\/").replace("<!--", "<\\u0021--")
 
 
@@ -132,7 +132,7 @@ def _page(content: PageContent, number: int, count: int, dark: bool) -> str:
 
 
 def _figures(page: ExportedPage, dark: bool) -> str:
-    """What the text speaks of: the two boards, the focal length, the lens."""
+    """Figures for the text: the two boards, the focal length, the lens."""
     taught, camera = page.taught, page.taught.camera
     parts = [comparison_html(taught, page.state)]
     if "sigma" in page.page.show:
@@ -178,7 +178,7 @@ def _question(question: Question | None) -> str:
     )
 
 
-# The player reads its recording from a global when it starts, so each page gets a fresh frame.
+# The player reads its recording from a global at its start, so each page gets a new frame.
 _GIVEN = (
     "window.__VISER_EMBED_DATA__=parent.recording;window.__VISER_EMBED_CONFIG__={darkMode:DARK};"
 )

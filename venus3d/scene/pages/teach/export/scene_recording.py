@@ -1,7 +1,6 @@
-"""The 3D scene of a page as a recording that viser's own player shows, offline too.
+"""A page's 3D scene as a recording for viser's own player, offline too.
 
-A recording holds the scene and no panels, so what the scene must say it says by labels; the words
-stand around it, in `html_document`.
+A recording has no panels, so labels carry what the scene must say; `html_document` adds the words.
 """
 
 from __future__ import annotations
@@ -24,27 +23,24 @@ from venus3d.scene.web.server import LocalServer
 FPS = 15
 _BEFOREHAND = 8  # states; every step is longer
 ASPECT = 1.3
-"""Width over height of the scene in the document, at least: a view cannot be told anew there."""
+"""Minimum aspect of the scene in the document, where the view cannot be adapted."""
 _LOADER = re.compile(
     r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">'
     r'(.*?const A=("(?:[^"\\]|\\.)*");.*?)</script>',
     re.DOTALL,
 )
-"""The player's one script: what is packed, the sizes of the style sheet and of the script in it,
-what unpacks them, and its digits."""
+"""Pattern of the player's only script: packed data, sizes of the style sheet and the script in it,
+the unpacker, and its digits."""
 
 
 def recording_of(server: LocalServer, page: ExportedPage) -> str:
-    """Play the page's way on this server, which nobody needs to look at, and keep what it sent.
-
-    Returns the recording, base64.
-    """
+    """The base64 recording of the page's animation on this server, which needs no browser."""
     server.scene.reset()
     view = SceneView(server)
     states, dark = animation_states(page, FPS), page.state.dark
     shapes = [scene_shapes(page.taught, state) for state in states]
     _look(server, scene_view_of(page.taught, states[0], shapes[0], ASPECT))
-    # Made beforehand and hidden: a new shape stands for a moment where the camera is.
+    # Created hidden beforehand: a new shape appears at the camera for a moment.
     for now in (*shapes[::_BEFOREHAND], shapes[0]):
         view.draw(now, dark=dark)
     serializer = server.get_scene_serializer()
@@ -55,20 +51,16 @@ def recording_of(server: LocalServer, page: ExportedPage) -> str:
 
 
 def player() -> str:
-    """viser's client as one HTML document, to which a recording is given before it starts.
-
-    Raises `FileNotFoundError` if viser was installed without it.
-    """
+    """viser's client as one HTML document that takes a recording before it starts. Raises
+    `FileNotFoundError` if viser was installed without it."""
     spec = find_spec("viser")
     assert spec is not None and spec.origin is not None
     return (Path(spec.origin).parent / "client" / "build" / "index.html").read_text("utf-8")
 
 
 def player_scripts(player: str) -> tuple[str, ...]:
-    """All scripts that the player runs: the one in its document, and the one that this unpacks.
-
-    Empty if the player is packed in another way than viser 1.1 does it.
-    """
+    """All scripts of the player: the document's own, and the one it unpacks; empty if it is packed
+    differently from viser 1.1."""
     loader = _LOADER.search(player)
     if loader is None:
         return ()
@@ -83,7 +75,7 @@ def player_scripts(player: str) -> tuple[str, ...]:
 
 
 def _bytes_of(digits: str, alphabet: str) -> bytes:
-    """viser's way to write bytes as text: four as five digits."""
+    """Decodes viser's text encoding of bytes: four as five digits."""
     values = {digit: value for value, digit in enumerate(alphabet)}
     content = bytearray()
     for start in range(0, len(digits), 5):

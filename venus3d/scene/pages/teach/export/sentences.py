@@ -1,4 +1,4 @@
-"""What files say of a pose and of a step: plain sentences, without what is zero."""
+"""A pose or a step in plain sentences for exported files, without zeros."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from venus3d.scene.pages.teach.state import Vector
 
 
 def pose_sentence(vector: Vector) -> str:
-    """The six numbers, degrees and millimetres, as a person would say them."""
+    """The six numbers, degrees and millimetres, in words."""
     turns = [
         text.format(amount=f"{angle:+g}".replace("-", "−"))
         for text, angle in zip(texts.TURNS, vector[:3], strict=True)
@@ -25,7 +25,7 @@ def pose_sentence(vector: Vector) -> str:
 
 
 def holder_sentence(words: Prompt) -> str:
-    """An instruction for the person who holds the board; empty if it is the same for both sides."""
+    """The instruction for the board's holder; empty if it is the same for both sides."""
     if words.holder == words.camera:
         return ""
     return texts.HOLDER.format(words=words.holder[0].lower() + words.holder[1:])

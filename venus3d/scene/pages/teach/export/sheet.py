@@ -1,4 +1,4 @@
-"""The four steps of one pose on a sheet to print: A4, landscape, light."""
+"""The four steps of one pose on a printable sheet: A4, landscape, light."""
 
 from __future__ import annotations
 
@@ -33,11 +33,8 @@ def sheet(
     title: str,
     offscreen: Offscreen,
 ) -> bytes:
-    """The sheet as PNG: title, the pose's six numbers, the steps with words for both sides.
-
-    Args:
-        vector: the pose in degrees and millimetres, as a person typed it.
-    """
+    """The sheet as PNG: title, the six numbers of `vector` (degrees and millimetres, as typed), the
+    steps with words for both sides."""
     image = Image.new("RGB", SIZE_PX, (255, 255, 255))
     draw = ImageDraw.Draw(image)
     _heading(draw, taught, vector, title)
@@ -67,7 +64,7 @@ def sheet(
 
 
 def _lines(step: Step, width: int) -> tuple[str, ...]:
-    """What to do in this step, for the picture and for the hands, in lines of a cell."""
+    """The step's instruction, for the picture and for the hands, as lines of a cell."""
     words = (step_prompt(step).camera, holder_sentence(step_prompt(step)))
     return tuple(line for text in words for line in wrapped_lines(text, font(_WORDS), width - 60))
 
@@ -80,7 +77,7 @@ def _heading(draw: Any, taught: TaughtPose, vector: Vector, title: str) -> None:
     draw.text((_MARGIN, 270), line, fill=colours.text, font=face)
     line, colour = texts.SHEET_START, colours.quiet_text
     if taught.refusals:
-        # Whoever reads that a pose is refused need not be told how it is reached.
+        # For a refused pose the way to it does not matter.
         line, colour = texts.SHEET_REFUSED, colours.warning
     why = taught.refusals[0].text if taught.refusals else ""
     line = line.format(millimetres=round(1000 * HOME_DISTANCE), why=why)

@@ -1,4 +1,4 @@
-"""What exported files say."""
+"""Texts of exported files."""
 
 MADE_WITH = "Made with venus3d"
 SHEET_REFUSED = "A person is not asked for this pose. {why}"
