@@ -1,1 +1,1 @@
-"""Where frames come from: camera, stream, video, folder, simulation."""
+"""Sources of frames: camera, stream, video, folder, simulation."""

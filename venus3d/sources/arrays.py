@@ -1,4 +1,4 @@
-"""Pictures that are in memory already, as a source."""
+"""A source of images already in memory."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from venus3d.sources.frame import Frame
 
 
 class Arrays:
-    """Arrays (H, W) grey or (H, W, 3) BGR, one after the other; `Frame.time_s` counts them.
+    """Arrays (H, W) grey or (H, W, 3) BGR in order; `Frame.time_s` counts them.
 
     Raises `SourceError` for an empty list.
     """
@@ -39,5 +39,5 @@ class Arrays:
         return Frame(self._images[self._next - 1], self._next - 1.0, f"image {self._next}")
 
     def close(self) -> None:
-        """Nothing is held open; reading ends."""
+        """Ends reading; nothing is held open."""
         self._next = len(self._images)

@@ -1,11 +1,10 @@
-"""Simulated motion of a board to its target, as a person moves it: one step of eq. (15) at a time.
+"""Simulates the motion of a person's hand to a target, one step of eq. (15) at a time.
 
-It is pure: poses and a time step in, a pose out. It squares the board up on the way to its place,
-then turns about X, about Y, about Z. Each motion has the bell-shaped speed of a human arm (minimum
-jerk; Flash and Hogan 1985, "The coordination of arm movements"), goes a little too far and is
-corrected; between motions the hand rests. It trembles, and it puts the board down a little beside
-the target. When it is told where the calibration *sees* the board, it looks once it has arrived
-and mends what is off, as a person does who watches the screen.
+Pure: poses and a time step in, a pose out. Squares the board up on the way to its place, then turns
+about X, Y and Z. Each motion has the bell-shaped speed of a human arm (minimum jerk; Flash and
+Hogan 1985, "The coordination of arm movements"), overshoots a little and is corrected; rests lie
+between. The hand trembles and places the board a little beside the target. Given the board's pose
+as *estimated*, it corrects the rest on arrival, as a person watching the screen does.
 """
 
 from __future__ import annotations
@@ -20,19 +19,19 @@ from venus3d.engine.geometry.pose import Array, Pose, interpolate, turn
 from venus3d.engine.planning.target import Target
 
 TOP_SPEED = 0.25
-"""Of the board's centre at speed 1, metres a second."""
+"""Of the board's centre at speed 1, metres per second."""
 TOP_TURN_DEG = 45.0
-"""Of a turn at speed 1, degrees a second."""
-_RETREAT_SHARE = 0.5  # of the top speed, while no target is known: first pictures must be sharp
+"""Of a turn at speed 1, degrees per second."""
+_RETREAT_SHARE = 0.5  # of the top speed, without a target: the first images must be sharp
 _MIN_JERK_PEAK = 1.875  # peak speed of a minimum-jerk motion over its mean speed
 _PAUSE_S = 0.3
-_LOOK_S = 0.8  # resting time before looking at the screen: old pictures have passed by then
+_LOOK_S = 0.8  # rest before looking at the screen, until old images have passed
 _OVERSHOOT = 0.05
 _OVERSHOOT_MOST = (0.010, 3.0)  # metres, degrees
 _PLACEMENT = (0.0012, 0.4)  # standard deviation per axis: metres, degrees
 _TREMOR = (0.0003, 0.12)  # root mean square per axis: metres, degrees
-_SAME_AIM_DEG = 5.0  # a target that only shifted is the same one, better known
-_GOOD_ENOUGH = (0.004, 1.5)  # seen this near to the target, nothing needs mending
+_SAME_AIM_DEG = 5.0  # a target that shifted by less is the same one, re-estimated
+_GOOD_ENOUGH = (0.004, 1.5)  # no correction if seen this near to the target
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +49,7 @@ class _Leg:
 
 
 class Autopilot:
-    """A person's hand, simulated. Used by one thread; a seeded `rng` makes it repeat."""
+    """A simulated hand. Used by one thread; reproducible with a seeded `rng`."""
 
     def __init__(
         self,
@@ -59,38 +58,39 @@ class Autopilot:
         tremor: float = 1.0,
         overshoot: float = 1.0,
     ) -> None:
-        """
+        """A hand at rest, without a target.
+
         Args:
             rng: for tremor, overshoot and placement.
             speed: 1 is a calm person: at most 0.25 m/s and 45 degrees/s, and rests of 0.3 s.
-            tremor: 1 is about 0.5 mm and 0.2 degrees of slow trembling, and a placement about
-                2 mm and 0.7 degrees off; 0 is a machine's hand.
-            overshoot: 1 goes about 5 % too far before each correction; 0 never does.
+            tremor: 1 is a slow tremor of about 0.5 mm and 0.2 degrees and a placement error of about
+                2 mm and 0.7 degrees; 0 is none.
+            overshoot: 1 is about 5 % before each correction; 0 is none.
         """
         self._rng, self._speed = rng, max(speed, 1e-3)
         self._tremor, self._overshoot = tremor, overshoot
-        # A sum of slow sines per degree of freedom: smooth, bounded, the same at any time step.
+        # A sum of slow sines per degree of freedom: smooth, bounded, independent of the time step.
         self._frequency = rng.uniform(0.15, 0.7, (6, 3))
         self._phase = rng.uniform(0, 2 * np.pi, (6, 3))
         self._legs: deque[_Leg] = deque()
         self._leg_time_s = 0.0
         self._time_s = 0.0
-        self._steady: Pose | None = None  # where the hand means to be
-        self._shown: Pose | None = None  # with tremor: what was returned last
+        self._steady: Pose | None = None  # intended pose
+        self._shown: Pose | None = None  # with tremor: the last returned
         self._target: Target | None = None
-        self._aimed = False  # whether there ever was a target
+        self._aimed = False  # whether there was ever a target
         self._placement = np.zeros(6)
         self._step = 1
         self._rested_s = 0.0
 
     @property
     def step(self) -> int:
-        """Which of the four steps the hand is at, 1 ... 4; 4 as well once it has arrived."""
+        """The current step, 1 ... 4; 4 also after arrival."""
         return self._step
 
     @property
     def arrived(self) -> bool:
-        """Whether the hand has nothing more to do and holds still."""
+        """Whether the hand has nothing left to do and holds still."""
         return self._target is not None and not self._legs
 
     def advance(
@@ -99,12 +99,12 @@ class Autopilot:
         """The board's pose `dt_s` seconds later.
 
         Args:
-            pose: `T_camera_board` now; if it is not what was returned last, somebody else moved
-                the board, and the hand starts anew from there.
-            target: where to go; None holds still, or, before there ever was a target, draws the
-                board slowly back to 0.5 m on the axis.
+            pose: `T_camera_board` now; if it is not the one returned last, somebody else moved the
+                board, and the hand starts again from there.
+            target: where to go; None holds still or, before the first target, moves the board slowly
+                back to 0.5 m on the axis.
             dt_s: time step, seconds.
-            seen: the board as the calibration estimates it, in the target's terms.
+            seen: the board's pose as estimated by the calibration.
         """
         grabbed = self._steady is None or pose is not self._shown
         if grabbed:
@@ -132,7 +132,7 @@ class Autopilot:
             self._add(1, home_pose(), speed=_RETREAT_SHARE)
 
     def _aim(self, target: Target, grabbed: bool) -> None:
-        """Plan the way to a new target, or the rest of the way if it has only shifted."""
+        """Plan the path to a new target, or the rest of it if it has only shifted."""
         before, self._target = self._target, target
         same = (
             before is not None
@@ -151,12 +151,12 @@ class Autopilot:
         self._add(self._step, Pose(upright.R if self._step == 1 else here.R, place))
         for number in range(max(2, self._step), 5):
             after = target.steps[number - 1].after
-            # Each turn is off by its own small angle, which stays when the next one is made.
+            # Each turn has its own small error, which stays during the next ones.
             off = np.where(np.arange(3) < number - 1, self._placement[:3], 0.0)
             self._add(number, Pose(_turns(off) @ after.R, place))
 
     def _mend(self, target: Target, seen: Pose) -> None:
-        """Move by what the screen shows to be missing."""
+        """Correct the difference that the screen shows."""
         self._rested_s = 0.0
         metres, degrees = _GOOD_ENOUGH
         if seen.distance_to(target.pose) < metres and seen.angle_to_deg(target.pose) < degrees:
@@ -172,14 +172,14 @@ class Autopilot:
 
     @property
     def _end(self) -> Pose:
-        """Where the planned way ends."""
+        """The end of the planned path."""
         if self._legs:
             return self._legs[-1].end
         assert self._steady is not None
         return self._steady
 
     def _add(self, step: int, end: Pose, speed: float = 1.0) -> None:
-        """Append a motion with its overshoot and correction, then a rest; nothing if idle."""
+        """Append a motion with overshoot, correction and rest; nothing if idle."""
         start = self._end
         metres, degrees = start.distance_to(end), start.angle_to_deg(end)
         if metres < 5e-4 and degrees < 0.5:
@@ -196,7 +196,7 @@ class Autopilot:
         metres, degrees = start.distance_to(end), start.angle_to_deg(end)
         slowest = max(metres / TOP_SPEED, degrees / TOP_TURN_DEG)
         if slowest > 1e-6:
-            # Nobody starts and stops within less than a quarter of a second.
+            # People take at least a quarter of a second to start and stop.
             duration = max(_MIN_JERK_PEAK * slowest / speed, 0.25)
             self._legs.append(_Leg(step, start, end, duration / self._speed))
 
@@ -223,7 +223,7 @@ class Autopilot:
                 self._step = 4
 
     def _trembling(self) -> Array:
-        """(6,) the tremor now: turns in degrees, then metres."""
+        """(6,) the current tremor: turns in degrees, then metres."""
         angle = 2 * np.pi * self._frequency * self._time_s + self._phase
         metres, degrees = _TREMOR
         # Three unit sines have a root mean square of sqrt(1.5).
@@ -232,7 +232,6 @@ class Autopilot:
 
 
 def _turns(degrees: Array) -> Array:
-    """(3, 3) small turns about the fixed axes, X first."""
     return turn("z", degrees[2]) @ turn("y", degrees[1]) @ turn("x", degrees[0])
 
 

@@ -1,4 +1,4 @@
-"""The out-of-focus interior behind the simulated board: calm, but not one plain colour."""
+"""The blurred interior behind the simulated board."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ def interior(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.uint
     """BGR (H, W, 3) picture of a wall, a window, a shelf and a table, for an image of `size`."""
     width, height = 320, max(2, round(320 * size[1] / size[0]))
     across, down = np.meshgrid(np.linspace(0, 1, width), np.linspace(0, 1, height))
-    # A wall that is lit from the window on the left and gets darker towards the floor.
+    # A wall lit from a window on the left, darker towards the floor.
     light = 148 - 46 * across - 34 * down**2
     picture = light[..., None] * np.array([0.93, 0.98, 1.0])
 
@@ -31,6 +31,6 @@ def interior(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.uint
         x += w + 0.003
     picture = cv2.resize(picture.astype(np.float32), size, interpolation=cv2.INTER_CUBIC)
     picture = cv2.GaussianBlur(picture, (0, 0), size[0] / 110)
-    # Less than a grey value of unevenness, so that the soft slopes do not show as bands.
+    # Less than one grey value of noise prevents banding.
     picture += rng.normal(0, 0.7, picture.shape).astype(np.float32)
     return np.clip(picture, 0, 255).astype(np.uint8)

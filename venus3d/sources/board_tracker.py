@@ -1,4 +1,4 @@
-"""Detection from frame to frame: where the board was last, there it is searched first."""
+"""Detects the board from frame to frame, searching first where it was last."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from venus3d.engine.calibration.detection import QUICK_FROM_PX, Detector, Region
 from venus3d.engine.calibration.observation import Observation
 from venus3d.sources.frame import Frame
 
-# Fewer corners than this share of the last frame's: the board has left the region searched.
+# Fewer corners than this share of the last frame's: the board has left the search region.
 _LOST = 0.9
-# A quick search that overlooked something was at squares that are too small for it in this light;
-# what was learnt so fades with every frame, since it may have been chance.
+# A quick search that missed corners had squares too small for it in this light; this limit decays
+# with every frame, as it may have been chance.
 _LEARNT, _FADING = 1.25, 0.99
 
 
 class BoardTracker:
-    """Frames to observations: the detector with its memory of where the board was."""
+    """Detector with a memory of the board's position. Used by one thread."""
 
     def __init__(self, detector: Detector) -> None:
         self.detector = detector
@@ -24,10 +24,10 @@ class BoardTracker:
         self._quick_from_px = QUICK_FROM_PX
 
     def track(self, frame: Frame) -> Observation:
-        """The board in this frame, with its picture.
+        """The board in this frame, with its image.
 
-        It is searched quickly near its last place, fully there if that finds less than the last
-        frame showed, and everywhere if it seems to have gone.
+        Searched quickly near its last place, fully there if that finds fewer corners than in the
+        last frame, and everywhere if it seems to have gone.
         """
         region, before = None, 0
         if self._last is not None and self.detector.settled:
@@ -41,7 +41,8 @@ class BoardTracker:
             full = self._detect(frame, region, False)
         else:
             full = seen
-        # A frame in which nobody finds as much, one with motion blur say, teaches nothing.
+        # A frame in which the full search finds fewer too (motion blur) says nothing about the
+        # quick one.
         if quick and seen.count < before <= full.count:
             self._quick_from_px = max(self._quick_from_px, _LEARNT * self.detector.square_px)
         self._last = full if full.count else None

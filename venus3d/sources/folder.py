@@ -1,4 +1,4 @@
-"""A folder, a pattern or a list of images as a source: in the order of their names, each once."""
+"""A folder, pattern or list of images as a source: sorted by name, without duplicates."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from venus3d.sources.images import SUFFIXES, read_image, size_of
 
 
 class Folder:
-    """Images of one size, one after the other; `Frame.time_s` counts them.
+    """Images of one size, in order; `Frame.time_s` counts them.
 
-    The heads of all files are read at once: one that cannot be used raises before the work starts.
+    All file headers are read at once, so that an unusable file is found before the work starts.
     Raises `SourceError` for an empty list, a file that is no image, and images of several sizes.
     """
 
@@ -32,7 +32,7 @@ class Folder:
 
     @staticmethod
     def of_directory(directory: Path) -> Folder:
-        """The images right inside a directory (not in the folders below it)."""
+        """The images in a directory, without subfolders."""
         try:
             files = [path for path in directory.iterdir() if path.is_file()]
         except OSError as error:
@@ -53,7 +53,7 @@ class Folder:
 
     @staticmethod
     def of_pattern(pattern: str) -> Folder:
-        """The files that a pattern such as `shots/*.png` names."""
+        """The files that match a pattern such as `shots/*.png`."""
         paths = [Path(name) for name in glob.glob(pattern, recursive=True)]
         images = [path for path in paths if path.is_file()]
         if not images:
@@ -82,12 +82,12 @@ class Folder:
         return frame
 
     def close(self) -> None:
-        """Nothing is held open; reading ends."""
+        """Ends reading; nothing is held open."""
         self._next = len(self._paths)
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
-    """Sorts 2.png before 10.png, as people count."""
+    """Sort key that puts 2.png before 10.png."""
     parts = re.split(r"(\d+)", str(path))
     return [(int(part), "") if part.isdecimal() else (-1, part.lower()) for part in parts]
 
@@ -98,7 +98,7 @@ def _common_size(paths: Sequence[Path]) -> tuple[int, int]:
         by_size[size_of(path)].append(path.name)
     if len(by_size) == 1:
         return next(iter(by_size))
-    # The rarest size first: most often it is the stray one that the user has to remove.
+    # The rarest size first: most often it is the stray one to be removed.
     groups = sorted(by_size.items(), key=lambda item: len(item[1]))
     sizes = "; ".join(f"{_named(names)}: {w} x {h} px" for (w, h), names in groups)
     raise SourceError(

@@ -1,4 +1,4 @@
-"""A frame, and the protocol of every source of frames."""
+"""A frame, and the protocol of every source of frames. To add a source, see CONTRIBUTING.md."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One image as it came from a source."""
+    """One image from a source."""
 
     image: NDArray[np.uint8]
     """(H, W, 3) BGR or (H, W) grey, 8 bit (16 bit is allowed for grey images)."""
     time_s: float
-    """When it was taken, by the source's own clock (a video's time, not the wall's)."""
+    """When it was taken, by the source's clock (video time, not wall time)."""
     name: str
     """A file name or a frame number."""
 
@@ -27,7 +27,7 @@ class Frame:
 
 
 class Source(Protocol):
-    """Something that gives frames. Used by one thread."""
+    """A source of frames. Used by one thread."""
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -36,21 +36,21 @@ class Source(Protocol):
 
     @property
     def is_live(self) -> bool:
-        """Whether frames pass by whether they are read or not."""
+        """Whether frames are lost if they are not read."""
         ...
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a person should know of how the frames come: a fallback, a part not readable."""
+        """Remarks on how the frames come, for a person: a fallback, an unreadable part."""
         ...
 
     def read(self) -> Frame | None:
         """The next frame of a recording, the newest of a live source; None at the end.
 
-        Raises `SourceError` when the source breaks.
+        Raises `SourceError` if reading fails.
         """
         ...
 
     def close(self) -> None:
-        """Release what is held. May be called twice."""
+        """Release all resources. May be called twice."""
         ...

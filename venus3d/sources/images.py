@@ -1,7 +1,7 @@
-"""One image file: its size, its pixels.
+"""Reads one image file: its size, its pixels.
 
-Depth is kept (16-bit grey stays 16-bit) and the file's orientation tag is *not* applied: a lens
-is calibrated on the sensor's own rows and columns, whichever way up the camera was held.
+The depth is kept (16-bit grey stays 16-bit) and the orientation tag is *not* applied: a lens is
+calibrated on the sensor's own rows and columns, whichever way up the camera was held.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ SUFFIXES: tuple[str, ...] = (
     *(".png", ".jpg", ".jpeg", ".jpe", ".bmp", ".dib", ".tif", ".tiff", ".webp", ".jp2"),
     *(".pgm", ".ppm", ".pbm", ".pnm"),
 )
-"""Endings of the files that a folder is searched for."""
+"""File suffixes that are searched for in a folder."""
 _FLAGS = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
 
 
 def is_image(path: Path) -> bool:
-    """Whether the file's first bytes are those of an image that OpenCV reads."""
+    """Whether the file starts like an image that OpenCV reads."""
     silence_opencv()
     return bool(cv2.haveImageReader(str(path)))
 
 
 def size_of(path: Path) -> tuple[int, int]:
-    """(width, height) from the file's head, without decoding the pixels where that is possible.
+    """(width, height) from the file's header, if possible without decoding the pixels.
 
     Raises `SourceError` if the file is no image.
     """
@@ -49,7 +49,7 @@ def size_of(path: Path) -> tuple[int, int]:
 def read_image(path: Path) -> NDArray[np.uint8]:
     """Pixels: (H, W, 3) BGR 8 bit, or (H, W) grey of 8 or 16 bit; 16-bit colour becomes grey.
 
-    Raises `SourceError` if the file is no image, breaks off early, or holds other numbers.
+    Raises `SourceError` if the file is no image, is truncated, or has other pixel types.
     """
     if not is_image(path):
         raise _no_image(path)
@@ -62,13 +62,13 @@ def read_image(path: Path) -> NDArray[np.uint8]:
             f"The image {path} holds {pixels.dtype} numbers; save it with 8 or 16 bit per channel."
         )
     if pixels.ndim == 3 and pixels.dtype == np.uint16:
-        # The corners are found in grey: the depth is worth more than the colour.
+        # Corners are detected in grey: the depth is worth more than the colour.
         pixels = cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY)
     return pixels
 
 
 def _check_complete(path: Path) -> None:
-    """OpenCV fills the missing rest of a JPEG with grey and says nothing; a person must know."""
+    """Raise for a truncated JPEG, which OpenCV silently fills with grey."""
     try:
         with Image.open(path) as picture:
             if picture.format == "JPEG":

@@ -1,4 +1,4 @@
-"""A calibration from pictures or a video that exist already, without guidance."""
+"""Calibration from existing images or a video, without guidance."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from venus3d.engine.sentences import listed
 from venus3d.sources.recording import Images, Recording, observe_recording
 
 FEWEST_VIEWS = 3
-"""Two views determine nine parameters on paper only; three can contradict each other."""
+"""Two views determine nine parameters in theory only; three can contradict each other."""
 
 
 @dataclass(frozen=True, eq=False)
 class ImagesCalibration:
-    """A calibration with what a person should know of the pictures it was made from."""
+    """A calibration with remarks on the images it was made from."""
 
     calibration: Calibration
     warnings: tuple[str, ...]
     diagnoses: tuple[Diagnosis, ...]
-    """Of the board and of the set of views, worst first."""
+    """On the board and the set of views, worst first."""
 
 
 def calibrate_images(
@@ -39,24 +39,22 @@ def calibrate_images(
     max_frames: int = 40,
     every: int | None = None,
 ) -> Calibration:
-    """Find the board in pictures or in a video, and calibrate the camera that took them.
+    """Detect the board in images or a video, and calibrate the camera from all that show it.
 
     Args:
         images: a folder, a pattern such as "shots/*.png", a video; or a list of image files, or
-            one of arrays (H, W) grey or (H, W, 3) BGR, 8 or 16 bit. One size, one camera. Or a
-            list of what a `Detector` has found already.
-        board: as it was printed. That it is printed in the other layout, or white on black, is
-            found out: `Calibration.board` is the board as it was read.
-        max_frames: of a video, the most frames to take: those that say most, no near-duplicates.
+            one of arrays (H, W) grey or (H, W, 3) BGR, 8 or 16 bit; or observations from a
+            `Detector`. One size, one camera.
+        board: as printed. The other layout and white on black are detected: `Calibration.board`
+            is the board as it was read.
+        max_frames: of a video, the maximum number of frames, the most informative ones.
         every: of a video, take every n-th frame that shows the board instead.
 
-    Returns:
-        The calibration of all pictures that show the board. See `diagnose` for what may be wrong
-        with it.
+    See `diagnose` for what may be wrong with the calibration.
 
     Raises:
         SourceError: images that cannot be read.
-        CalibrationError: fewer than three pictures show the board, or they do not determine the
+        CalibrationError: fewer than three images show the board, or they do not determine the
             camera.
     """
     listed = images if isinstance(images, Sequence) and not isinstance(images, str) else ()
@@ -105,7 +103,7 @@ def calibrate_recording(
 
 
 def _board_of(observations: Sequence[Observation], board: Board) -> Board:
-    """The board as it was read; as it was asked for, where an observation does not say."""
+    """The board as it was read, or as given if an observation does not say."""
     boards = {o.board or board for o in observations if o.count}
     if len(boards) > 1:
         raise CalibrationError(
@@ -116,7 +114,7 @@ def _board_of(observations: Sequence[Observation], board: Board) -> Board:
 
 
 def _board_diagnoses(detector: Detector, recording: Recording) -> tuple[Diagnosis, ...]:
-    # Where most pictures lack the board, they may show another one.
+    # If most images lack the board, they may show another one.
     if 2 * sum(o.count > 0 for o in recording.observations) < len(recording.observations):
         return (*detector.explain_misses(), *detector.diagnoses)
     return detector.diagnoses

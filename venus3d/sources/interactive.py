@@ -1,4 +1,4 @@
-"""The source that a person holds a board before: what they named, or the simulation."""
+"""Opens the source for a guided session: what the user named, or the simulation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from venus3d.sources.sim import Simulation
 from venus3d.threads.latency import limit_gl_threads
 
 SIMULATED = "sim"
-# Headless, the simulated hand is looked at this often; a person's viewer gets every frame.
+# The simulated hand's frame rate without and with a viewer.
 _HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
 _HEADLESS_HASTE = 2.5
 _IN_SIGHT = Pose.from_vector([12, -8, 4, 0, 0, 0.5])
@@ -27,15 +27,15 @@ def open_interactive(
     autopilot: bool,
     speed: float,
 ) -> Source:
-    """Open what `spec` names, or with "sim" the simulation of the paper's camera.
+    """Open what `spec` names, or with "sim" a simulation of the paper's camera.
 
     Args:
-        size: (width, height) to ask a camera for, or to simulate.
-        headless: nobody looks on: frames come as fast as they can be made or read.
-        autopilot: whether the simulated hand has the board.
+        size: (width, height) to request from a camera, or to simulate.
+        headless: without a viewer: frames come as fast as they can be made or read.
+        autopilot: whether the simulated hand holds the board.
         speed: of the simulated hand; 1 is a calm person.
 
-    Raises `SourceError` for all that cannot be opened.
+    Raises `SourceError` for whatever cannot be opened.
     """
     if not headless:
         limit_gl_threads()
@@ -49,6 +49,7 @@ def open_interactive(
         realtime=not headless,
         autopilot=autopilot,
         speed=speed * (_HEADLESS_HASTE if headless else 1.0),
-        # A hand brings the board into sight by itself; a person needs something to take hold of.
+        # The simulated hand brings the board into view by itself; a person needs to see it to drag
+        # it.
         start=None if autopilot else _IN_SIGHT,
     )

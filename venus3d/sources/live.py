@@ -1,4 +1,4 @@
-"""Cameras and streams: a thread reads them all the time, `read()` gives the newest frame."""
+"""Cameras and streams: a thread reads continuously, `read()` gives the newest frame."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from venus3d.threads.latest import Latest
 
 OPEN_TIMEOUT_S = 8.0
 READ_TIMEOUT_S = 5.0
-_FAILURES_ALLOWED = 30  # reads in a row: a camera that wakes up drops a few frames
+_FAILURES_ALLOWED = 30  # consecutive reads: a starting camera drops a few frames
 
 
 class CaptureDevice(Protocol):
-    """The part of `cv2.VideoCapture` that is used here."""
+    """The part of `cv2.VideoCapture` used here."""
 
     def read(self) -> tuple[bool, Any]:
         """Whether there was a frame, and the frame."""
         ...
 
     def release(self) -> None:
-        """Let go of the device."""
+        """Release the device."""
         ...
 
 
 class Live:
-    """A source that runs by itself. `Frame.time_s` counts from the opening."""
+    """A live source. `Frame.time_s` counts from the opening."""
 
     is_live = True
 
     def __init__(
         self, capture: CaptureDevice, name: str, *, timeout_s: float = READ_TIMEOUT_S
     ) -> None:
-        """Start reading an opened `capture`; `name` is what messages call it.
+        """Start reading an opened `capture`, called `name` in messages.
 
         Raises `SourceError` if no frame comes within `timeout_s`.
         """
@@ -67,9 +67,9 @@ class Live:
         return self._size
 
     def read(self) -> Frame | None:
-        """The newest frame that was not read yet; waits for one. None after `close()`.
+        """The newest unread frame; waits for one. None after `close()`.
 
-        Raises `SourceError` if none comes within the timeout, or if the picture changes its size.
+        Raises `SourceError` if none comes within the timeout, or if the frame size changes.
         """
         if self._stop.is_set():
             return None
@@ -97,7 +97,7 @@ class Live:
             self._thread.join(timeout=2.0)
 
     def _watch(self) -> None:
-        # The device is used and released by this thread only: OpenCV's captures are not shared.
+        # Only this thread uses and releases the device: OpenCV's captures are not thread-safe.
         start, number, failures = time.monotonic(), 0, 0
         try:
             while not self._stop.is_set() and failures < _FAILURES_ALLOWED:
@@ -114,10 +114,10 @@ class Live:
 
 
 def open_camera(device: str, size: tuple[int, int] | None = None) -> Live:
-    """The camera of a number ("0") or a device ("/dev/video0").
+    """The camera with a number ("0") or device ("/dev/video0").
 
-    `size` (width, height) is asked of the camera; without it the camera chooses. Raises
-    `SourceError` if there is no such camera, if it may not be used, or if it has not this size.
+    `size` (width, height) is requested; without it the camera chooses. Raises `SourceError` if the
+    camera does not exist, is not accessible, or does not offer this size.
     """
     silence_opencv()
     name = f"Camera {device}"
@@ -129,8 +129,8 @@ def open_camera(device: str, size: tuple[int, int] | None = None) -> Live:
             f"({_present()})."
         )
     if size is not None:
-        # Over USB 2 only compressed pictures of this size come at a full rate; a camera that
-        # cannot compress goes on as it was.
+        # USB 2 reaches the full rate at this size with compressed images only; a camera without
+        # compression is unaffected.
         capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
         capture.set(cv2.CAP_PROP_FRAME_WIDTH, size[0])
         capture.set(cv2.CAP_PROP_FRAME_HEIGHT, size[1])
@@ -169,7 +169,7 @@ def _present() -> str:
 
 
 def _check_device(device: str) -> None:
-    """Raise for a camera that cannot be there; only Linux shows its cameras as files."""
+    """Raise for a camera that does not exist; only Linux shows cameras as files."""
     if not sys.platform.startswith("linux"):
         return
     path = f"/dev/video{device}" if device.isdecimal() else device

@@ -1,4 +1,4 @@
-"""A source watched by two threads: its pictures as they come, and what is seen of the board.
+"""Runs a source on two threads: images as they come, and observations of the board.
 
     watch   source -> `on_picture` at once, and the frame box
     detect  frame box -> detection -> observation box
@@ -6,8 +6,8 @@
     stream = ObservationStream(source, BoardTracker(Detector(board)), on_picture=show)
     stream.run(lambda: use(stream.take(timeout=0.05)))   # until stop() or a signal
 
-Both boxes have one slot in which the newest wins: the picture never waits for detection, detection
-never for what is done with its observations.
+Both boxes hold the newest value only: the image never waits for detection, nor detection for the
+user of its observations.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from venus3d.threads.latency import low_latency
 from venus3d.threads.latest import Latest
 from venus3d.threads.signals import on_stop_signal
 
-# How long a still of a folder is shown.
+# Seconds for which each image of a folder is shown.
 _STILL_S = 1.0
 
 
 class ObservationStream:
-    """The observations of one source, until `stop` was called or the source broke."""
+    """The observations of one source, until `stop` is called or the source fails."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class ObservationStream:
         Args:
             source: closed at the end of `run`.
             on_picture: called with every frame, on the watching thread; must not block.
-            reopen: opens a recording anew when it has ended; None: `source` goes on by itself.
+            reopen: reopens a recording when it has ended; None: `source` continues by itself.
         """
         self.source, self.tracker = source, tracker
         self._on_picture, self._reopen = on_picture, reopen
@@ -56,26 +56,26 @@ class ObservationStream:
         self._failure: BaseException | None = None
 
     def stop(self) -> None:
-        """Ask for the end; from any thread."""
+        """Request the end; from any thread."""
         self._stop.set()
 
     def pause(self, on: bool) -> None:
-        """Read no frames for now, or go on; from any thread."""
+        """Stop reading frames, or resume; from any thread."""
         (self._running.clear if on else self._running.set)()
 
     def take(self, timeout: float) -> Observation | None:
-        """The newest observation that was not taken yet; None after `timeout` seconds."""
+        """The newest observation not taken yet; None after `timeout` seconds."""
         return self._observations.take(timeout)
 
     @low_latency()
     def run(self, step: Callable[[], None], at_end: Callable[[], None] = lambda: None) -> None:
-        """Call `step` again and again, until `stop`, a signal that asks to end, or a failure.
+        """Call `step` repeatedly, until `stop`, a signal that asks to end, or a failure.
 
         Args:
             step: does what is due, waiting only briefly for the next observation.
             at_end: called before the source is closed, whatever ended the run.
 
-        Raises what `step` raised. What broke the source is kept for `check`.
+        Raises what `step` raised. The source's exception is kept for `check`.
         """
         threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
@@ -84,7 +84,7 @@ class ObservationStream:
         for thread in threads:
             thread.start()
         try:
-            # Instead of breaking off wherever we are.
+            # Instead of being interrupted anywhere.
             with on_stop_signal(self.stop):
                 while not self._stop.is_set():
                     step()
@@ -99,7 +99,7 @@ class ObservationStream:
             self.source.close()
 
     def check(self) -> None:
-        """Raises what broke the source, or the detection, if anything has."""
+        """Raises the exception that ended the source or the detection, if any."""
         if self._failure is not None:
             raise self._failure
 
@@ -109,7 +109,7 @@ class ObservationStream:
         try:
             while not self._stop.is_set():
                 loop()
-        except BaseException as error:  # handed to the thread that called run()
+        except BaseException as error:  # passed on to the thread that called run()
             self._failure = error
             self._stop.set()
 
@@ -128,7 +128,7 @@ class ObservationStream:
             self._stop.wait(_STILL_S)
 
     def _begin_again(self) -> None:
-        # Seconds of video are no calibration: it plays on until a person ends it.
+        # A short video loops until the user ends it.
         if self._reopen is None or self._stop.is_set():
             return
         self.source.close()

@@ -1,4 +1,4 @@
-"""From what a person typed to a source. `sim` is left to the caller, who has its options."""
+"""Opens the source that the user typed. `sim` is left to the caller, who has its options."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ def open_frame_source(
 
     Args:
         spec: what the user typed.
-        size: (width, height) to ask a camera for; recordings have the size they have.
-        realtime: play a recorded video at its own rate instead of as fast as it can be read.
+        size: (width, height) to request from a camera; recordings have their own.
+        realtime: play a video at its own rate instead of as fast as it can be read.
 
-    Raises `SourceError`, one sentence with cause and cure, for all that cannot be opened.
+    Raises `SourceError`, one sentence with cause and cure, for whatever cannot be opened.
     """
     spec = spec.removeprefix("file://").strip()
     if not spec:
@@ -66,7 +66,7 @@ def _open_file(path: Path, realtime: bool) -> Folder | Video:
         raise SourceError(f"The file {path} may not be read by you; check its permissions.")
     if path.stat().st_size == 0:
         raise SourceError(f"The file {path} is empty; record or copy it again.")
-    # A file named like an image is one, or is told to be none; the rest must be a video.
+    # Files named or starting like an image are images; anything else must be a video.
     if path.suffix.lower() in SUFFIXES or is_image(path):
         return Folder([path])
     return Video(path, realtime=realtime)

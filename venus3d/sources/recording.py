@@ -1,7 +1,4 @@
-"""The board in every frame of a recording: a video, image files, arrays.
-
-Which of the frames to calibrate from is left to `view_selection`.
-"""
+"""Detects the board in every frame of a recording: a video, image files, arrays."""
 
 from __future__ import annotations
 
@@ -29,12 +26,12 @@ _COUNTED_EVERY = 100
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What a recording shows of the board."""
+    """The observations of a recording."""
 
     observations: tuple[Observation, ...]
-    """One for each frame, in their order; without corners where the board was not found."""
+    """One for each frame, in order; without corners where the board was not found."""
     notes: tuple[str, ...]
-    """The source's: what a person should know of how the frames came."""
+    """The source's notes."""
     is_video: bool
 
 
@@ -45,13 +42,13 @@ def observe_recording(
 
     Args:
         images: see `Images`.
-        detector: learns the board's layout on the way.
+        detector: learns the board's layout as it goes.
         on_count: called with the number of frames searched, every hundred frames.
 
     Raises `SourceError` for what cannot be read, and for a live camera, which has no end.
     """
     recording = _observe(images, detector, on_count)
-    # The layout is found out on the way; what was read with another one is read again.
+    # Frames read before the layout was determined are read again.
     if any(o.board != detector.board for o in recording.observations):
         recording = _observe(images, detector, on_count)
     return recording

@@ -1,8 +1,7 @@
-"""A simulated camera and board, of known parameters and pose.
+"""A simulated camera and board with known parameters and pose.
 
-The board is rendered through the true lens, then gets a background, a dull light, blur and
-noise. The board is moved by an autopilot, step by step, or dragged by the user. The renderer is
-`render.offscreen`, the motion `autopilot`.
+The board is rendered through the true lens (`render.offscreen`), then gets a background, dim light,
+blur and noise. It is moved by the `autopilot`, step by step, or dragged by the user.
 """
 
 from __future__ import annotations
@@ -28,20 +27,20 @@ from venus3d.sources.background import interior
 from venus3d.sources.frame import Frame
 
 NEAREST, FARTHEST = 0.06, 3.0
-"""How near to the lens's plane a corner, and how far the board's centre, may be moved; metres."""
-# A colour that no board has: what shines through it is the background (see `_cut_out`).
+"""Least distance of a corner from the lens's plane, largest of the board's centre; metres."""
+# A colour that no board has; where it shows there is background (see `_cut_out`).
 _KEY = (255, 0, 255)
 _NOISE_STRIDE = 64
-# A picture that has waited so long to be handed out is not shown any more.
+# Seconds after which a waiting image is outdated and not shown.
 _STALE_S = 0.5
 
 Box = tuple[int, int, int, int]
-"""Left, top, right, bottom; the last two are outside."""
+"""Left, top, right, bottom; the last two are exclusive."""
 
 
 @dataclass(frozen=True)
 class Exposed:
-    """A picture that the renderer is still at work on."""
+    """An image that is still being rendered."""
 
     picture: Future[NDArray[np.uint8]]
     """RGB, the board alone on the key colour."""
@@ -51,7 +50,7 @@ class Exposed:
 
 
 class Simulation:
-    """A source whose truth is known. `read` may run in one thread, the rest in another."""
+    """A source with ground truth. `read` may run in one thread, the rest in another."""
 
     def __init__(
         self,
@@ -72,21 +71,22 @@ class Simulation:
         start: Pose | None = None,
         offscreen: Offscreen | None = None,
     ) -> None:
-        """
+        """A simulation at its start pose.
+
         Args:
-            camera: the truth.
-            board: what is held; the default board if None.
+            camera: the ground truth.
+            board: the default board if None.
             seed: for background, noise and autopilot.
             fps: frames per simulated second.
-            realtime: frames come at `fps` by the clock on the wall, instead of at once.
+            realtime: frames come at `fps` by the wall clock, instead of at once.
             noise_sigma: of a pixel, in grey values.
-            blur_sigma: of the picture, pixels.
-            background: BGR picture behind the board, of the camera's size; an interior if None.
-            light: how bright white paper is, 0 ... 1.
+            blur_sigma: of the image, pixels.
+            background: BGR image behind the board, of the camera's size; an interior if None.
+            light: brightness of white paper, 0 ... 1.
             autopilot: whether the simulated hand holds the board from the start.
             speed, tremor, overshoot: of the simulated hand (see `Autopilot`).
-            start: `T_camera_board` at the start; so near that the board is cut off if None.
-            offscreen: a renderer to share; an own one is opened and closed if None.
+            start: `T_camera_board` at the start; if None so near that the board is cut off.
+            offscreen: a renderer to share; if None an own one is opened and closed.
         """
         self.truth = camera
         self.board = Board() if board is None else board
@@ -111,7 +111,7 @@ class Simulation:
         self._exposed: Exposed | None = None
         self._closed = False
         self._owned = offscreen is None
-        # The lens's map and the blur smooth the paper's edges; what is printed on it is filtered.
+        # The lens map and the blur smooth the board's edges; its print is filtered.
         self._offscreen = Offscreen(smooth=False) if offscreen is None else offscreen
 
     @property
@@ -121,12 +121,12 @@ class Simulation:
 
     @property
     def is_live(self) -> bool:
-        """Whether it keeps to the clock."""
+        """Whether it keeps to the wall clock."""
         return self._realtime
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a person should know: that OpenGL is missing, or has failed."""
+        """Remarks for the user: OpenGL is missing or has failed."""
         return (self._offscreen.note,) if self._offscreen.note else ()
 
     @property
@@ -136,20 +136,20 @@ class Simulation:
 
     @property
     def step(self) -> int:
-        """Which of the four steps the autopilot is at, 1 ... 4."""
+        """The autopilot's current step, 1 ... 4."""
         return self._autopilot.step
 
     def follow(self, target: Target | None, seen: Pose | None = None) -> None:
-        """Tell the autopilot where to go, and where the calibration sees the board now.
+        """Give the autopilot its target, and the board's pose as estimated by the calibration.
 
-        With `seen` it mends what is off once it has arrived: the target is a pose in a camera
-        that is only estimated, so the true board has to be somewhat beside it.
+        With `seen` it corrects its position on arrival: as the target is a pose in an estimated
+        camera, the true board has to be slightly beside it.
         """
         with self._lock:
             self._target, self._seen = target, seen
 
     def move_to(self, pose: Pose) -> None:
-        """Put the board there, `T_camera_board`; kept in front of the lens and within sight."""
+        """Move the board to `T_camera_board`, kept in front of the lens and in view."""
         with self._lock:
             self._hand = _before_the_lens(pose, self.board)
 
@@ -160,8 +160,8 @@ class Simulation:
         if self._realtime:
             if time.monotonic() - self._due > _STALE_S:
                 self._exposed = None  # from before a pause
-            # As a camera reads one picture out while it exposes the next: the renderer has a whole
-            # period, and a frame comes one period late.
+            # As a camera reads out one image while it exposes the next: the renderer has a whole
+            # period, and frames come one period late.
             exposed, self._exposed = self._exposed or self._expose(), self._expose()
         else:
             exposed = self._expose()
@@ -174,7 +174,7 @@ class Simulation:
             self._offscreen.close()
 
     def _wait(self) -> float:
-        """Keep the rate if asked to; the simulated time since the last frame, seconds."""
+        """Keep the rate in real time; the simulated time since the last frame, seconds."""
         period = 1 / self._fps
         if not self._realtime:
             return period
@@ -182,11 +182,11 @@ class Simulation:
         time.sleep(max(0.0, self._due - now))
         late = max(0.0, now - self._due) if self._number else 0.0
         self._due = max(now, self._due) + period
-        # A slow machine shows fewer frames, not a slower hand; after a pause it does not jump.
+        # A slow machine shows fewer frames, not a slower hand; no jump after a pause.
         return min(period + late, 0.2)
 
     def _expose(self) -> Exposed:
-        """Take the next time step and hand its picture to the renderer."""
+        """Take the next time step and pass its image to the renderer."""
         dt_s = self._wait()
         with self._lock:
             if self._number > 0:
@@ -210,8 +210,8 @@ class Simulation:
         facing = float(np.clip(pose.R[:, 2] @ np.array([0.0, 0.45, 0.89]), 0.0, 1.0))
         light = self._light * (0.75 + 0.25 * facing)
         green, through = _cut_out(rendered)
-        # Only the board's part of the picture is made anew, with the background that the blur mixes
-        # in: a board that fills a quarter of the picture costs a quarter.
+        # Only the board's part of the image is composed, with the background that the blur mixes
+        # in: a board that fills a quarter of the image costs a quarter.
         x, y, width, height = cv2.boundingRect(cv2.bitwise_not(through))
         inner = _grown((x, y, x + width, y + height), self._reach, self.image_size)
         left, top, right, bottom = _grown(inner, self._reach, self.image_size)
@@ -231,7 +231,7 @@ class Simulation:
 
 
 def near_pose(camera: Camera, board: Board) -> Pose:
-    """A board so near that it does not fit into the picture: where a person starts (3.1)."""
+    """A board too near to fit into the image: where a person starts (3.1)."""
     fills = max(board.width * camera.fx / camera.width, board.height * camera.fy / camera.height)
     return Pose.from_vector([5.0, -7.0, 3.0, 0.12 * fills, -0.06 * fills, 0.72 * fills])
 
@@ -247,10 +247,10 @@ def _before_the_lens(pose: Pose, board: Board) -> Pose:
 
 
 def _cut_out(rendered: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """The board's grey times its coverage, and how much of the background is seen past it.
+    """The board's grey times its coverage, and the share of background visible.
 
-    The board is grey, so red minus green is what the key (255, 0, 255) shows of itself, edges
-    included: one rendering gives an exact cut-out.
+    The board is grey, so red minus green is the share of the key (255, 0, 255), edges included: one
+    rendering gives an exact cut-out.
     """
     green = cv2.extractChannel(rendered, 1)
     through = cv2.subtract(cv2.extractChannel(rendered, 0), green)
@@ -263,8 +263,8 @@ def _composed(
     background: NDArray[np.uint8],
     light: float,
 ) -> NDArray[np.uint8]:
-    """What was cut out, lit, before the background (BGR)."""
-    # Printed black is no darkness: it throws back some 5 % of the light.
+    """The cut-out, lit, in front of the background (BGR)."""
+    # Printed black reflects some 5 % of the light.
     board = cv2.addWeighted(green, 0.95 * light, cv2.bitwise_not(through), 0.05 * light, 0)
     behind = cv2.multiply(background, cv2.merge([through] * 3), scale=1 / 255)
     return np.asarray(cv2.add(behind, cv2.merge([board] * 3)), dtype=np.uint8)
@@ -283,7 +283,7 @@ def _grown(box: Box, by: int, size: tuple[int, int]) -> Box:
 def _noise_sheet(
     camera: Camera, sigma: float, rng: np.random.Generator
 ) -> NDArray[np.int16] | None:
-    """Noise somewhat larger than a frame: each frame cuts its own part out at random.
+    """Noise somewhat larger than a frame, from which each frame takes a random part.
 
     Two million normal numbers a frame would cost more than the rendering.
     """

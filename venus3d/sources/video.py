@@ -18,16 +18,16 @@ from venus3d.sources.opencv_log import silence_opencv
 class Video:
     """The frames of a video file. `Frame.time_s` is the video's own time.
 
-    The file's rotation tag is not applied: a lens is calibrated on the sensor's rows and columns.
+    The rotation tag is not applied: a lens is calibrated on the sensor's rows and columns.
     """
 
     is_live = False
 
     def __init__(self, path: Path | str, *, realtime: bool = False) -> None:
-        """Open `path` (a file, or the address of one).
+        """Open `path` (a file or its address).
 
-        With `realtime`, frames come when the video's clock says so, and those that a late reader
-        missed are skipped. Raises `SourceError` if no frame can be read.
+        With `realtime`, frames come when the video's clock says so, and a late reader skips frames.
+        Raises `SourceError` if no frame can be read.
         """
         silence_opencv()
         self._path = path
@@ -45,7 +45,7 @@ class Video:
         self._time_s = 0.0
         self._started: float | None = None
         self.notes: tuple[str, ...] = ()
-        """What a person should know: that the file broke off early."""
+        """Remark for the user: the file ended early."""
         self._first = self._decode() if self._grab() else None
         if self._first is None:
             self.close()
@@ -83,7 +83,7 @@ class Video:
         return self._frame(image)
 
     def resume(self) -> None:
-        """Go on from the last frame after a pause, instead of skipping what the clock ran on."""
+        """Continue from the last frame after a pause, instead of skipping by the clock."""
         self._started = time.monotonic() - self._time_s
 
     def close(self) -> None:
@@ -96,7 +96,7 @@ class Video:
     def _grab(self) -> bool:
         if not (self._capture.isOpened() and self._capture.grab()):
             return False
-        # Some containers give no times; then the rate has to do. Time never runs backwards.
+        # Containers without times: use the rate. Time never runs backwards.
         told = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
         counted = self._grabbed / self._rate
         self._grabbed += 1
@@ -104,7 +104,7 @@ class Video:
         return True
 
     def _decode(self) -> NDArray[np.uint8] | None:
-        # Typed loosely, since cv2's stubs do not say that frames have 8 bits.
+        # Typed loosely, as cv2's stubs do not say that frames have 8 bits.
         answer: tuple[bool, Any] = self._capture.retrieve()
         return answer[1] if answer[0] else None
 
@@ -119,7 +119,7 @@ class Video:
         return True
 
     def _finish(self) -> None:
-        # Containers round their count, so a frame or two that never come are not worth a word.
+        # Containers round their frame count, so a frame or two missing are not reported.
         if not self.notes and self._grabbed < 0.98 * self._announced - 1:
             self.notes = (
                 f"{self._path} breaks off early: {self._grabbed} of {self._announced} frames "

@@ -1,1 +1,1 @@
-"""What goes to disk: results, camera files, the printable board."""
+"""Files: results, cameras, the printable board, tables of trials."""

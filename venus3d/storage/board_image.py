@@ -1,4 +1,4 @@
-"""The board as a picture that prints at its size: the PNG holds its resolution."""
+"""The board as an image that prints at its true size: the PNG holds its resolution."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ MM_PER_INCH = 25.4
 def board_picture(
     board: Board, *, dpi: float = 300.0, margin_mm: float = 10.0
 ) -> tuple[NDArray[np.uint8], float]:
-    """Grey picture of the board with a margin around it, and its resolution in dots per inch.
+    """Grey image of the board with a margin, and its resolution in dots per inch.
 
-    A square must be a whole number of pixels, or its edges blur; so the resolution that comes back
-    is the nearest one to `dpi` for which it is, and the picture printed at it has the board's size.
-    Raises `StorageError` for a resolution that gives no usable picture.
+    A square must be a whole number of pixels, or its edges blur, so the resolution is the nearest
+    one to `dpi` for which it is. Raises `StorageError` for one that gives no usable image.
     """
     square_mm = board.square * 1000
     if not (0 < dpi < 1e6 and 0 <= margin_mm < 1e6):
@@ -39,7 +38,7 @@ def board_picture(
     height, width = board.rows * square_px, board.columns * square_px
     if (height + 2 * margin_px) * (width + 2 * margin_px) > 400_000_000:
         raise StorageError("This picture would have over 400 million pixels; use a lower --dpi.")
-    # An inverted board stands on black, so that its outer squares keep their contrast.
+    # An inverted board has a black margin, so that its outer squares keep their contrast.
     ground = 0 if board.inverted else 255
     picture = np.pad(board.texture(square_px), margin_px, constant_values=ground)
     return picture, square_px / square_mm * MM_PER_INCH
@@ -50,7 +49,7 @@ def write_board(
 ) -> tuple[int, int, float]:
     """Write the board as a PNG. Returns its width and height in pixels and its dots per inch.
 
-    PNG keeps the resolution (pHYs) in whole dots a metre, 0.003 % of 300 dpi.
+    PNG stores the resolution (pHYs) in whole dots per metre, within 0.003 % of 300 dpi.
     """
     picture, resolution = board_picture(board, dpi=dpi, margin_mm=margin_mm)
     buffer = io.BytesIO()

@@ -1,4 +1,4 @@
-"""camera.yaml: OpenCV's FileStorage with the names that its calibration sample uses.
+"""camera.yaml: OpenCV's FileStorage with the keys of its calibration sample.
 
 fs = cv2.FileStorage("camera.yaml", cv2.FILE_STORAGE_READ)
 K = fs.getNode("camera_matrix").mat()
@@ -20,7 +20,7 @@ from venus3d.storage.folder import write_bytes
 
 
 def camera_yaml(calibration: Calibration) -> str:
-    """The text of camera.yaml. Pixels, as OpenCV has them; lengths of the board in metres."""
+    """The text of camera.yaml. Pixels as in OpenCV; the board's lengths in metres."""
     camera, board = calibration.camera, calibration.board
     file = cv2.FileStorage(
         "camera.yaml",
@@ -31,7 +31,7 @@ def camera_yaml(calibration: Calibration) -> str:
     file.write("image_width", camera.width)
     file.write("image_height", camera.height)
     file.write("camera_matrix", camera.K)
-    # A row of five, k1 k2 p1 p2 k3: the shape of OpenCV's own sample.
+    # One row, k1 k2 p1 p2 k3, as in OpenCV's sample.
     file.write("distortion_coefficients", camera.distortion.reshape(1, 5))
     file.writeComment(f"Standard deviations of {' '.join(PARAMETERS)}; 0: was held fixed.")
     file.write("standard_deviations", calibration.sigma.reshape(1, 9))
@@ -53,7 +53,7 @@ def write_camera_yaml(path: Path | str, calibration: Calibration) -> Path:
 
 
 def read_camera_yaml(path: Path | str) -> Camera:
-    """The camera of a camera.yaml, ours or one of OpenCV's calibration sample.
+    """The camera of a camera.yaml, ours or that of OpenCV's calibration sample.
 
     Raises `StorageError` if there is no such file or no camera in it.
     """

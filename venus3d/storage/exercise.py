@@ -1,8 +1,7 @@
-"""practice.csv and trial.csv: one line for each pose that was reached or given up.
+"""practice.csv and trial.csv: one row for each pose that was reached or given up.
 
-Both have the same columns; what only the other exercise knows is empty, 0 or nan. A file is only
-ever appended to, and each line is on the disk before anything else happens, so that whatever is
-pulled out of the wall, nothing that was measured is lost.
+Both have the same columns; those that do not apply are empty, 0 or nan. Files are only appended to,
+and each row is synced to disk at once, so that a power failure loses no measurement.
 """
 
 from __future__ import annotations
@@ -28,20 +27,20 @@ NAN = float("nan")
 
 @dataclass(frozen=True, kw_only=True)
 class ExerciseRow:
-    """One pose as it went. The fields are the columns of the file, in their order."""
+    """The record of one pose. The fields are the columns of the file, in order."""
 
     participant: str
-    """The name; where none was given, "guest 1" (practice) or "P1" (trial)."""
+    """The name; by default "guest 1" (practice) or "P1" (trial)."""
     number: int = 0
-    """Trial: 1 ..., in order of appearance; decides the order of the helps."""
+    """Trial: 1 ..., in order of participation; decides the order of the helps."""
     order: str = ""
     """Trial: the helps in this participant's order: "steps axes outline"."""
     attempt: int = 1
-    """Trial: 2 where a help was begun again after a run had been broken off: the last counts."""
+    """Trial: 2 if a help was repeated after an interrupted run: the last counts."""
     place: int = 0
     """Trial: 1 ... 3, whether this was the participant's first, second or third help."""
     level: int = 0
-    """Practice: 1 ... 6, how many of the six numbers of the pose had to be found."""
+    """Practice: 1 ... 6, the number of pose parameters to find."""
     free: str = ""
     """Practice: which, "zr xt"."""
     help: str
@@ -49,33 +48,33 @@ class ExerciseRow:
     pose: int
     """1 ...: the pose's number within the level or the help; the same target for everybody."""
     poses: int = 0
-    """Trial: how many poses there are under each help."""
+    """Trial: number of poses with each help."""
     outcome: str
     """reached, or given up."""
     seconds: float
-    """Until it was reached or given up: practice, from the first move, without the second of
-    holding still; trial, from when the pose was shown."""
+    """Until the pose was reached or given up: practice, from the first move and without the final
+    second of holding still; trial, from when the pose was shown."""
     since_first_s: float = NAN
-    """Trial: from when the first pose of this help was done with: the paper's time."""
+    """Trial: since the first pose of this help was completed: the paper's time."""
     since_start_s: float = NAN
-    """Trial: from the start of this help."""
+    """Trial: since the start of this help."""
     moved_by: str
-    """Practice: what the board was moved with, the last one last, "keys gizmo". Trial: person, or
-    autopilot: the simulated hand, which is no measurement of people."""
+    """Practice: the means of moving the board, in order, "keys gizmo". Trial: person, or autopilot
+    for the simulated hand, which does not measure people."""
     path_mm: float = NAN
-    """Practice: how far the board's centre was moved, millimetres."""
+    """Practice: path length of the board's centre, millimetres."""
     shortest_mm: float = NAN
     """Practice: the straight line from the start to the target, millimetres."""
     path_deg: float = NAN
-    """Practice: how far the board was turned, all turns added up, degrees."""
+    """Practice: sum of all turns, degrees."""
     shortest_deg: float = NAN
-    """Practice: the one turn from the start to the target, degrees."""
+    """Practice: the single rotation from the start to the target, degrees."""
     overlap: float
     """Of the board's silhouette and the target's at the end, 0 ... 1."""
     off_mm: float
-    """From the board's centre to its place at the end, millimetres; nan if it was not seen."""
+    """Distance of the board's centre from its target at the end, millimetres; nan if not seen."""
     off_deg: float
-    """The one turn that was left at the end, degrees; nan if it was not seen."""
+    """Remaining single rotation at the end, degrees; nan if the board was not seen."""
     xr_deg: float
     yr_deg: float
     zr_deg: float
@@ -84,10 +83,10 @@ class ExerciseRow:
     zt_mm: float
     """The target, `T_camera_board` as a pose vector."""
     source: str = ""
-    """Trial: the camera that looked on."""
+    """Trial: the camera."""
     seed: int
     time: str = ""
-    """When it was written, by the computer's clock, ISO 8601."""
+    """When the row was written, by the computer's clock, ISO 8601."""
 
 
 COLUMNS = tuple(field.name for field in fields(ExerciseRow))
@@ -96,21 +95,21 @@ _ONCE_MORE: dict[ExerciseKind, str] = {
     "practice": "go on with the next pose",
     "trial": "start again with the same --participant",
 }
-"""What a person should do after having made room on a full disk."""
+"""What to do after freeing space on a full disk."""
 
 
 class ExerciseFile:
-    """A file of rows that is open for appending; closed by `close`. Used by one thread."""
+    """A file of rows opened for appending. Used by one thread."""
 
     def __init__(self, path: Path, kind: ExerciseKind) -> None:
-        """Open, or begin, the file; folders are made.
+        """Open or create the file and its folders.
 
         Raises `StorageError` if the file cannot be written or is another program's.
         """
         self.path = path
         self._kind: ExerciseKind = kind
         self.rows: list[ExerciseRow] = []
-        """What is in it, what was appended included."""
+        """The file's rows, including appended ones."""
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file: TextIO = path.open("a+", newline="", encoding="utf-8")
@@ -125,15 +124,14 @@ class ExerciseFile:
             self.rows = self._rows_of(text)
             if not text:
                 self._write(",".join(COLUMNS) + "\n")
-            elif not text.endswith(("\n", "\r")):  # a text editor left the last line's end out
+            elif not text.endswith(("\n", "\r")):  # a text editor omitted the final newline
                 self._write("\n")
         except BaseException:
             self._file.close()
             raise
 
     def append(self, row: ExerciseRow) -> None:
-        """Put one line on the disk, with the time if it has none. Raises `StorageError` if that
-        fails."""
+        """Write one row to disk, adding the time if missing. Raises `StorageError` on failure."""
         now = datetime.now(timezone.utc).isoformat(timespec="seconds")
         row = row if row.time else replace(row, time=now)
         self.rows.append(row)
@@ -175,7 +173,7 @@ class ExerciseFile:
     def _rows_of(self, text: str) -> list[ExerciseRow]:
         if not text:
             return []
-        # A spreadsheet may have put a byte order mark before the first name.
+        # A spreadsheet may have added a byte order mark.
         reader = csv.reader(StringIO(text.removeprefix("\ufeff"), newline=""))
         try:
             if tuple(next(reader, ())) != COLUMNS:

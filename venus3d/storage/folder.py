@@ -1,4 +1,4 @@
-"""The folder that results go into: made and tried before the work starts, written to safely."""
+"""The output folder: checked before the work starts, written atomically."""
 
 from __future__ import annotations
 
@@ -14,14 +14,13 @@ from venus3d.engine.errors import StorageError
 
 
 def prepare(directory: Path, option: str = "--output") -> Path:
-    """Make `directory`, with its parents, and make sure that files can be written into it.
+    """Create `directory` with its parents, and make sure that files can be written into it.
 
-    Raises `StorageError`, which names the option to change, now rather than after an hour of
-    calibrating.
+    Raises `StorageError`, which names the option to change, before rather than after the work.
     """
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        # Only writing tells: permission bits do not stop root, and full or read-only disks do.
+        # Only writing tells: permission bits do not stop root, and disks may be full or read-only.
         with tempfile.TemporaryFile(dir=directory) as trial:
             trial.write(b"venus3d")
     except OSError as error:
@@ -33,7 +32,7 @@ def prepare(directory: Path, option: str = "--output") -> Path:
 
 
 def write_bytes(path: Path, content: bytes) -> Path:
-    """Write a file whole or not at all, even if the power goes. Raises `StorageError`."""
+    """Write a file atomically, even if the power fails. Raises `StorageError`."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         replace_files({path: content})
@@ -45,11 +44,10 @@ def write_bytes(path: Path, content: bytes) -> Path:
 
 
 def replace_files(contents: Mapping[Path, bytes], before: Callable[[], None] | None = None) -> None:
-    """Write files of one folder, each whole or not at all, even if the program is killed or the
-    power goes.
+    """Write files of one folder, each atomically, even if the program is killed or the power fails.
 
-    All that takes long is done beside them; then they take their places one right after the other.
-    `before` is called in between. Raises `OSError`; what could not be written is then as it was.
+    They are written under temporary names, then `before` is called, then they are renamed one right
+    after the other. Raises `OSError`; files not written are unchanged.
     """
     beside: dict[Path, Path] = {}
     try:
@@ -58,7 +56,7 @@ def replace_files(contents: Mapping[Path, bytes], before: Callable[[], None] | N
             with beside[path].open("xb") as file:
                 file.write(content)
                 file.flush()
-                # Without this a power cut may leave the new name with nothing in it.
+                # Without this a power failure may leave the new name with an empty file.
                 os.fsync(file.fileno())
         if before is not None:
             before()
@@ -73,7 +71,7 @@ def replace_files(contents: Mapping[Path, bytes], before: Callable[[], None] | N
 
 
 def sync_folder(folder: Path) -> None:
-    """Put on the disk which names a folder has, where that can be asked for."""
+    """Sync a folder's names to disk, where possible."""
     # Windows opens no folders, some network disks do not sync them.
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
@@ -85,7 +83,7 @@ def sync_folder(folder: Path) -> None:
 
 @contextmanager
 def locked(folder: Path) -> Generator[None, None, None]:
-    """Keep other processes and threads that ask for the same out meanwhile, where that is possible.
+    """Lock a folder against other processes and threads that use this lock, where possible.
 
     Raises `OSError` if there is no such folder.
     """
@@ -104,7 +102,7 @@ def locked(folder: Path) -> Generator[None, None, None]:
 
 
 def reason(error: OSError) -> str:
-    """Why, in a few words that fit into brackets."""
-    if isinstance(error, FileExistsError):  # mkdir's answer where a file has the folder's name
+    """The reason in a few words that fit into brackets."""
+    if isinstance(error, FileExistsError):  # mkdir's answer if a file has the folder's name
         return "not a directory"
     return (error.strerror or str(error)).lower()

@@ -1,6 +1,6 @@
-"""result.json: all that a calibration found, for programs; and its short form for --json.
+"""result.json: a calibration's full result for programs, and its short form for --json.
 
-Every key is described in docs/result-format.md. Reading is left to `result_reader`.
+docs/result-format.md describes every key. `result_reader` reads it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from venus3d.engine.planning.forecast import Forecast
 from venus3d.storage.folder import write_bytes
 
 SCHEMA = 2
-"""Version of the keys; a key that is renamed or changes its meaning raises it."""
+"""Version of the keys; increased when a key is renamed or changes its meaning."""
 
 
 def summary_of(
@@ -37,12 +37,12 @@ def summary_of(
     truth: Camera | None = None,
     forecast: Forecast | None = None,
 ) -> dict[str, Any]:
-    """The result in short: what --json prints. Pixels; the board's lengths in millimetres.
+    """The result in short, as printed by --json. Pixels; the board's lengths in millimetres.
 
     Args:
         diagnoses: given both as sentences among the warnings and in parts.
-        converged: for a guided calibration; None leaves it out.
-        forecast: views it takes until the wanted projection error; None leaves it out.
+        converged: for a guided calibration; None omits it.
+        forecast: views needed to the desired projection error; None omits it.
         truth: the simulated camera; adds `truth` and `projection_diff_px`.
     """
     camera = calibration.camera
@@ -74,7 +74,7 @@ def summary_of(
 
 
 def board_summary(board: Board) -> dict[str, Any]:
-    """The board as the command line names it."""
+    """The board in the terms of the command line."""
     return {
         "columns": board.columns,
         "rows": board.rows,
@@ -89,7 +89,7 @@ def board_summary(board: Board) -> dict[str, Any]:
 def full_result(
     summary: Mapping[str, Any], calibration: Calibration, history: Sequence[Progress] = ()
 ) -> dict[str, Any]:
-    """The summary with the covariance, each view and how the estimate went, view by view."""
+    """The summary with the covariance, each view and the history of the estimate."""
     return {
         **summary,
         "parameters": list(PARAMETERS),
@@ -104,7 +104,7 @@ def full_result(
                 "intrinsics": _named(progress.parameters),
                 "std": _named(progress.sigma),
                 "uncertainty_px": progress.uncertainty_px,
-                # What the target had promised; null for a view that was not taken at one.
+                # As predicted by the target; null for a view not taken at one.
                 "promised_std": _named(progress.predicted_sigma),
                 "promised_uncertainty_px": progress.predicted_uncertainty_px,
             }
@@ -133,7 +133,7 @@ def write_result(
 
 
 def to_json(content: Mapping[str, Any], indent: int | None = None) -> str:
-    """JSON that every reader takes: numbers that are not finite become null."""
+    """Strict JSON: numbers that are not finite become null."""
     return json.dumps(_finite(content), indent=indent, allow_nan=False, ensure_ascii=False)
 
 
@@ -142,7 +142,7 @@ def _diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:
         "kind": diagnosis.kind,
         "cause": diagnosis.cause,
         "cure": diagnosis.cure,
-        # Numbers as in `captured`; none where all views are concerned.
+        # Numbers as in `captured`; none if all views are concerned.
         "views": list(diagnosis.views),
     }
 

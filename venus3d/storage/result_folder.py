@@ -1,4 +1,4 @@
-"""camera.yaml and result.json of one session; what else has these names in the folder is kept."""
+"""camera.yaml and result.json of one session; other files with these names are kept."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from venus3d.storage.result import result_json
 
 
 class ResultFolder:
-    """Where one session writes its result, again and again. Used by one thread at a time.
+    """The output of one session, rewritten repeatedly. Used by one thread at a time.
 
-    A file that is not this session's own is put under another name before it is replaced: an
-    earlier result, another program's, one that was edited. Two sessions may share a folder: the one
-    that began to write first goes on under the names that its files were given.
+    A file that this session did not write (an earlier result, another program's, an edited one) is
+    renamed before it is replaced. Two sessions may share a folder: the first to write continues
+    under the names that its files were given.
     """
 
     def __init__(self, directory: Path, tell: Callable[[str], None] = lambda _: None) -> None:
@@ -35,7 +35,7 @@ class ResultFolder:
 
     @property
     def paths(self) -> tuple[Path, Path]:
-        """Where camera.yaml and result.json are, or will be."""
+        """The present or future paths of camera.yaml and result.json."""
         return self._paths(self._tail)
 
     @property
@@ -49,9 +49,9 @@ class ResultFolder:
         summary: Mapping[str, Any],
         history: Sequence[Progress] = (),
     ) -> tuple[Path, Path]:
-        """Write the result, in the place of the one that this session wrote before.
+        """Write the result in place of this session's last one.
 
-        Each file is whole at every moment. Raises `StorageError`; what was there is then as it was.
+        Each file is complete at every moment. Raises `StorageError` and leaves the old files.
         """
         camera = camera_yaml(calibration).encode()
         result = result_json(summary, calibration, history).encode()
@@ -79,7 +79,7 @@ class ResultFolder:
         return self.directory / f"camera{tail}.yaml", self.directory / f"result{tail}.json"
 
     def _follow(self) -> None:
-        """Find out whether another session has put our files under other names."""
+        """Find out whether another session has renamed our files."""
         result = self.paths[1]
         if result not in self._own or _content(result) == self._own[result]:
             return
@@ -90,7 +90,7 @@ class ResultFolder:
                 return
 
     def _keep_others(self) -> list[str]:
-        """Put what is not ours under another name, the pair alike; those names."""
+        """Rename files that are not ours, both alike; returns their new names."""
         others = [path for path in self.paths if os.path.lexists(path) and not self._is_known(path)]
         if not others:
             return []
@@ -103,12 +103,12 @@ class ResultFolder:
             if content is not None:
                 self._kept[path] = content  # in case it cannot be replaced just now
             kept.append(named[path].name)
-        # The old names have to be on the disk before the new content is.
+        # The old names must be on disk before the new content is.
         sync_folder(self.directory)
         return kept
 
     def _free(self, time_s: float) -> tuple[Path, Path]:
-        """Two names with this time that nothing has: halves of different results make no pair."""
+        """Two unused names with this time: files of different results must not look like a pair."""
         stamp = time.strftime("-%Y-%m-%dT%H-%M-%S", time.localtime(time_s))
         pairs = (self._paths(stamp if n == 1 else f"{stamp}-{n}") for n in count(1))
         return next(pair for pair in pairs if not any(map(os.path.lexists, pair)))
@@ -126,8 +126,8 @@ def _content(path: Path) -> bytes | None:
 
 
 def _put_aside(path: Path, name: Path) -> None:
-    """Give a file another name. Where the disk can, it keeps its old one until it is replaced, so
-    that a file of that name is there at every moment. Raises `OSError`."""
+    """Rename a file. If possible it keeps its old name as well until it is replaced, so that a file
+    of that name always exists. Raises `OSError`."""
     try:
         os.link(path, name)
     except FileExistsError:

@@ -1,4 +1,4 @@
-"""A result.json read back: the calibration, with its board and all captured views."""
+"""Reads a result.json: the calibration with its board and all captured views."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from venus3d.storage.result import SCHEMA
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What a result.json holds. Lengths in metres again, as everywhere in the engine."""
+    """The content of a result.json. Lengths in metres, as in the engine."""
 
     schema: int
     calibration: Calibration
     warnings: tuple[str, ...]
-    """Those that are no diagnosis."""
+    """Those that are not diagnoses."""
     diagnoses: tuple[Diagnosis, ...]
 
     @property
@@ -53,10 +53,10 @@ class Result:
 
 
 def read_result(path: Path | str) -> Result:
-    """Read a result.json that `calibrate`, `guide` or `write_result` wrote.
+    """Read a result.json written by `calibrate`, `guide` or `write_result`.
 
-    Raises `StorageError`, with cause and cure, for a file that cannot be read, that is no result,
-    or whose schema is another.
+    Raises `StorageError`, with cause and cure, if the file cannot be read, is no result, or has
+    another schema.
     """
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -127,7 +127,7 @@ def _board_of(content: Mapping[str, Any]) -> Board:
 
 def _view_of(content: Mapping[str, Any], size: tuple[int, int], board: Board) -> View:
     ids = np.array(content["ids"], dtype=np.intp)
-    board.points_of(ids)  # raises for ids that this board has not
+    board.points_of(ids)  # raises for ids that this board does not have
     return View(
         number=int(content["number"]),
         observation=Observation(

@@ -1,1 +1,1 @@
-"""What threads share: the one-slot box, signals, and how soon a waiting thread gets its turn."""
+"""Shared by threads: the one-slot box, signals, latency."""

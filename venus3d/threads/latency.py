@@ -1,4 +1,4 @@
-"""How soon a waiting thread gets its turn while the same process computes."""
+"""Keeps the latency of waiting threads low while the process computes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _SWITCH_S = 0.0005
 
 
 def limit_gl_threads() -> None:
-    """Keep OpenGL, where it draws on the processor, from taking all cores for one picture.
+    """Keep OpenGL's software renderer from using all cores for one image.
 
-    Each picture takes up to half as long again; what moves is the better for it. Mesa reads this
-    when the first context is opened, so it is called before; graphics hardware does not heed it.
+    Each image takes up to half as long again, but motion is smoother. Mesa reads this when the
+    first context is opened, so call it before; graphics hardware ignores it.
     """
     ours = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     os.environ.setdefault("LP_NUM_THREADS", str(max(1, (ours or 1) - 1)))
@@ -23,12 +23,11 @@ def limit_gl_threads() -> None:
 
 @contextmanager
 def low_latency() -> Generator[None, None, None]:
-    """While this lasts, nothing that computes holds up what draws for long.
+    """Context in which computation does not delay drawing for long.
 
-    Half a dozen threads have a few milliseconds of work each; by default one that computes keeps
-    the interpreter for 5 ms from the others. And now and then Python looks for garbage among
-    everything that the libraries have ever made: 100 ms in which no thread runs. What is there when
-    a page begins stays until it ends, so it is left out of that.
+    By default a thread that computes keeps the interpreter for 5 ms, and a garbage collection over
+    all the libraries' objects stops every thread for 100 ms. Here the switch interval is shorter,
+    and objects that exist at the start are excluded from collection.
     """
     before = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH_S)

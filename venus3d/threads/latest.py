@@ -1,4 +1,4 @@
-"""The one-slot box between two threads in which the newest value wins."""
+"""A one-slot box between two threads in which the newest value wins."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ T = TypeVar("T")
 
 
 class Latest(Generic[T]):
-    """One value on its way from one thread to another: a reader who is late gets the newest.
+    """One value passed from one thread to another: a late reader gets the newest.
 
-    Values that nobody took are dropped without a trace: that is the point. None is no value.
+    Values that nobody took are dropped. None is no value.
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,7 @@ class Latest(Generic[T]):
         return self._closed
 
     def put(self, value: T) -> None:
-        """Replace what is in the box; never waits. Ignored once the box is closed."""
+        """Replace the box's value; never waits. Ignored once the box is closed."""
         with self._changed:
             if self._closed:
                 return
@@ -34,9 +34,9 @@ class Latest(Generic[T]):
             self._changed.notify()
 
     def take(self, timeout: float | None = None) -> T | None:
-        """The newest value that was not taken yet; waits for one up to `timeout` seconds.
+        """The newest value not taken yet; waits for one up to `timeout` seconds.
 
-        None when the time is over, or when the box is closed and its last value was taken.
+        None after the timeout, or when the box is closed and its last value was taken.
         """
         with self._changed:
             self._changed.wait_for(lambda: self._fresh or self._closed, timeout)
@@ -51,7 +51,7 @@ class Latest(Generic[T]):
             return self._value
 
     def close(self) -> None:
-        """Wake everybody who waits; nothing more goes in. May be called twice."""
+        """Wake all waiting threads; no more values are accepted. May be called twice."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()

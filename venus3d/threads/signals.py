@@ -1,4 +1,4 @@
-"""The signals that ask a program to end: Ctrl-C, a plain kill, a terminal that was closed."""
+"""Signals that ask a program to end: Ctrl-C, kill, a closed terminal."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from contextlib import contextmanager
 
 @contextmanager
 def on_stop_signal(act: Callable[[], None], *, ctrl_c: bool = True) -> Generator[None, None, None]:
-    """Meanwhile call `act`, on the main thread, for each of these signals.
+    """Context in which each of these signals calls `act` on the main thread.
 
-    SIGHUP stays as it is where it is ignored on purpose (nohup) and where there is none (Windows).
-    On another thread nothing changes: Python lets only the main thread take signals.
+    SIGHUP is unchanged if it is ignored on purpose (nohup) or does not exist (Windows). No effect
+    on other threads: Python delivers signals to the main thread only.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -22,8 +22,8 @@ def on_stop_signal(act: Callable[[], None], *, ctrl_c: bool = True) -> Generator
 
     def obey(number: int, _: object) -> None:
         if number not in (signal.SIGINT, signal.SIGTERM):
-            # The kernel and the shell both tell of a closed terminal. The second time would break
-            # off what the first has asked to be ended well.
+            # Kernel and shell both signal a closed terminal; the second one would interrupt the
+            # clean end requested by the first.
             signal.signal(number, signal.SIG_IGN)
         act()
 
