@@ -1,8 +1,7 @@
-"""Options that several commands share: the board, the limits, and how numbers are checked.
+"""Options shared by several commands: the board, the limits, and range checks.
 
-Lengths are in millimetres here, because a person types them; `BoardOptions.board()` and
-`LimitOptions.chosen()` turn them into the engine's metres. Each field's docstring is its `--help`
-text.
+Lengths are in millimetres, as a person types them; `BoardOptions.board()` and
+`LimitOptions.chosen()` convert to metres. Each field's docstring is its `--help` text.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 
 Switch = FlagCreatePairsOff[bool]
-"""An option that is off unless it is named."""
+"""An option that is off by default."""
 
 
 def optional(unit: str, usual: str) -> object:
-    """How `--help` shows an option that is None unless given."""
+    """How `--help` shows an option that is None by default."""
     return arg(metavar=unit, help_behavior_hint=f"(usual: {usual})")
 
 
@@ -44,7 +43,7 @@ class BoardOptions:
     """White on black; found out by itself."""
 
     def board(self) -> Board:
-        """The engine's board. Raises `BoardError` for options that make no board."""
+        """The engine's board. Raises `BoardError` for invalid options."""
         return Board(
             columns=self.columns,
             rows=self.rows,
@@ -74,7 +73,7 @@ class LimitOptions:
     """Smallest side of a square in the picture in pixels; more where the markers need it."""
 
     def check(self) -> None:
-        """Raises `VenusError` for the first limit that cannot be met."""
+        """Raises `VenusError` for the first impossible limit."""
         ranges = {
             "max_angle_deg": (1, 180),
             "max_tilt_deg": (1, 85),
@@ -92,7 +91,7 @@ class LimitOptions:
             raise VenusError("--limits.nearest-mm must be smaller than --limits.farthest-mm.")
 
     def chosen(self) -> dict[str, float]:
-        """What was set, as fields of the engine's `Limits`; the session finds the rest itself."""
+        """The limits that were set, as fields of the engine's `Limits`."""
         given = {
             "max_angle_deg": self.max_angle_deg,
             "max_tilt_deg": self.max_tilt_deg,
@@ -116,6 +115,6 @@ def image_size_of(text: str) -> tuple[int, int]:
 
 
 def check_range(option: str, value: float | None, low: float, high: float) -> None:
-    """Raises `VenusError` if a number was given that cannot be met."""
-    if value is not None and not low <= value <= high:  # also refuses what is no number
+    """Raises `VenusError` if a number was given that is out of range."""
+    if value is not None and not low <= value <= high:  # also refuses NaN
         raise VenusError(f"{option} must be from {low:g} to {high:g}, not {value:g}.")

@@ -1,7 +1,6 @@
 """The command line: options are parsed, mistakes become one sentence and exit code 2.
 
-What a command does is in the module of its name, which is imported when it is run, so that `--help`
-and mistakes answer at once.
+Each command's module is imported only when it is run, so that `--help` and mistakes answer at once.
 """
 
 from __future__ import annotations
@@ -90,27 +89,27 @@ _COMMANDS: dict[type, tuple[str, str]] = {
     BoardCommand: ("board", "board_command"),
     StudyOptions: ("study", "study"),
 }
-"""The module and the function of each command, by its options."""
+"""The module and function of each command, by its options."""
 OK, MISTAKE, INTERRUPTED = 0, 2, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code. Reads `sys.argv` if no arguments are given."""
+    """Run one command; returns the exit code. Reads `sys.argv` by default."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     try:
         try:
             code = _run(given)
             if code == INTERRUPTED and arguments is None:
-                # All is kept. Whoever presses again while a thread still computes wants it to end,
-                # and Python would print where it waits for that thread.
+                # Everything is saved. A second Ctrl-C while a thread still computes ends the
+                # process without Python's traceback.
                 signal.signal(signal.SIGINT, signal.SIG_DFL)
             return code
         finally:
             sys.stdout.flush()
     except OSError as error:
-        # Whoever read our output (head, less) has had enough, or its terminal was closed.
+        # The reader of our output (head, less) has closed it, or the terminal is gone.
         unread = _silenced()
-        # A disk that fails says EIO as well.
+        # A failing disk gives EIO as well.
         if error.errno == errno.EPIPE or (error.errno == errno.EIO and unread):
             return OK
         raise
@@ -132,14 +131,14 @@ def _run(given: list[str]) -> int:
             description=DESCRIPTION,
             args=given or ["--help"],
         )
-        # A plain kill, a closed terminal: what was captured is kept, as with Ctrl-C.
+        # On a kill or a closed terminal the captured views are kept, as with Ctrl-C.
         with on_stop_signal(_interrupt, ctrl_c=False):
             _command_of(options)(options)
     except VenusError as error:
         print(f"venus3d: {error}", file=sys.stderr)
         return MISTAKE
     except KeyboardInterrupt as stop:
-        # What a study says of where it stopped; Ctrl-C itself says nothing.
+        # A study says where it stopped; Ctrl-C itself has no message.
         print("venus3d: " + ": ".join(["stopped", *map(str, stop.args)]) + ".", file=sys.stderr)
         return INTERRUPTED
     return OK
@@ -150,10 +149,7 @@ def _interrupt() -> None:
 
 
 def _silenced() -> bool:
-    """Let what is still in the streams that nobody reads go nowhere: Python complains at exit.
-
-    Whether there was such a stream.
-    """
+    """Redirect closed streams to nowhere, as Python complains at exit. True if there was one."""
     found = False
     for stream in (sys.stdout, sys.stderr):
         try:
@@ -166,6 +162,6 @@ def _silenced() -> bool:
 
 
 def _command_of(options: object) -> Callable[[Any], None]:
-    # Imported only now: what one command draws with, another need not wait for.
+    # Imported only now: no command waits for another one's libraries.
     module, name = _COMMANDS[type(options)]
     return getattr(import_module(f"venus3d.cli.{module}"), name)

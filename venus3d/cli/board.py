@@ -1,4 +1,4 @@
-"""`venus3d board`: the board as a picture to print."""
+"""`venus3d board`: the board as an image to print."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from venus3d.storage.board_image import write_board
 
 
 def board_command(options: BoardCommand) -> None:
-    """Write the board and say how to print it. Raises `VenusError` for a user's mistake."""
+    """Write the board and print instructions. Raises `VenusError` for a user's mistake."""
     board = options.board.board()
     path = options.output
     if path.suffix.lower() not in ("", ".png"):

@@ -1,4 +1,4 @@
-"""`venus3d calibrate`: pictures or a video that exist already, without guidance."""
+"""`venus3d calibrate`: calibration from existing images or a video, without guidance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`venus3d decompose`: a pose as four steps, in words and in pictures."""
+"""`venus3d decompose`: a pose as four steps, in words and images."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PICTURE_WIDTH = 960
 
 
 def decompose_command(options: DecomposeOptions) -> None:
-    """Print the steps and write their pictures. Raises `VenusError` for a user's mistake."""
+    """Print the steps and write their images. Raises `VenusError` for a user's mistake."""
     board = options.board.board()
     options.limits.check()
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)

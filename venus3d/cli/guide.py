@@ -1,4 +1,4 @@
-"""`venus3d guide`: run the guidance loop, then print and write what came of it."""
+"""`venus3d guide`: run the guidance loop, then print and write the result."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from venus3d.storage.result import summary_of
 from venus3d.storage.result_folder import ResultFolder
 
 RESULT_FOLDER = Path("venus3d-result")
-"""Where a guided calibration with the viewer is written if no folder is named."""
+"""Default output folder of a guided calibration with the viewer."""
 
 
 def guide(options: GuideOptions) -> None:
@@ -34,9 +34,9 @@ def guide(options: GuideOptions) -> None:
 
     Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C left no result.
     """
-    options.check()  # a mistake here is told before anything starts
+    options.check()  # report mistakes before anything starts
     if options.output is None and not options.headless:
-        # Ten minutes of holding a board must not be lost for want of an option.
+        # Ten minutes of holding a board must not be lost for a missing option.
         options = replace(options, output=RESULT_FOLDER)
     if options.output is not None:
         prepare(options.output)
@@ -53,9 +53,9 @@ def guide(options: GuideOptions) -> None:
 
 
 def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
-    """Guide; however that ends, the files hold what was captured, and it is told where they are.
+    """Guide; however that ends, save what was captured and print where.
 
-    Raises `VenusError`, also for a mistake of ours, whose traceback is printed.
+    Raises `VenusError`, also for an internal error, whose traceback is printed.
     """
 
     def keep(result: GuideResult) -> str:
@@ -63,7 +63,7 @@ def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
 
     try:
         with ExitStack() as stack:
-            # First of all: its port was promised to somebody, while the viewer may take another.
+            # Open this first: its port was promised to somebody, while the viewer may take another.
             audience = open_audience(options)
             if audience is None:
                 return run_guide(options, keep)
@@ -76,7 +76,7 @@ def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
             _tell_written(files)
         if isinstance(error, VenusError) or not isinstance(error, Exception):
             raise
-        with suppress(OSError):  # a terminal that is gone
+        with suppress(OSError):  # the terminal is gone
             traceback.print_exception(error)
         raise VenusError(
             "The guidance broke off by a mistake of ours; begin again, and please report the lines "
@@ -85,9 +85,9 @@ def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
 
 
 def open_audience(options: GuideOptions) -> Audience | None:
-    """The second monitor that the options ask for, if any; the caller closes it.
+    """The second monitor, if the options ask for one; the caller closes it.
 
-    Raises `VenusError` for an address that cannot be had.
+    Raises `VenusError` for an unavailable address.
     """
     if options.audience is None:
         return None
@@ -101,16 +101,16 @@ def open_audience(options: GuideOptions) -> Audience | None:
 
 
 def _attach(audience: Audience, viewer: Viewer) -> None:
-    """Let the operator choose what the second monitor shows, and hear of its failures."""
+    """Connect the operator's choice for the second monitor, and its failures."""
     audience.on_failure = viewer.say
     viewer.extend(lambda server: AudienceControls(server, audience).commands)
     announce(announcement(audience))
 
 
 def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None) -> str:
-    """Write a result while the guidance goes on, so that nothing is lost if it is just killed.
+    """Write a result during guidance, so that nothing is lost if the program is killed.
 
-    Returns the sentence for the screen. Raises `StorageError`, which the terminal is told as well.
+    Returns the sentence for the page. Raises `StorageError`, which is printed as well.
     """
     snapshot = result.snapshot
     if files is None or snapshot.calibration is None:
@@ -145,7 +145,7 @@ def _tell_of_nothing(
             "venus3d calibrate for pictures taken without guidance."
         )
     print("No view was captured, so there is no result.")
-    raise KeyboardInterrupt  # which has ended it, and nothing was saved
+    raise KeyboardInterrupt  # ended by Ctrl-C, nothing was saved
 
 
 def _summary(result: GuideResult) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Options of the commands that only the command line knows (see also `venus3d.options`)."""
+"""Options of single commands (see also `venus3d.options`)."""
 
 from __future__ import annotations
 

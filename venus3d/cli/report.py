@@ -1,4 +1,4 @@
-"""A calibration in words and aligned columns, and the files and the JSON line that go with it."""
+"""A calibration as text in aligned columns, with its files and the JSON line."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from venus3d.storage.result_folder import ResultFolder
 
 
 def parameter_table(calibration: Calibration, truth: Camera | None = None) -> str:
-    """The nine parameters with their standard deviations, and the truth where it is known."""
+    """The nine parameters with their standard deviations, and the truth if known."""
     head = f"{'':4}{'value':>12}   {'± σ':>10}" + ("" if truth is None else f"{'truth':>12}")
     rows = [head]
     for index, name in enumerate(PARAMETERS):
@@ -34,7 +34,6 @@ def parameter_table(calibration: Calibration, truth: Camera | None = None) -> st
 
 
 def view_table(calibration: Calibration) -> str:
-    """Each view's name, number of corners and error."""
     names = [view.observation.name or str(view.number) for view in calibration.views]
     width = max(len("view"), *(len(name) for name in names))
     rows = [f"{'view':{width}}  corners   rms"]
@@ -70,7 +69,7 @@ def print_result(
 
 
 Written = tuple[Path, ...] | StorageError
-"""The files that were written, or why they could not be."""
+"""The files written, or why they could not be."""
 
 
 def write_first(
@@ -79,9 +78,9 @@ def write_first(
     summary: Mapping[str, Any],
     history: Sequence[Progress] = (),
 ) -> Written:
-    """Write the files, if any are asked for, before anything is printed: a terminal may be gone.
+    """Write the files, if requested, before printing: the terminal may be gone.
 
-    What fails is given back for `deliver` to raise, so that the numbers are printed all the same.
+    An error is returned for `deliver` to raise, so that the numbers are still printed.
     """
     if files is None:
         return ()
@@ -92,9 +91,9 @@ def write_first(
 
 
 def deliver(summary: Mapping[str, Any], written: Written, *, as_json: bool) -> None:
-    """Print where the files are, and the JSON line if it is asked for.
+    """Print where the files are, and the JSON line if requested.
 
-    Raises the `StorageError` of files that could not be written, once all is printed.
+    Raises the `StorageError` of unwritten files after printing.
     """
     for path in () if isinstance(written, StorageError) else written:
         print(f"Written: {path}")
@@ -105,6 +104,6 @@ def deliver(summary: Mapping[str, Any], written: Written, *, as_json: bool) -> N
 
 
 def print_note(text: str) -> None:
-    """A remark on how the work goes; to stderr, so that stdout holds results only."""
-    with suppress(OSError):  # a terminal that is gone stops no work
+    """Print a progress remark to stderr, as stdout holds results only."""
+    with suppress(OSError):  # a closed terminal stops no work
         print(text, file=sys.stderr, flush=True)

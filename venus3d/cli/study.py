@@ -1,7 +1,6 @@
-"""`venus3d study ...`: the paper's evaluation, done again with one command a table or figure.
+"""`venus3d study ...`: the paper's evaluation, one command per table or figure.
 
-Each command writes its rows as they come, so that an interrupted run goes on when it is called
-again. What is measured, and how, is in `venus3d.study`.
+Each command writes its rows as they come, so an interrupted run continues when it is called again.
 """
 
 from __future__ import annotations
@@ -134,7 +133,7 @@ def _figures(options: FiguresOptions) -> None:
     _check_common(options.repeats, options.seed, options.jobs)
     check_range("--views", options.views, 3, 200)
     folder = prepare(options.output)
-    pyplot()  # missing after an hour of calibrating would be late
+    pyplot()  # check now, not after an hour of calibrating
     rows = run_figures(
         folder / "rows.csv",
         views=options.views,

@@ -1,7 +1,4 @@
-"""`venus3d study table1`, `table2`, `table3`: the paper's tables, on recordings and simulations.
-
-What is measured, and how, is in `venus3d.study`.
-"""
+"""`venus3d study table1`, `table2`, `table3`: the paper's tables, on recordings and simulations."""
 
 from __future__ import annotations
 
@@ -90,7 +87,7 @@ class Table3Options:
 
 
 def table1(options: Table1Options) -> None:
-    """Look through the recordings, run all methods, print and write."""
+    """Search the recordings, run all methods, print and write."""
     from venus3d.study.pool import ViewPool, pool_of, simulated_pool
     from venus3d.study.runner import run_trials
     from venus3d.study.table1 import run_table1, table1_text, table1_trials
@@ -154,7 +151,7 @@ def table2(options: Table2Options) -> None:
 
 
 def table3(options: Table3Options) -> None:
-    """Let the simulated people work, print and write."""
+    """Run the simulated people, print and write."""
     from venus3d.study.runner import run_trials
     from venus3d.study.table3 import run_table3, table3_text, table3_trials
 

@@ -27,7 +27,7 @@ def teach(options: TeachOptions) -> None:
 
 
 def _names(path: Path, count: int) -> list[Path]:
-    """One name as it is; several get numbers."""
+    """A single name is kept; several are numbered."""
     if count == 1:
         return [path]
     return [path.with_name(f"{path.stem}-{n}{path.suffix}") for n in range(1, count + 1)]

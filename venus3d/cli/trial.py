@@ -1,4 +1,4 @@
-"""`venus3d trial`: time one volunteer, then print the times of all who took part."""
+"""`venus3d trial`: time one volunteer, then print the times of all participants."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from venus3d.storage.exercise import ExerciseRow
 
 
 def trial(options: TrialOptions) -> None:
-    """Run the trial and print what came of it.
+    """Run the trial and print the results.
 
     Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C came before any time.
     """
@@ -28,7 +28,7 @@ def trial(options: TrialOptions) -> None:
     if result.rows:
         print(times_table(result.rows))
     if not any(row.participant == name for row in result.rows):
-        raise KeyboardInterrupt  # which has ended it, and nothing was saved
+        raise KeyboardInterrupt  # ended by Ctrl-C, nothing was saved
     print(f"Written: {result.path}")
     if options.json:
         times = {
@@ -50,10 +50,10 @@ def trial(options: TrialOptions) -> None:
 
 
 def times_table(rows: Sequence[ExerciseRow]) -> str:
-    """Table 3 of the paper with these people: the time for all poses after the first, m:ss.
+    """Table 3 of the paper for the participants: the time for all poses after the first, m:ss.
 
-    A star marks a time in which poses were given up or the simulated hand had the board; a dash a
-    help that was not finished.
+    A star marks a time with poses given up or moved by the simulated hand; a dash an unfinished
+    help.
     """
     people = list(dict.fromkeys(row.participant for row in rows))
     cells = [[HELP_NAMES[h], *(_total(rows, person, h) for person in people)] for h in TRIAL_HELPS]

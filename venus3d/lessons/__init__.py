@@ -1,1 +1,1 @@
-"""Lessons as values, and how they are read from the files that teachers write."""
+"""Lessons as values, and their readers for files written by teachers."""

@@ -1,8 +1,7 @@
 """A lesson as values: pages of text, each with a pose, a viewpoint and perhaps a question.
 
-The structs are the format of a lesson file, checked by msgspec: it is a dependency already and says
-where in the file the first mistake is; pydantic and cattrs are more to install and say no more.
-What no type says is checked in `__post_init__`, which raises ValueError(key, sentence).
+The structs define the lesson file format, checked by msgspec, which is already a dependency and
+locates the first mistake. `__post_init__` checks the rest and raises ValueError(key, sentence).
 """
 
 from __future__ import annotations
@@ -16,16 +15,16 @@ from msgspec import Meta, Struct
 from venus3d.engine.geometry.pose import Pose
 
 Viewpoint = Literal["outside", "camera", "holder", "above"]
-"""Where the scene is looked at from: behind and beside the camera, through it, from where the
-person with the board stands, from above."""
+"""Viewpoint of the scene: from behind and beside the camera, through it, from the holder's place,
+from above."""
 VIEWPOINTS: tuple[Viewpoint, ...] = get_args(Viewpoint)
 Arrangement = Literal["place", "strip", "axes", "order"]
-"""place: the steps where they happen, one at a time. strip: all four side by side. axes: the same
-numbers about the camera's fixed axes and about the board's own, side by side. order: the same three
-turns in two orders, side by side."""
+"""place: the steps in place, one at a time. strip: all four side by side. axes: the same angles
+about the camera's fixed axes and about the board's own, side by side. order: the same three turns
+in two orders, side by side."""
 Extra = Literal["sigma", "distortion"]
-"""sigma: how well views like this one tell the focal length, live. distortion: where the lens
-bends the picture, and by how much."""
+"""sigma: how well views like this one determine the focal length, live. distortion: the lens
+distortion over the image."""
 EXTRAS: tuple[Extra, ...] = get_args(Extra)
 OtherOrder = Literal["xzy", "yxz", "yzx", "zxy", "zyx"]
 """An order of turns that can be shown beside "xyz"."""
@@ -38,8 +37,8 @@ POSE_RANGES = (
     ("yt", -2000, 2000, " mm"),
     ("zt", 50, 3000, " mm"),
 )
-"""Name, lowest, highest and unit of a pose's six numbers. Wide: whether a person can hold the
-board so is said by the engine's limits, and a lesson may well show a pose that they refuse."""
+"""Name, minimum, maximum and unit of a pose's six numbers. Wide, as a lesson may show a pose that
+the engine's limits refuse."""
 
 
 class Question(Struct, frozen=True, forbid_unknown_fields=True):
@@ -48,9 +47,9 @@ class Question(Struct, frozen=True, forbid_unknown_fields=True):
     text: Text
     answers: Annotated[tuple[Text, ...], Meta(min_length=2)]
     right: int
-    """1 ...: which answer is right."""
+    """1 ...: the right answer."""
     why: Text
-    """Shown once an answer was given."""
+    """Shown after an answer."""
 
     def __post_init__(self) -> None:
         count = len(self.answers)
@@ -101,7 +100,7 @@ class LessonPage(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class LessonFile(Struct, frozen=True, forbid_unknown_fields=True):
-    """What stands in a lesson file."""
+    """The content of a lesson file."""
 
     title: Text
     summary: Text
@@ -113,8 +112,8 @@ class Lesson:
     """A lesson: one file."""
 
     name: str
-    """The file's name without its ending."""
+    """The file's name without suffix."""
     title: str
     summary: str
-    """One sentence: what is understood afterwards."""
+    """One sentence: what the learner understands afterwards."""
     pages: tuple[LessonPage, ...]

@@ -1,4 +1,4 @@
-"""On which line of a lesson file a key stands: TOML readers say it for syntax errors only."""
+"""Finds the line of a key in a lesson file: TOML readers give lines for syntax errors only."""
 
 from __future__ import annotations
 
@@ -7,25 +7,24 @@ from dataclasses import dataclass
 import msgspec
 
 KeyPath = tuple[str | int, ...]
-"""Where a value stands: ("page", 0, "pose"); tables of an array are counted from 0."""
+"""Path of a value: ("page", 0, "pose"); tables of an array count from 0."""
 
 
 @dataclass(frozen=True)
 class Lines:
-    """The lines of a lesson's keys, counted from 1."""
+    """The line numbers of a lesson's keys, from 1."""
 
     of: dict[KeyPath, int]
     broken: int | None = None
-    """Where the first header or assignment begins that is no TOML, or never ends."""
+    """Line of the first header or assignment that is invalid TOML or unterminated."""
 
     def line(self, path: KeyPath) -> int:
-        """The line of a key, or of the table around it if it has none of its own."""
+        """The line of a key, or of its table if it has none of its own."""
         return next((self.of[path[:n]] for n in range(len(path), 0, -1) if path[:n] in self.of), 1)
 
 
 def lines_of(text: str) -> Lines:
-    """Find the headers and keys of a TOML text: each is read by itself, line by line, until it is
-    whole."""
+    """Find the headers and keys of a TOML text, parsing each statement by itself, line by line."""
     found: dict[KeyPath, int] = {}
     counts: dict[KeyPath, int] = {}
     table: KeyPath = ()
@@ -37,7 +36,7 @@ def lines_of(text: str) -> Lines:
             begun = number
         statement += f"{line}\n"
         if number > begun and not any(end in line for end in ('"""', "'''", "]")):
-            continue  # reading a long statement anew at every line would take minutes
+            continue  # reparsing a long statement at every line would take minutes
         try:
             content = msgspec.toml.decode(statement)
         except msgspec.DecodeError:
@@ -45,7 +44,7 @@ def lines_of(text: str) -> Lines:
         if statement.lstrip().startswith("["):
             table = _table_of(content, counts)
             found.setdefault(table, begun)
-            found.setdefault(table[:-1], begun)  # an array of tables begins with its first one
+            found.setdefault(table[:-1], begun)  # an array of tables starts with its first one
         else:
             found.setdefault((*table, next(iter(content))), begun)
         statement = ""
@@ -53,7 +52,7 @@ def lines_of(text: str) -> Lines:
 
 
 def _table_of(content: object, counts: dict[KeyPath, int]) -> KeyPath:
-    """The path of a header, read as TOML; counts the tables of each array."""
+    """The path of a header, parsed as TOML; counts the tables of each array."""
     path: KeyPath = ()
     while isinstance(content, dict) and content:
         ((name, content),) = content.items()

@@ -1,6 +1,6 @@
-"""What is wrong with a lesson file, in words for a teacher who knows no Python.
+"""Mistakes in a lesson file, explained to a teacher who knows no Python.
 
-msgspec and the TOML reader find the mistake; the cause and the cure are worded here.
+msgspec and the TOML reader find the mistake; cause and cure are worded here.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _KINDS = {
     "right": "a whole number",
 }
 _NO_PAGE = "a lesson needs a page; begin one with [[page]]"
-# (part of the TOML reader's message, what a teacher does about it)
+# (part of the TOML reader's message, remedy)
 _SYNTAX_CURES = (
     ("unclosed array", "the list never ends, or a comma is missing; close it with ]"),
     ("end of document", 'a text or list begins here and never ends; close it with """ or ]'),
@@ -52,22 +52,22 @@ _SYNTAX_CURES = (
 
 
 class LessonError(VenusError):
-    """Something wrong in a lesson file: "lesson.toml, line 12: ..."."""
+    """A mistake in a lesson file: "lesson.toml, line 12: ..."."""
 
     def __init__(self, file: str, line: int, sentence: str) -> None:
-        """What is wrong on which line, counted from 1."""
+        """The mistake in `sentence` on this line, counted from 1."""
         super().__init__(f"{file}, line {line}: {sentence}{'' if sentence[-1] in '.?' else '.'}")
 
 
 def syntax_mistake(message: str, line: str) -> str:
-    """The sentence for a line that is no TOML, from the TOML reader's message."""
+    """The sentence for a line of invalid TOML, from the TOML reader's message."""
     cause = re.sub(r"\s*\(at .*\)$", "", message)
     cure = next((f": {cure}" for part, cure in _SYNTAX_CURES if part in message.lower()), "")
     return f"{cause[0].lower()}{cause[1:]} in {line.strip()[:60]!r}{cure}"
 
 
 def value_mistake(error: ValidationError, raw: Any) -> tuple[KeyPath, str]:
-    """Where the mistake is that msgspec found in `raw`, and the sentence for it."""
+    """The place of the mistake that msgspec found in `raw`, and the sentence for it."""
     cause, _, where = str(error).partition(" - at `$")
     path: KeyPath = tuple(
         name or int(index) for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", where)

@@ -1,7 +1,7 @@
-"""Lessons out of the TOML files that teachers write, and those that come with the program.
+"""Reads lessons from TOML files: those of teachers and those shipped with the program.
 
-Whatever is wrong with a file ends in one sentence with the file, the line, the cause and the cure
-(`mistakes`). What each key may hold is said, for people, by docs/lessons.md.
+Every mistake becomes one sentence with file, line, cause and cure (`mistakes`). docs/lessons.md
+describes the keys.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from venus3d.lessons.mistakes import LessonError, syntax_mistake, value_mistake
 def read_lesson(path: str | Path) -> Lesson:
     """The lesson of a file.
 
-    Raises `LessonError`, which names file and line, for whatever is wrong with it.
+    Raises `LessonError`, with file and line, for any mistake.
     """
     file = Path(path)
     text = _text_of(file)
@@ -35,7 +35,7 @@ def read_lesson(path: str | Path) -> Lesson:
         where, sentence = value_mistake(error, raw)
         raise LessonError(file.name, lines_of(text).line(where), sentence) from None
     except msgspec.DecodeError as error:
-        # A key that stands twice is no mistake of its own line: the reader says which line it is.
+        # For a duplicate key the reader's message gives the line.
         said = re.search(r"at line (\d+)", str(error))
         line = lines_of(text).broken or (int(said.group(1)) if said else 1)
         sentence = syntax_mistake(str(error), text.splitlines()[line - 1])
@@ -44,14 +44,14 @@ def read_lesson(path: str | Path) -> Lesson:
 
 
 def shipped_lessons() -> tuple[Lesson, ...]:
-    """The lessons that come with the program, in the order of their files' numbers."""
+    """The lessons shipped with the program, in the order of their files' numbers."""
     return _read_folder(_shipped_folder())
 
 
 def lesson_of(choice: str) -> Lesson:
-    """The lesson that a person named: "" the first, a file (.toml), or a shipped one's name.
+    """The lesson with this name: "" the first, a file (.toml), or a shipped one.
 
-    A name goes without its number too: "gimbal-lock". Raises `VenusError` for one unknown.
+    The number may be omitted: "gimbal-lock". Raises `VenusError` for an unknown one.
     """
     if choice.lower().endswith(".toml") or "/" in choice or "\\" in choice:
         return read_lesson(choice)
@@ -72,7 +72,7 @@ def _read_folder(folder: Path) -> tuple[Lesson, ...]:
 
 
 def _shipped_folder() -> Path:
-    """Where the lessons are: in the installed package, or beside it in a source tree."""
+    """The lessons' folder: in the installed package, or beside it in a source tree."""
     inside = Path(__file__).parent / "shipped"
     return inside if inside.is_dir() else Path(__file__).parents[2] / "assets" / "lessons"
 
@@ -97,7 +97,7 @@ def _text_of(file: Path) -> str:
 
 
 def _stripped(raw: Any) -> Any:
-    """The same without the space around texts: one of nothing but space is empty."""
+    """Strips the space around texts, so that blank ones are empty."""
     if isinstance(raw, dict):
         return {key: _stripped(value) for key, value in raw.items()}
     if isinstance(raw, list):

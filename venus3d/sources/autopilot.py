@@ -63,8 +63,8 @@ class Autopilot:
         Args:
             rng: for tremor, overshoot and placement.
             speed: 1 is a calm person: at most 0.25 m/s and 45 degrees/s, and rests of 0.3 s.
-            tremor: 1 is a slow tremor of about 0.5 mm and 0.2 degrees and a placement error of about
-                2 mm and 0.7 degrees; 0 is none.
+            tremor: 1 is a slow tremor of about 0.5 mm and 0.2 degrees and a placement error of
+                about 2 mm and 0.7 degrees; 0 is none.
             overshoot: 1 is about 5 % before each correction; 0 is none.
         """
         self._rng, self._speed = rng, max(speed, 1e-3)
@@ -101,8 +101,8 @@ class Autopilot:
         Args:
             pose: `T_camera_board` now; if it is not the one returned last, somebody else moved the
                 board, and the hand starts again from there.
-            target: where to go; None holds still or, before the first target, moves the board slowly
-                back to 0.5 m on the axis.
+            target: where to go; None holds still or, before the first target, moves the board
+                slowly back to 0.5 m on the axis.
             dt_s: time step, seconds.
             seen: the board's pose as estimated by the calibration.
         """

@@ -26,7 +26,7 @@ class ResultFolder:
     """
 
     def __init__(self, directory: Path, tell: Callable[[str], None] = lambda _: None) -> None:
-        """Nothing is written yet. `tell` hears under which names an earlier result is kept."""
+        """Nothing is written yet. `tell` receives the new names of an earlier result."""
         self.directory = directory
         self._tell = tell
         self._tail = ""

@@ -1,4 +1,4 @@
-"""Ways to choose poses, run on simulated corners and told by the paper's indicators (4.1.1)."""
+"""Ways to choose poses, run on simulated corners and measured by the paper's indicators (4.1.1)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Arm:
     """One way to choose poses."""
 
     label: str
-    """As it is written beside a line of a plot."""
+    """Label of its line in a plot."""
     settings: Settings
 
 
@@ -75,7 +75,7 @@ def run_arm(trial: ArmTrial) -> Sequence[Mapping[str, Value]]:
 
 
 def indicators(calibration: Calibration, truth: Camera) -> dict[str, Value]:
-    """What a calibration is judged by; `sum_iod` is NaN while not all parameters are estimated."""
+    """Measures of a calibration; `sum_iod` is NaN while not all parameters are estimated."""
     full = all(calibration.free)
     iod = index_of_dispersion(calibration.camera, calibration.covariance)
     return {
@@ -91,12 +91,12 @@ def indicators(calibration: Calibration, truth: Camera) -> dict[str, Value]:
 def abs_rms_err_px(truth: Camera, estimate: Camera) -> float:
     """AbsRmsErr (4.1.1): rms distance of the same 3D points through true and estimated intrinsics.
 
-    The paper does not say which points: here those that a grid of the true image sees. The same
-    pose is used for both cameras, so that a principal point off by 3 px counts 3 px although a turn
-    of the camera by a tenth of a degree undoes it; `projection_diff_px` is without that.
+    The paper does not specify the points; here they are a grid of the true image. Both cameras have
+    the same pose, so a principal point off by 3 px counts as 3 px although a rotation of a tenth of
+    a degree undoes it, unlike in `projection_diff_px`.
     """
     points = points_before(truth)
-    # Straight through the polynomial: beyond the radius where a bad estimate folds, too.
+    # Without a radius limit: also beyond the fold of a bad estimate.
     xy = estimate.distort(points[:, :2] / points[:, 2:])
     pixels = xy * [estimate.fx, estimate.fy] + [estimate.cx, estimate.cy]
     off = pixels - truth.project(points)

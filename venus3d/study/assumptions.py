@@ -1,7 +1,4 @@
-"""What the simulated people of Table 3 are made of: every number with the reason for it.
-
-What they do with it is in `hand`.
-"""
+"""The simulated people of Table 3: every number with its source."""
 
 from __future__ import annotations
 
@@ -14,52 +11,52 @@ from venus3d.engine.errors import VenusError
 
 @dataclass(frozen=True)
 class Assumptions:
-    """What the simulated person is made of. Times in seconds, errors as standard deviations."""
+    """Parameters of the simulated person. Times in seconds, errors as standard deviations."""
 
     reaction_s: float = 0.25
-    """From seeing to beginning to move: simple visual reaction."""
+    """From seeing to starting to move: simple visual reaction time."""
     reading_s: float = 1.0
-    """To take in a step's arrow and figure for the first time: four fixations. Whoever reads the
-    whole sentence of eight words needs 2 s (240 words a minute; Brysbaert 2019)."""
+    """First reading of a step's arrow and figure: four fixations. The whole sentence of eight words
+    takes 2 s (240 words a minute; Brysbaert 2019)."""
     glance_s: float = 0.5
-    """To look again at something known: two fixations of a quarter of a second."""
+    """A second look at something known: two fixations of a quarter of a second."""
     rotation_deg_per_s: float = 60.0
-    """Imagined turns from one picture to another (Shepard and Metzler 1971); with a picture of axes
-    or an outline the turn has to be found in the mind first, a step names it."""
+    """Mental rotation from one image to another (Shepard and Metzler 1971); needed for axes and
+    outline, while a step names the turn."""
     fitts_a_s: float = 0.2
     """Fitts's law (1954), T = a + b log2(2 A / W): starting and stopping."""
     fitts_b_s: float = 0.2
-    """Seconds a bit. A pointing hand needs about 0.1; a board in two hands is slower."""
+    """Seconds per bit. A pointing hand needs about 0.1; a board in two hands is slower."""
     motor_share: float = 0.05
-    """A motion's end scatters by this share of its length (Harris and Wolpert 1998)."""
+    """Scatter of a motion's end as a share of its length (Harris and Wolpert 1998)."""
     pivot_mm_per_deg: float = 0.3
     """A turn also shifts the centre of a board that is held by its edges."""
     rest_mm: float = 1.2
-    """However short the motion; as for the simulated source's hand."""
+    """Lower bound of that scatter for a shift; as for the simulated source's hand."""
     rest_deg: float = 0.4
-    """The same of a turn."""
+    """Lower bound for a turn."""
     told_share: float = 0.10
-    """Error of an amount that is told in figures and has to be felt: "turn by 13 degrees"."""
+    """Error in executing an amount given in figures: "turn by 13 degrees"."""
     place_share: float = 0.05
-    """Error of a shift across the picture, which is seen directly, and of a turn in its plane."""
+    """Error of a shift across the image, which is seen directly, and of a turn in its plane."""
     depth_share: float = 0.15
     """Error of a distance judged by size."""
     axes_tilt_share: float = 0.25
-    """Error of a tilt judged from the axes' foreshortening, as a share of it ..."""
+    """Relative error of a tilt judged from the axes' foreshortening."""
     axes_tilt_deg: float = 3.0
-    """... and however small it is."""
+    """Lower bound of that error."""
     axes_flip: float = 0.10
-    """How often a tilt is read in the wrong sense from the axes: drawn lines tell near from far
-    only by the knowledge which axis is which."""
+    """Probability of reading a tilt from the axes with the wrong sign: drawn lines show near and
+    far only to someone who knows which axis is which."""
     outline_tilt_share: float = 0.35
-    """Error of a tilt judged from a silhouette, which changes with the cosine only."""
+    """Relative error of a tilt judged from a silhouette, which changes with the cosine only."""
     outline_tilt_deg: float = 5.0
-    """However small it is."""
+    """Lower bound of that error."""
     outline_flip: float = 0.5
-    """A silhouette hardly tells forwards from backwards: the first guess is a coin's."""
+    """The same from an outline, which hardly shows the sign: the first guess is random."""
 
     def check(self) -> None:
-        """Raises `VenusError` for a value that nobody can have."""
+        """Raises `VenusError` for an impossible value."""
         for name in (f.name for f in fields(self)):
             value = getattr(self, name)
             most = 1.0 if name.endswith("_flip") else np.inf
@@ -69,9 +66,9 @@ class Assumptions:
                 raise VenusError(f"--assume.{name.replace('_', '-')} must be {allowed}.")
 
     def person(self, spread: float, rng: np.random.Generator) -> Assumptions:
-        """Somebody: all times longer and all errors larger by two factors of their own.
+        """A random person: all times and all errors scaled by two individual factors.
 
-        Both are drawn from a lognormal distribution around 1 with this `spread`.
+        Both are lognormal around 1 with this `spread`.
         """
         slow, clumsy = np.exp(spread * rng.standard_normal(2))
         changed = {

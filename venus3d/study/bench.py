@@ -1,8 +1,8 @@
-"""`venus3d study bench`: what this project claims about its search, measured here and now.
+"""`venus3d study bench`: measures this project's claims about its search.
 
-Speeds are ratios of two things timed in turns within one process. Accuracies are medians over
-seeded repeats, with quartiles. What is compared are the product's own parts with OpenCV's and
-scipy's, and methods with each other by the poses they ask for.
+Speeds are ratios of two things timed alternately within one process. Accuracies are medians with
+quartiles over seeded repeats. Compared are the product's parts with OpenCV's and scipy's, and
+methods with each other by their poses.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ from venus3d.study.text import table
 
 VIEWS = 14
 TIMINGS = 15
-"""How often each of two things is timed, in turns."""
+"""How often each of two things is timed, alternately."""
 STATES = 10
-"""States of a calibration by `global`, with 2, 3 ... 11 views, on which searches are compared."""
+"""States of a calibration by `global`, with 2, 3 ... 11 views, for comparing searches."""
 LONG_RUNS, LONG_BUDGET = 10, 20_000
 
 
@@ -96,9 +96,9 @@ def bench_trial(trial: BenchTrial) -> list[dict[str, Value]]:
 
 
 def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
-    """A row for each view: how good the poses were in truth, the gain promised and the gain got.
+    """A row for each view: the true quality of the poses, the predicted and the actual gain.
 
-    Gains are falls of the expected mean projection error, as the engine itself tells it.
+    Gains are drops of the expected mean projection error as computed by the engine.
     """
     rows: list[dict[str, Value]] = []
     promised = before = float("nan")
@@ -122,7 +122,7 @@ def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
 
 
 def state_row(trial: BenchTrial) -> dict[str, Value]:
-    """What `global` finds on one state, and the best that long runs of dual annealing find."""
+    """The result of `global` on one state, and the best of long runs of dual annealing."""
     settings, views = Settings(), trial.repeat + 2
     *_, last = guided_calibrations(settings, views, seed=trial.seed, repeat=trial.repeat)
     posterior = last.outcome.posterior
@@ -174,7 +174,7 @@ def judged(rows: Sequence[dict[str, Value]]) -> list[Bar]:
 
 
 def bench_table(bars: Sequence[Bar]) -> str:
-    """The claims as a table for people."""
+    """The claims as a readable table."""
     lines: list[list[str]] = []
     for bar in bars:
         spread = "–" if bar.quartiles is None else "–".join(map(_figure, bar.quartiles))
@@ -193,7 +193,7 @@ def _by_repeat(rows: Sequence[dict[str, Value]], kind: str, column: str) -> Arra
 
 
 def _bar(name: str, values: Array, bar: float, *, least: bool = False) -> Bar:
-    """A median against a bar that it must not pass, or, with `least`, must reach."""
+    """A median against a bar as an upper limit or, with `least`, a lower one."""
     value = float(np.median(values))
     ok = value >= bar if least else value <= bar
     return Bar(name, value, f"{'>=' if least else '<='} {bar:.4g}", ok, _quartiles(values))
@@ -216,7 +216,7 @@ def candidate_speed(seed: int) -> Bar:
 
 
 def suggestion_speed(seed: int) -> tuple[Bar, Bar]:
-    """One `global` search at 12 views, in hypothetical calibrations, and how many poses it sees."""
+    """One `global` search at 12 views, in hypothetical calibrations, and its number of poses."""
     scene = _Scene(seed, views=12)
     looked: list[int] = []
 
@@ -232,7 +232,7 @@ def suggestion_speed(seed: int) -> tuple[Bar, Bar]:
 
 
 class _Scene:
-    """Views of the paper's camera, with what a search of the next one needs."""
+    """Views of the paper's camera, with the input for a search of the next one."""
 
     def __init__(self, seed: int, views: int) -> None:
         self.rng = np.random.default_rng(seed)
@@ -247,13 +247,13 @@ class _Scene:
         self.cost = make_cost("projection-variance", posterior)
 
     def calibrate(self) -> None:
-        """What a hypothetical calibration with one more view takes, by OpenCV alone."""
+        """A hypothetical calibration with one more view, by OpenCV alone."""
         cv2.calibrateCamera(self._objects, self._images, PAPER_CAMERA.image_size, None, None)  # type: ignore[call-overload]
 
 
 def _ratios(one: Callable[[], Any], other: Callable[[], Any]) -> Array:
-    """Time of one over time of the other, taken in turns so that both meet the same machine."""
-    for first in (one, other):  # what is made once is made now
+    """Ratio of two times, measured alternately so that both see the same machine load."""
+    for first in (one, other):  # warm up caches
         first()
     return np.array([_seconds(one) / _seconds(other) for _ in range(TIMINGS)])
 

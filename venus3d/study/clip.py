@@ -1,4 +1,4 @@
-"""Frames of a recording in memory, all of 720p and with the board: what times are measured on."""
+"""Frames of a recording in memory, all at 720p and with the board, for timing."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from venus3d.sources.recording import observe_recording
 Image = NDArray[np.uint8]
 PIXELS = 1280 * 720
 MOST_PICTURES = 60
-"""Kept in memory, 2.8 MB each; they are gone through again and again."""
+"""Kept in memory, 2.8 MB each, and reused cyclically."""
 
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """Frames in memory that all show the board, and what the first look at them found."""
+    """Frames in memory that all show the board, with a first detection in each."""
 
     name: str
     images: tuple[Image, ...]
@@ -38,7 +38,7 @@ class Clip:
     notes: tuple[str, ...]
 
     def region(self, index: int) -> Region | None:
-        """Where the board was: in the frame before, or, among stills, where it is held."""
+        """Where the board was in the frame before or, for stills, where it is held."""
         last = self.observations[index - 1 if self.is_video and index else index]
         return search_region(last, self.camera.image_size)
 
@@ -52,9 +52,8 @@ def load_clip(
 ) -> Clip:
     """Up to `most` frames, evenly spread over those that show the board, at about 1280 x 720.
 
-    A frame of another size is scaled to as many pixels; its sides keep their ratio.
-
-    Raises `SourceError` and `CalibrationError` as `pool_of` does.
+    Frames of another size are scaled to as many pixels, keeping the aspect ratio. Raises
+    `SourceError` and `CalibrationError` as `pool_of` does.
     """
     detector = Detector(board)
     recording = observe_recording(spec, detector, on_count)
@@ -93,7 +92,7 @@ def _frames(spec: str, chosen: set[int]) -> Iterator[Image]:
 
 
 def _as_720p(image: Image) -> Image:
-    """BGR, 8 bit, at 1280 x 720 px or as many pixels in the image's own shape."""
+    """BGR, 8 bit, at 1280 x 720 px or as many pixels with the image's aspect ratio."""
     if image.dtype != np.uint8:
         image = cv2.convertScaleAbs(image, alpha=255 / max(1, int(image.max()))).astype(np.uint8)
     if image.ndim == 2:
@@ -108,7 +107,7 @@ def _as_720p(image: Image) -> Image:
 
 
 def _camera_of(board: Board, observations: Sequence[Observation], size: tuple[int, int]) -> Camera:
-    """Good enough to draw with: what is measured is time."""
+    """A camera good enough for drawing: only time is measured."""
     if len(observations) < 3:
         return Camera.guess(size)
     places = np.linspace(0, len(observations) - 1, min(20, len(observations))).astype(int)

@@ -1,7 +1,4 @@
-"""Figures 6 to 9 of the paper and a tenth: who wins, and from which number of views on.
-
-Which arms there are stands in `arms`; pictures are drawn by `plots`.
-"""
+"""Figures 6 to 9 of the paper and a tenth: which arm wins, and from how many views on."""
 
 from __future__ import annotations
 
@@ -28,7 +25,7 @@ INDICATORS: Mapping[str, str] = {
 }
 _PAPER_ALWAYS = ("sum_iod", "abs_rms_err_px")
 FIRST_VIEWS = 2
-"""All parameters are estimated from so many views on; before there is nothing to compare."""
+"""Least number of views at which all parameters are estimated."""
 CONFIDENCE = 0.95
 _LEGEND = """\
 "Smaller, from n views on": paired over the repeats, the 95 % interval of the mean difference of the
@@ -40,22 +37,22 @@ the true camera and noise, mean over the image: no estimate is in it."""
 
 @dataclass(frozen=True)
 class Figure:
-    """Two arms, and what the paper says of them."""
+    """Two arms, and the paper's claim about them."""
 
     number: int
     title: str
     arms: tuple[str, str]
     claim: str
     winner: str
-    """The arm that the paper says is better; empty where it says nothing."""
+    """The better arm according to the paper; empty if it makes no claim."""
     from_views: int = 20
-    """From which number of views on at the latest, by the paper."""
+    """The number of views from which, at the latest, it is better according to the paper."""
     steadier: bool = False
     """Whether the claim is less scatter rather than a smaller value."""
     told_by: tuple[str, ...] = _PAPER_ALWAYS
-    """The indicators that the paper shows."""
+    """The indicators shown in the paper."""
     also: tuple[str, ...] = ("abs_rms_err_rotated_px", "true_projection_error_px")
-    """What is shown besides, to four in all."""
+    """Further indicators, to make four."""
 
     @property
     def indicators(self) -> tuple[str, ...]:
@@ -108,12 +105,12 @@ FIGURES = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """Who wins one indicator of one figure."""
+    """The winner by one indicator of one figure."""
 
     figure: Figure
     indicator: str
     winner: str
-    """Empty if neither does by the last view."""
+    """Empty if neither wins by the last view."""
     since: int
     """From this number of views on, to the end; 0 without a winner."""
     ratio: float
@@ -126,7 +123,7 @@ class Verdict:
 
     @property
     def agrees(self) -> str:
-        """Whether this is what the paper says, in a word or two; "–" where it says nothing."""
+        """Whether this agrees with the paper, in a word or two; "–" without a claim."""
         figure = self.figure
         if not figure.winner or self.indicator not in figure.told_by:
             return "–"
@@ -165,7 +162,7 @@ def run_figures(
 
 
 def logarithms(rows: Iterable[Mapping[str, Value]], arm: str, indicator: str) -> Array:
-    """(repeats, views) natural logarithms of an indicator; NaN where it was not known."""
+    """(repeats, views) natural logarithms of an indicator; NaN where unknown."""
     chosen = [row for row in rows if row["arm"] == arm]
     repeats = len({row["repeat"] for row in chosen})
     values = np.array([float(row[indicator]) for row in chosen]).reshape(repeats, -1)
@@ -214,14 +211,14 @@ def _interval(differences: Array) -> tuple[Array, Array]:
 
 
 def _since(leads: Mask) -> int:
-    """From which number of views on somebody leads to the end; 0 if not at the end."""
+    """The number of views from which somebody leads to the end; 0 if not at the end."""
     behind = np.flatnonzero(~leads)
     since = int(behind[-1]) + 2 if behind.size else 1
     return since if since <= len(leads) else 0
 
 
 def verdicts_text(rows: Sequence[Mapping[str, Value]]) -> str:
-    """All figures in Markdown: what is compared, what the paper says, and who wins."""
+    """All figures in Markdown: the arms, the paper's claim, and the winner."""
     figures = [_figure_text(figure, judge_figure(rows, figure)) for figure in FIGURES]
     return "\n\n".join([_LEGEND, *figures])
 

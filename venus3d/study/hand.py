@@ -1,10 +1,9 @@
-"""A simulated person who brings the board to a pose with one of three helps. No measurement.
+"""A simulated person who brings the board to a pose with one of three helps; not a measurement.
 
-It looks at the help, believes something about what is left to do, moves, and looks again, until the
-program's own `matching` says that the pose is reached. What it believes and how long everything
-takes are `Assumptions`, each with its reason; what comes out follows from them. The real test is
-`venus3d trial` with people. Motions are counted by their duration alone: on the way the
-board is not still, so no pose counts as reached there.
+It looks at the help, estimates what remains to be done, moves, and looks again, until the program's
+own `matching` says that the pose is reached. Its errors and times are `Assumptions`; `venus3d
+trial` tests real people. Only a motion's duration is simulated, as no pose counts as reached on the
+way.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ from venus3d.study.assumptions import Assumptions
 
 Help = Literal["steps", "axes", "outline", "perfect"]
 HELPS: tuple[Help, ...] = ("steps", "axes", "outline", "perfect")
-"""steps: the four steps of eq. (15), one at a time, with the amount that is left (this program).
-axes: the board's axes and the target's over the picture (Rojtberg 2018). outline: the target's
-filled silhouette (AprilCal). perfect: knows the target without looking; nobody can be faster."""
+"""steps: the four steps of eq. (15), one at a time, with the remaining amount (this program).
+axes: the board's axes and the target's in the image (Rojtberg 2018). outline: the target's filled
+silhouette (AprilCal). perfect: knows the target without looking; a lower bound."""
 
 _MIN_JERK_PEAK = 1.875  # peak over mean speed of a bell-shaped motion (Flash and Hogan 1985)
 _MOST_LOOKS = 200
-_ALIGNED_DEG = 10.0  # this near to where one meant to be, one thinks to be there
+_ALIGNED_DEG = 10.0  # within this of the intended pose, the person thinks it is reached
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,12 +41,12 @@ class ReachResult:
     looks: int
     reached: bool
     end: Pose
-    """Where the board was left."""
+    """Final pose of the board."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A shift and a turn that somebody believes to be missing."""
+    """A shift and a turn that a person believes to remain."""
 
     shift: Array
     """(3,) metres, camera frame."""
@@ -56,7 +55,7 @@ class Motion:
 
 
 class Reader(Protocol):
-    """Somebody who looks at a help: what it takes, and what they then mean to do, in order."""
+    """A person's reading of a help: its time, and the intended motions in order."""
 
     def __call__(self, now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]: ...
 
@@ -70,7 +69,7 @@ def reach(
     board: Board,
     rng: np.random.Generator,
 ) -> ReachResult:
-    """Bring the board from `start` to `target` until `matching` says that it is there."""
+    """Bring the board from `start` to `target` until `matching` accepts it."""
     reader, pose, seconds, looks = READERS[help_](person, board, rng), start, 0.0, 0
     now = _match(camera, board, pose, target)
     while not now.reached and looks < _MOST_LOOKS:
@@ -87,10 +86,10 @@ def reach(
 
 
 def motion_s(person: Assumptions, board: Board, motion: Motion) -> float:
-    """How long a motion takes: the shift and the turn one after the other.
+    """Duration of a motion: the shift and the turn one after the other.
 
     People switch between placing and turning rather than doing both (Masliah and Milgram 2000).
-    Each takes the time of Fitts's law, its width being the tolerance of a step, and is never faster
+    Each takes the time of Fitts's law, with a step's tolerance as the width, and is never faster
     than a bell-shaped motion with the top speed of the simulated source's hand.
     """
     tolerance = Tolerance()
@@ -109,7 +108,7 @@ def _single_s(person: Assumptions, amount: float, width: float, top_speed: float
 
 
 def _moved(pose: Pose, motion: Motion, person: Assumptions, rng: np.random.Generator) -> Pose:
-    """Where the board really ends up: all that was meant, and what the hand adds to it."""
+    """The board's actual pose after an intended motion, with the hand's errors."""
     turn = float(np.linalg.norm(motion.turn_deg))
     shift = float(np.linalg.norm(motion.shift))
     scatter_deg = np.hypot(person.rest_deg, person.motor_share * turn)
@@ -125,7 +124,7 @@ def _rotation(rotvec_deg: Array) -> Array:
 
 
 def _match(camera: Camera, board: Board, pose: Pose, target: Pose) -> Match:
-    """As the program sees the board at rest: twice the same corners."""
+    """The program's match for a board at rest: the same corners twice."""
     corners = camera.without_distortion().project(pose.apply(board.corners))
     still = Observation(np.arange(board.corner_count), corners, camera.image_size)
     return match(camera, board, pose, target, observation=still, before=still)
@@ -135,9 +134,9 @@ def _match(camera: Camera, board: Board, pose: Pose, target: Pose) -> Match:
 
 
 def _steps_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
-    """One degree of freedom at a time, told in words and figures.
+    """One degree of freedom at a time, given in words and figures.
 
-    First the four steps in their order, each once and none that is idle; then whatever is off most.
+    First the four steps in order, without idle ones; then whatever is off most.
     """
     ahead = [1, 2, 3, 4]
     tolerance = Tolerance()
@@ -160,7 +159,7 @@ def _steps_reader(person: Assumptions, board: Board, rng: np.random.Generator) -
 
 
 def _axes_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
-    """All six at once, from two crosses of axes; each look reads anew."""
+    """All six at once, from two sets of axes; each look reads them again."""
 
     def look(now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]:
         missing = _missing_deg(pose, target)
@@ -175,14 +174,14 @@ def _axes_reader(person: Assumptions, board: Board, rng: np.random.Generator) ->
 
 
 def _outline_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
-    """The silhouette alone: a sense of the tilt is guessed, and given up when it leads nowhere."""
+    """The silhouette alone: the sign of the tilt is guessed, and changed if it does not help."""
     mirrored = rng.random() < person.outline_flip
 
     def look(now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]:
         nonlocal mirrored
         took = person.reaction_s + person.glance_s
         if pose.angle_to_deg(_believed(target, mirrored)) < _ALIGNED_DEG and now.overlap > 0.7:
-            # It looks right and nothing happens: then it is the other way round.
+            # It looks right but is not accepted: try the other sign.
             mirrored = not mirrored if person.outline_flip > 0 else mirrored
         missing = _missing_deg(pose, _believed(target, mirrored))
         took += float(np.linalg.norm(missing)) / person.rotation_deg_per_s
@@ -194,7 +193,7 @@ def _outline_reader(person: Assumptions, board: Board, rng: np.random.Generator)
 
 
 def _perfect_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
-    """Knows what is missing without looking at anything."""
+    """Knows the remaining motion without looking."""
 
     def look(now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]:
         shift, turn = target.t - pose.t, _missing_deg(pose, target)
@@ -220,7 +219,7 @@ def _judged(
     tilt_deg: float,
     rng: np.random.Generator,
 ) -> list[Motion]:
-    """What somebody means to do who judges shift and turn from a picture: place, then turn."""
+    """The motions of a person who judges shift and turn from an image: place, then turn."""
     noise = rng.standard_normal(6)
     shares = np.array([person.place_share, person.place_share, person.depth_share])
     shift = now.remaining_mm / 1000 * (1 + shares * noise[:3])
@@ -243,8 +242,8 @@ def _believed(target: Pose, mirrored: bool) -> Pose:
 def mirrored_tilt(pose: Pose) -> Pose:
     """The board tilted the other way, which covers the same pixels if seen from very far.
 
-    `R = S Rz` with the swing S about an axis in the plane across the line of sight; under parallel
-    projection S and its inverse shorten the board alike.
+    `R = S Rz` with the swing S about an axis perpendicular to the line of sight; under parallel
+    projection S and its inverse foreshorten the board alike.
     """
     sight = pose.t / np.linalg.norm(pose.t)
     axis = np.cross(sight, pose.R[:, 2])

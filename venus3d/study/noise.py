@@ -1,9 +1,9 @@
-"""Where `engine.noise` has its curve from: detection measured on renders whose truth is known.
+"""Measures and fits the curve in `engine.calibration.corner_noise` on renders with ground truth.
 
     rows = measure_noise(views=500)
     fit_noise(rows)                    # -> NoiseModel
 
-About a fifth of a second a view. What the curve is used for is said in docs/costs.md.
+About a fifth of a second per view. docs/costs.md explains its use.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from venus3d.sources.sim import Simulation
 TILTS_DEG = (0.0, 65.0)
 WIDTHS_PX = (12.0, 80.0)
 REFERENCE_PX = 40.0
-_FEW = 8  # corners from which no spread is told
+_FEW = 8  # no spread is computed from fewer corners
 
 
 @dataclass(frozen=True)
@@ -39,13 +39,13 @@ class NoiseRow:
     found: float
     """Share of the corners found."""
     sigma_px: float
-    """Rms error of a coordinate of the corners found; NaN if they are few."""
+    """Rms error of a coordinate of the corners found; NaN if there are few."""
 
 
 def measure_noise(
     views: int = 500, *, seed: int = 0, camera: Camera = PAPER_CAMERA, board: Board | None = None
 ) -> tuple[NoiseRow, ...]:
-    """Detect the board in renders of random poses, all of it in the picture."""
+    """Detect the board in renders of random poses, wholly in the image."""
     board = Board() if board is None else board
     rng = np.random.default_rng(seed)
     detector = Detector(board, find_layout=False)
@@ -72,12 +72,12 @@ def measure_noise(
 
 
 def fit_noise(rows: Sequence[NoiseRow]) -> NoiseModel:
-    """The curve of `NoiseModel` through the rows; a loss that single bad views do not rule."""
+    """Fit `NoiseModel`'s curve to the rows with a robust loss."""
     tilt, width, found, sigma = np.array(
         [[row.tilt_deg, row.width_px, row.found, row.sigma_px] for row in rows]
     ).T
     slope, size = -np.log(np.cos(np.radians(tilt))), np.log(width / REFERENCE_PX)
-    # A view with few corners says little about noise: the found ones are the lucky ones.
+    # In a view with few corners, those found are the lucky ones.
     good = np.isfinite(sigma) & (found > 0.3)
 
     def noise(x: Array) -> Array:
@@ -103,7 +103,7 @@ def fit_noise(rows: Sequence[NoiseRow]) -> NoiseModel:
 
 
 def _any_pose(camera: Camera, board: Board, rng: np.random.Generator) -> Pose:
-    """Tilts evenly, widths evenly in their logarithm; any direction of tilt, roll and place."""
+    """Uniform tilts, log-uniform widths; random direction of tilt, roll and place."""
     tilt, azimuth = np.radians(rng.uniform(*TILTS_DEG)), rng.uniform(0, 2 * np.pi)
     width = np.exp(rng.uniform(*np.log(WIDTHS_PX)))
     z = camera.fx * board.square * np.cos(tilt) / width

@@ -1,4 +1,4 @@
-"""The figures for a slide: mean and spread of the logarithms, with names beside the lines."""
+"""The figures for slides: mean and spread of the logarithms, with labelled lines."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from venus3d.study.arms import ARMS
 from venus3d.study.figures import FIRST_VIEWS, INDICATORS, Figure, logarithms
 from venus3d.study.runner import Value, needed
 
-# Okabe and Ito's vermilion and blue: told apart by everybody, and in grey.
+# Okabe and Ito's vermilion and blue: distinguishable by everybody, and in grey.
 _COLOURS = ("#D55E00", "#0072B2")
 _INK, _QUIET = "#222222", "#777777"
 
@@ -93,7 +93,7 @@ def _panel(panel: Any, rows: Sequence[Mapping[str, Value]], figure: Figure, indi
 
 
 def _label_lines(panel: Any, figure: Figure, ends: Sequence[float], last: int) -> None:
-    """Names at the lines' ends, pushed apart where the lines end together."""
+    """Labels at the lines' ends, moved apart where they would overlap."""
     low, high = panel.get_ylim()
     least = 0.09 * (high - low)
     upper, lower = (0, 1) if ends[0] >= ends[1] else (1, 0)
@@ -113,6 +113,6 @@ def _label_lines(panel: Any, figure: Figure, ends: Sequence[float], last: int) -
 
 def _drawn(canvas: Any, kind: str) -> bytes:
     buffer = io.BytesIO()
-    metadata = {"Date": None} if kind == "svg" else {}  # the same rows make the same file
+    metadata = {"Date": None} if kind == "svg" else {}  # reproducible files
     canvas.savefig(buffer, format=kind, dpi=150, facecolor="white", metadata=metadata)
     return buffer.getvalue()

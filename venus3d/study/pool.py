@@ -1,8 +1,4 @@
-"""A recording as a pool of real views: what was seen, which part is kept for testing, and which
-view comes nearest to a pose that is asked for.
-
-What a method asks for, and when it has enough, is `table1`'s business.
-"""
+"""A recording as a pool of real views: detection, test split, and the view nearest to a pose."""
 
 from __future__ import annotations
 
@@ -28,31 +24,31 @@ from venus3d.sources.sim import Simulation
 
 FEWEST_TRAINING, FEWEST_TEST = 6, 4
 """The repaired rule of convergence gives no verdict before six views; a test on fewer than four
-views hangs on each of them."""
-_COMPLETE = 0.5  # share of the board's corners that a view has to show
-_MORE_DEG, _FARTHER = 5.0, 1.15  # beyond what a recording holds
-_SHARP = 0.7  # of the median sharpness; below it a frame counts as blurred
+views depends too much on each."""
+_COMPLETE = 0.5  # share of the board's corners required in a view
+_MORE_DEG, _FARTHER = 5.0, 1.15  # beyond the recording's range
+_SHARP = 0.7  # of the median sharpness; below it a frame is blurred
 SAME = 0.0025
-"""Of the image's width: a frame whose corners lie nearer to a kept view's repeats it. The same as
-for `calibrate` (`select_views`)."""
+"""A frame whose corners are nearer than this to a kept view's, as a share of the image's width, is
+a duplicate. The same as for `calibrate` (`select_views`)."""
 
 
 @dataclass(frozen=True, eq=False)
 class ViewPool:
-    """The usable views of one recording, in their order."""
+    """The usable views of one recording, in order."""
 
     name: str
     """What the user typed."""
     board: Board
-    """As it turned out to be printed."""
+    """The board as it was read."""
     observations: tuple[Observation, ...]
     frames: int
-    """How many frames the recording has."""
+    """Number of frames of the recording."""
     notes: tuple[str, ...] = ()
     asking: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Fields of `Limits`: what may be asked for (see `asking_limits`); empty for the usual ones."""
+    """Fields of `Limits` for targets (see `asking_limits`); empty for the usual ones."""
     truth: Camera | None = None
-    """The camera, where it is known: of simulated pictures."""
+    """The true camera, if known (simulated images)."""
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -67,7 +63,7 @@ def pool_of(
     same: float = SAME,
     on_count: Callable[[int], None] | None = None,
 ) -> ViewPool:
-    """Look through a recording once and keep the views that can be calibrated from.
+    """Search a recording once and keep the views that can be calibrated from.
 
     Args:
         spec: what the user typed; a recording that `open_frame_source` knows.
@@ -101,13 +97,11 @@ def pool_of(
 
 
 def asking_limits(board: Board, observations: Sequence[Observation]) -> dict[str, float]:
-    """What a method may ask for: what the recording holds, and a little more.
+    """Limits of the targets: the recording's range, and a little more.
 
-    A person can follow a target, a recording cannot. Asked for a tilt of 50 degrees a pool of views
-    tilted by 20 degrees at most gives an arbitrary one; within its own range it can answer. The
-    poses come from a calibration with all views; the same limits hold for all methods.
-
-    Raises `CalibrationError` if the views determine no camera even all together.
+    A recording cannot follow a target: asked for a tilt of 50 degrees, a pool tilted by at most 20
+    gives an arbitrary view. The poses come from a calibration with all views; the same limits hold
+    for all methods. Raises `CalibrationError` if all views together determine no camera.
     """
     poses = [view.pose for view in calibrate(board, observations).views]
     angles = np.abs([pose.vector()[:3] for pose in poses])
@@ -124,10 +118,11 @@ def asking_limits(board: Board, observations: Sequence[Observation]) -> dict[str
 
 
 def simulated_pool(board: Board, rng: np.random.Generator, count: int = 150) -> ViewPool:
-    """Pictures of the simulated camera: `count` random poses within the limits. No real recording.
+    """Images from the simulated camera: `count` random poses within the limits. Not a real
+    recording.
 
-    Where no recording at hand is rich enough to show a difference between methods, this one is; the
-    pictures are rendered through the paper's camera, blurred and noisy, and detected like others.
+    For when no recording is rich enough to show a difference between methods; rendered through the
+    paper's camera, blurred and noisy, and detected like others.
     """
     limits = Limits.for_board(board, PAPER_CAMERA)
     space = Space(board, PAPER_CAMERA, limits)
@@ -150,9 +145,9 @@ def distinct(
 ) -> list[Observation]:
     """The views that show enough of the board, are sharp, and repeat no earlier one.
 
-    Repeats would make the test easy: a held-out frame with its neighbour in training tests
-    nothing. Two views are the same where their corners lie on average nearer to each other than
-    the share `same` of the image's width.
+    Duplicates would make the test easy: a held-out frame with its neighbour in training tests
+    nothing. Two views are duplicates if their corners are on average nearer than `same` of the
+    image's width.
     """
     needed = max(8, round(_COMPLETE * board.corner_count))
     whole = [o for o in observations if o.count >= needed]
@@ -168,9 +163,9 @@ def distinct(
 def split(
     count: int, rng: np.random.Generator, share: float = 0.3
 ) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Indices 0 ... count - 1 in two parts, both ascending: to calibrate from, and held out.
+    """Indices 0 ... count - 1 in two ascending parts: for calibration, and held out.
 
-    `share` of the views is held out at random, at least four, and so many that six remain.
+    A random `share` is held out, at least four views, leaving at least six.
     """
     held = min(max(FEWEST_TEST, round(share * count)), count - FEWEST_TRAINING)
     order = rng.permutation(count)
@@ -180,13 +175,11 @@ def split(
 def nearest(
     wanted: Pose, pool: ViewPool, indices: Sequence[int], camera: Camera, limits: Limits
 ) -> tuple[int, Pose] | None:
-    """Of the views `indices` the one whose pose under `camera` is nearest, and that pose.
+    """Of the views `indices` the one whose pose under `camera` is nearest (see `distance`), and
+    that pose.
 
-    None if no view has a pose.
-
-    See `distance` for what near means. The camera is the one that guidance knows at that moment: as
-    for a person who brings the board onto its outline on the screen, it is the picture that has to
-    agree, not the metres.
+    None if no view has a pose. The camera is the current estimate of the guidance: as for a person
+    who aligns the board with an outline on screen, images have to agree, not metres.
     """
     best: tuple[int, Pose] | None = None
     least = np.inf
@@ -198,13 +191,12 @@ def nearest(
 
 
 def distance(one: Pose, other: Pose, camera: Camera, limits: Limits) -> float:
-    """How far apart two poses are, as shares of what may be asked for; 0 for the same pose.
+    """Distance of two poses, as shares of the allowed ranges; 0 for the same pose.
 
-    The root of the summed squares of the turn between them (of twice the largest angle), the
-    shift of the board's centre in the picture (of its width), and the ratio of the distances from
-    the lens (logarithm, of the range): the coordinates of the search (`Space.to_unit`). Distances
-    of the projected corners would hardly see a tilt, since a board tilted forwards covers nearly
-    the same pixels as one tilted backwards.
+    The root of the summed squares of the turn between them (over twice the largest angle), the
+    shift of the board's centre in the image (over its width), and the ratio of the distances from
+    the lens (log, over the range): the coordinates of the search (`Space.to_unit`). Distances of
+    projected corners would hardly see the sign of a tilt.
     """
     turn = one.angle_to_deg(other) / (2 * limits.max_angle_deg)
     pinhole = camera.without_distortion()

@@ -1,7 +1,7 @@
-"""Trials over the cores or a cluster, with their rows kept as they come.
+"""Runs trials on all cores or a cluster, and journals their rows.
 
-What a trial does is its function's business; here they are only spread, written down and, after an
-interruption, gone on with. The rows of a finished run do not depend on how many cores made them.
+An interrupted run continues where it stopped. The rows of a finished run do not depend on the
+number of cores.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from venus3d.threads.signals import on_stop_signal
 Value = str | int | float
 Row = Mapping[str, Value]
 REACH_S = 15.0
-"""How long a Dask scheduler may take to answer."""
+"""Timeout for a Dask scheduler, seconds."""
 
 
 class StudyTrial(Protocol):
-    """One piece of work, small enough to be lost and done again."""
+    """One piece of work, small enough to be lost and repeated."""
 
     @property
     def key(self) -> str:
@@ -55,16 +55,15 @@ def run_trials(
 ) -> list[dict[str, Value]]:
     """Run `function` on every trial; its rows in the trials' order, each with a column `trial`.
 
-    Each trial's rows are appended to a journal beside `rows_file` as soon as they are there, so
-    that a run that was interrupted goes on where it stopped. When all are done `rows_file` (CSV) is
-    written from it.
+    Each trial's rows are appended to a journal beside `rows_file` at once, so that an interrupted
+    run continues where it stopped. At the end `rows_file` (CSV) is written from it.
 
     Args:
         function: at a module's top level, so that other processes can import it. It seeds itself
             from the trial and returns no timings, or rows would differ from run to run.
         setup: everything besides the trial's key that decides the rows; the journal of another
             one is refused.
-        jobs: processes; None for one a core.
+        jobs: processes; None for one per core.
         dask: address of a Dask scheduler, such as tcp://host:8786, to use instead.
 
     Raises `VenusError` for missing packages, a scheduler that does not answer and a journal of
@@ -106,8 +105,8 @@ def run_trials(
 
 @contextmanager
 def _asked_to_stop() -> Generator[threading.Event, None, None]:
-    """Set by a signal that asks to end, which is raised as well as a `KeyboardInterrupt`: where
-    joblib collects garbage Python drops it."""
+    """An event set by a signal that asks to end. The `KeyboardInterrupt` raised as well may be lost
+    where joblib collects garbage."""
     asked = threading.Event()
 
     def stop() -> None:
@@ -119,7 +118,7 @@ def _asked_to_stop() -> Generator[threading.Event, None, None]:
 
 
 def needed(module: str, extra: str) -> Any:
-    """An optional package. Raises `VenusError` that names the extra where it is not installed."""
+    """An optional package. Raises `VenusError` naming the extra if it is not installed."""
     try:
         return import_module(module)
     except ImportError as error:
@@ -133,7 +132,7 @@ def _on_cores(
 ) -> Iterator[tuple[str, Sequence[Row]]]:
     joblib: Any = needed("joblib", "study")
     count = max(1, min(joblib.cpu_count() if jobs is None else jobs, len(trials)))
-    # The trials fill the cores; threads within them would only get into each other's way.
+    # The trials fill the cores; threads within them would only compete.
     with joblib.parallel_config("loky", n_jobs=count, inner_max_num_threads=1):
         parallel = joblib.Parallel(return_as="generator_unordered", batch_size=1)
         try:
@@ -149,7 +148,7 @@ def _on_cluster(
     function: Callable[[T], Sequence[Row]], trials: Sequence[T], address: str, things: ExitStack
 ) -> Iterator[tuple[str, Sequence[Row]]]:
     distributed: Any = needed("distributed", "cluster")
-    # What it logs when a cluster goes is said in one sentence below.
+    # Its log messages about a lost cluster are replaced by the sentence below.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
         client = things.enter_context(distributed.Client(address, timeout=REACH_S))
@@ -181,7 +180,7 @@ def _gathered(
 
 
 def _one(function: Callable[[T], Sequence[Row]], trial: T) -> tuple[str, Sequence[Row]]:
-    # OpenCV's threads add up in no fixed order, and the trials fill the cores anyway.
+    # OpenCV's threads sum in no fixed order, and the trials fill the cores anyway.
     before = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
@@ -191,13 +190,13 @@ def _one(function: Callable[[T], Sequence[Row]], trial: T) -> tuple[str, Sequenc
 
 
 def _opened(journal: Path, setup: str) -> dict[str, list[dict[str, Value]]]:
-    """The finished trials of an earlier run of the same set-up; a new journal if there was none."""
+    """The finished trials of an earlier run of the same set-up; starts a journal if there is none."""
     try:
         text = journal.read_text("utf-8") if journal.exists() else ""
     except (OSError, UnicodeError) as error:
         raise StorageError(f"{journal} cannot be read ({error}); name another output.") from error
     try:
-        # What comes after the last line's end was cut off in the middle.
+        # Anything after the last newline was truncated.
         first, *rest = [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()] or [
             {"setup": setup}
         ]

@@ -1,8 +1,7 @@
 """Guided calibrations on simulated corners: the paper's camera and noise, targets followed exactly.
 
-No picture is rendered and no board found: corners are projections with Gaussian noise (4.1.2). How
-poses are chosen is told by the engine's `Settings`; everything else is the engine's own `Work`, so
-that what is studied is what guides.
+Nothing is rendered or detected: corners are projections with Gaussian noise (4.1.2). Poses are
+chosen by the engine's own `Work` under its `Settings`, so the study tests what guides.
 """
 
 from __future__ import annotations
@@ -33,13 +32,13 @@ START_DEG = 45.0
 
 @dataclass(frozen=True, eq=False)
 class SimulatedCalibration:
-    """One calibration of a walk."""
+    """One calibration of a guided sequence."""
 
     outcome: Outcome
     poses: tuple[Pose, ...]
-    """`T_camera_board` of the views in truth."""
+    """`T_camera_board`, the true poses of the views."""
     lost: int
-    """Views so far that could not be calibrated with the others and were taken again."""
+    """Views so far that could not be calibrated with the others and were retaken."""
 
 
 def guided_calibrations(
@@ -52,15 +51,15 @@ def guided_calibrations(
     board: Board | None = None,
     noise_px: float = NOISE_PX,
 ) -> Iterator[SimulatedCalibration]:
-    """Calibrations with 1, 2, ... `views` views, each view taken exactly where it was asked for.
+    """Calibrations with 1, 2, ... `views` views, each taken exactly at its target.
 
-    The noise depends on the seed, the repeat and the view alone, so that methods can be compared
-    pair by pair; the search's own chances come from `settings.seed`.
+    The noise depends on the seed, the repeat and the view alone, so that methods are compared in
+    pairs; the search's randomness comes from `settings.seed`.
 
-    Raises `CalibrationError` if a view fails again and again.
+    Raises `CalibrationError` if a view fails repeatedly.
     """
     held = board or Board()
-    # The noise of these corners is the same everywhere, and nobody waits for a forecast.
+    # These corners have uniform noise, and no forecast is needed.
     settings = replace(
         settings,
         max_views=views + 1,
@@ -95,7 +94,7 @@ def guided_calibrations(
 def observed(
     truth: Camera, board: Board, pose: Pose, rng: np.random.Generator, noise_px: float = NOISE_PX
 ) -> Observation:
-    """The corners of the board as a detector with this noise would see them, within the image."""
+    """The board's corners within the image as seen by a detector with this noise."""
     pixels = truth.project(pose.apply(board.corners))
     pixels = pixels + rng.normal(0, noise_px, pixels.shape)
     inside = ((pixels >= 0) & (pixels < truth.image_size)).all(axis=1)
@@ -103,7 +102,7 @@ def observed(
 
 
 def first_pose(truth: Camera, board: Board) -> Pose:
-    """[45, 0, 0, 0, 0, z] with the smallest z at which the frontal board is seen as a whole."""
+    """[45, 0, 0, 0, 0, z] with the smallest z at which the frontal board is wholly in the image."""
     limits = replace(Limits.for_board(board, truth), nearest=0.0, min_square_px=0.0)
     z = np.geomspace(0.05, 5.0, 2000)
     frontal = np.zeros((len(z), 6))
@@ -113,7 +112,6 @@ def first_pose(truth: Camera, board: Board) -> Pose:
 
 
 def _one_seed(seed: int, repeat: int) -> int:
-    """One number for the engine's settings out of two."""
     return int(np.random.SeedSequence([seed, repeat]).generate_state(1)[0])
 
 
@@ -140,17 +138,17 @@ def _following(before: Work | None, settings: Settings, board: Board, seen: Obse
 
 
 def true_information(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAMERA) -> Array:
-    """(9, 9) what views under these poses say in truth, for corner noise of one pixel."""
+    """(9, 9) true information of views under these poses, for corner noise of one pixel."""
     R = np.array([pose.R for pose in poses])
     t = np.array([pose.t for pose in poses])
     return np.asarray(view_information(truth, board.corners, R, t).sum(axis=0))
 
 
 def true_error_px(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAMERA) -> float:
-    """Mean projection error over the image that views under these poses leave, pixels.
+    """Mean projection error over the image after views under these poses, pixels.
 
-    From the true camera and noise: no estimate, so methods are compared by their poses alone.
-    Infinite while the views do not determine all nine parameters.
+    From the true camera and noise, so methods are compared by their poses alone. Infinite while the
+    views do not determine all nine parameters.
     """
     try:
         covariance = covariance_of(true_information(board, poses, truth), NOISE_PX)

@@ -1,8 +1,7 @@
-"""Table 1 of the paper on real recordings: how few views each method needs, and how good they are.
+"""Table 1 of the paper on real recordings: number of views and accuracy of each method.
 
-One trial: a part of the pool is held out by seed; a method asks for poses, gets the nearest real
-view that it has not used, calibrates, and stops when its parameters have converged. The methods run
-through the session that guides people, so what is measured is the program itself.
+One trial: a part of the pool is held out by seed; a method asks for poses, gets the nearest unused
+real view, calibrates, and stops at convergence. The methods run through the product's own session.
 """
 
 from __future__ import annotations
@@ -32,9 +31,9 @@ from venus3d.study.text import mean_sd, table
 Row = dict[str, str | int | float]
 Arm = Literal["pose-selection", "opencv", "venus", "global", "best-view"]
 ARMS: tuple[Arm, ...] = ("pose-selection", "opencv", "venus", "global", "best-view")
-"""In the paper's order. "opencv": random views of the pool, no guidance. "best-view": nobody asks
-for a pose; of the unused views the one that makes the expected projection error smallest is taken.
-A pool has no view just where one is asked for, and this says what it could give at best."""
+"""In the paper's order. "opencv": random views of the pool, no guidance. "best-view": takes the
+unused view that minimises the expected projection error, without asking for a pose; the best that
+the pool could give."""
 _ASKING = ("pose-selection", "venus", "global")
 Ending = Literal["converged", "pool empty", "enough views", "no pose fits"]
 
@@ -54,9 +53,9 @@ class Table1Trial:
     arm: Arm
     seed: int
     held_out: float = 0.3
-    """Share of the pool that is kept for the test."""
+    """Share of the pool held out for the test."""
     max_views: int = 40
-    """Never more views than this, converged or not."""
+    """Upper limit of the number of views, converged or not."""
 
     @property
     def key(self) -> str:
@@ -69,12 +68,12 @@ class TakenView:
     """One view that a method took from the pool, and the calibration with it."""
 
     index: int
-    """Of the pool's views."""
+    """Index in the pool's views."""
     off_deg: float
-    """Turn between the pose asked for and the view's, degrees; NaN where none was asked for."""
+    """Turn between the requested pose and the view's, degrees; NaN without a request."""
     calibration: Calibration
     uncertainty_px: float
-    """Mean projection error over the image that the covariance expects, pixels; NaN while
+    """Mean projection error over the image expected from the covariance, pixels; NaN while
     parameters are held fixed."""
 
 
@@ -88,7 +87,7 @@ def run_table1(trial: Table1Trial) -> list[Row]:
     rows: list[Row] = []
     for step in taken:
         camera = step.calibration.camera
-        # Rounded: the last digits hang on how the memory lies, which no seed decides.
+        # Rounded: the last digits depend on the memory layout, not on the seed.
         measured = {
             "rms_train_px": step.calibration.rms_px,
             "rms_test_px": rms_of_views_px(camera, pool, held_out),
@@ -119,11 +118,10 @@ def run_table1(trial: Table1Trial) -> list[Row]:
 def guide_through(
     pool: ViewPool, training: Sequence[int], arm: Arm, seed: int, max_views: int = 40
 ) -> tuple[list[TakenView], Ending]:
-    """Calibrate from the views `training` of the pool as the method asks for them.
+    """Calibrate from the views `training` of the pool that the method asks for.
 
-    The first view is the one nearest to the start-up pose of 3.1, for "opencv" a random one.
-
-    Raises `CalibrationError` if no view of the pool can be calibrated from.
+    The first view is the one nearest to the start-up pose of 3.1, for "opencv" a random one. Raises
+    `CalibrationError` if no view of the pool can be calibrated from.
     """
     method: Method = arm if arm in _ASKING else "random"
     settings = Settings(
@@ -132,7 +130,7 @@ def guide_through(
         auto_capture=False,
         max_views=max_views,
         limits=pool.asking,
-        wanted_uncertainty_px=None,  # nobody asks how many views are left
+        wanted_uncertainty_px=None,  # no forecast needed
     )
     session = Session(pool.board, pool.image_size, settings)
     rng = np.random.default_rng([seed, 1])
@@ -146,7 +144,7 @@ def guide_through(
         unused.remove(index)
         session.observe(pool.observations[index])
         if not session.capture():
-            continue  # no pose of the board in it under the present camera
+            continue  # no board pose under the current camera
         session.run_pending()
         snapshot = session.snapshot()
         wanted = None if snapshot.target is None else snapshot.target.pose
@@ -166,7 +164,7 @@ def _chosen(
     session: Session,
     rng: np.random.Generator,
 ) -> tuple[int, float] | None:
-    """The next view, and by how many degrees it is off what was asked for; NaN if nothing was."""
+    """The next view, and its turn from the requested pose, degrees; NaN without a request."""
     calibration = session.snapshot().calibration
     if arm == "opencv":
         return int(rng.choice(list(unused))), float("nan")
@@ -180,7 +178,7 @@ def _chosen(
 
 
 def _most_telling(pool: ViewPool, unused: Sequence[int], calibration: Calibration) -> int:
-    """The view that would make the expected projection error smallest."""
+    """The view that would minimise the expected projection error."""
     posterior = Posterior.of_calibration(calibration, noise=None)
 
     def uncertainty_px(index: int) -> float:
@@ -204,10 +202,10 @@ def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
 
 
 def rms_of_views_px(camera: Camera, pool: ViewPool, indices: Sequence[int]) -> float:
-    """Reprojection error over the views `indices`, each with its best pose under this camera.
+    """Rms reprojection distance over all corners of the views `indices`, pixels.
 
-    Root mean square distance over all corners, pixels; inf if a view has no pose at all, so that a
-    camera that cannot explain a view gets no better for it.
+    Each view has its best pose under this camera; inf if one has no pose, so that a camera is not
+    rewarded for it.
     """
     squares: list[Array] = []
     for index in indices:
@@ -233,7 +231,7 @@ def table1_trials(
 
 
 def table1_text(rows: Sequence[Row], pools: Sequence[ViewPool]) -> str:
-    """The table for people, one for each source, the paper's figures beside ours."""
+    """A readable table per source, the paper's figures beside ours."""
     parts: list[str] = []
     for pool in pools:
         mine = [row for row in rows if row["source"] == pool.name]

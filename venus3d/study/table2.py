@@ -1,10 +1,10 @@
-"""Table 2 of the paper: what guiding costs for each frame, with and without live detection.
+"""Table 2 of the paper: cost of guidance per frame, with and without live detection.
 
-Real 720p frames, every kind of guidance of guiding on each of them in turn, in one process:
+Real 720p frames, every kind of guidance on each of them in turn, in one process:
 
 axes      detect the board, find its pose, draw its axes and the target's (Rojtberg 2018)
 steps     paste the four prepared pictures and draw the prepared outline (the paper, 3.4)
-region    like axes, but look for the board around where it was: what this program does live
+region    like axes, but search around the board's last position, as this program does live
 """
 
 from __future__ import annotations
@@ -33,32 +33,32 @@ from venus3d.study.text import table
 Guidance = Literal["axes", "steps", "region"]
 GUIDANCES: tuple[Guidance, ...] = get_args(Guidance)
 FRAME_RATE = 25
-"""Of the paper's camera, for the delay in a second of video."""
+"""Of the paper's camera, for the delay per second of video."""
 PAPER_MS: dict[Guidance, float] = {"axes": 38.46, "steps": 25.24}
 
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """What the lazily shown steps need; made once for a target."""
+    """Data of the prepared steps; made once per target."""
 
     target: Pose
     pictures: tuple[Image, Image, Image, Image]
     """BGR, of the four steps."""
     outlines: tuple[NDArray[np.int32], ...]
-    """(4, 1, 2) pixels, of the board after each step."""
+    """(4, 1, 2) pixels, the board after each step."""
 
 
 @dataclass(frozen=True, eq=False)
 class Costs:
-    """Measured times, milliseconds for a frame."""
+    """Measured times, milliseconds per frame."""
 
     clip: Clip
     guiding_ms: dict[Guidance, Array]
-    """(frames, 2) each: by the clock, and of the processor, which other programs do not change."""
+    """(frames, 2) each: wall time, and processor time, which other programs do not affect."""
     showing_ms: Array
-    """(frames, 2) to decode a frame and encode it for the screen, which all guidance needs."""
+    """(frames, 2) to decode a frame and encode it for display, common to all guidance."""
     preparing_ms: float
-    """To render the four pictures, once for a target."""
+    """To render the four pictures, once per target."""
     threads: int
 
 
@@ -76,10 +76,10 @@ def prepare_steps(clip: Clip, offscreen: Offscreen, rng: np.random.Generator) ->
 
 
 def measure(clip: Clip, prepared: Prepared, frames: int) -> tuple[dict[Guidance, Array], Array]:
-    """Times, ms: (frames, 2) for each kind of guidance, and (frames, 2) for the showing.
+    """Times, ms: (frames, 2) for each kind of guidance, and (frames, 2) for the display.
 
-    They take turns on the same frame, each first in a third of the frames, so that neither a warm
-    cache nor a busy moment of the machine favours one of them.
+    They take turns on the same frame, each first in a third of the frames, so that neither caches
+    nor machine load favours one of them.
     """
     detector = Detector(clip.board, find_layout=False)
     guides: dict[Guidance, Callable[[Image, Region | None], object]] = {
@@ -108,7 +108,7 @@ def measure(clip: Clip, prepared: Prepared, frames: int) -> tuple[dict[Guidance,
 def draw_axes(
     image: Image, detector: Detector, clip: Clip, target: Pose, region: Region | None
 ) -> Pose | None:
-    """Guiding with live detection: the board's axes and the target's, drawn into the image."""
+    """Guidance with live detection: the board's axes and the target's, drawn into the image."""
     seen = detector.detect(image, region=region)
     pose = estimate_pose(clip.camera, clip.board, seen)
     for shown in (pose, target):
@@ -126,7 +126,7 @@ def draw_axes(
 
 
 def draw_steps(image: Image, prepared: Prepared, step: int) -> None:
-    """Guiding without detection: the four pictures along the bottom, the outline of one step."""
+    """Guidance without detection: the four pictures along the bottom, the outline of one step."""
     bottom, left = image.shape[0], 0
     for picture in prepared.pictures:
         height, width = picture.shape[:2]
@@ -136,16 +136,16 @@ def draw_steps(image: Image, prepared: Prepared, step: int) -> None:
 
 
 def show(encoded: Any) -> None:
-    """What every kind of guidance needs besides: read a frame, and send it to a screen."""
+    """Common to every kind of guidance: decode a frame, and encode it for a screen."""
     picture = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_COLOR))
     cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 75])
 
 
 def run_table2(clip: Clip, frames: int, threads: int, seed: int) -> Costs:
-    """Prepare once, then measure; OpenCV works with `threads` threads meanwhile."""
+    """Prepare once, then measure, with `threads` OpenCV threads."""
     rng = np.random.default_rng(seed)
     with _opencv_threads(threads), Offscreen() as offscreen:
-        prepare_steps(clip, offscreen, rng)  # the first picture warms the renderer up
+        prepare_steps(clip, offscreen, rng)  # warms up the renderer
         started = time.perf_counter()
         prepared = prepare_steps(clip, offscreen, rng)
         preparing_ms = 1000 * (time.perf_counter() - started)
@@ -171,7 +171,7 @@ def table2_rows(costs: Costs) -> list[dict[str, str | int | float]]:
 
 
 def table2_text(costs: Costs) -> str:
-    """The table for people, the paper's figures beside ours."""
+    """A readable table, the paper's figures beside ours."""
     showing, showing_cpu = np.median(costs.showing_ms, axis=0).tolist()
     full_cpu = float(np.median(costs.guiding_ms["axes"][:, 1]))
     lines: list[tuple[str, ...]] = []
@@ -229,7 +229,7 @@ def _outline(clip: Clip, pose: Pose) -> NDArray[np.int32]:
 
 
 def _ms(work: Callable[[], object]) -> tuple[float, float]:
-    """By the clock, and of the processor: all threads of this process."""
+    """Wall time, and processor time over all threads of this process."""
     started, worked = time.perf_counter(), time.process_time()
     work()
     return 1000 * (time.perf_counter() - started), 1000 * (time.process_time() - worked)

@@ -1,8 +1,8 @@
-"""Table 3 of the paper with simulated people: the time for ten poses under each help.
+"""Table 3 of the paper with simulated people: the time for ten poses with each help.
 
-A simulation, no measurement: what comes out follows from `hand.Assumptions`, and the lines on
-sensitivity say how much. The same ten targets for every help; time runs from the first pose on, as
-in the paper. People are measured with `venus3d trial`.
+A simulation, not a measurement: the result follows from `assumptions.Assumptions`, and the
+sensitivity lines say how much. The same ten targets for every help; time runs from the first pose
+on, as in the paper. `venus3d trial` measures people.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ Row = dict[str, str | int | float]
 POSES = 10
 PEOPLE = 5
 SPREAD = 0.25
-"""Of people, in times and in errors: a standard deviation of about a quarter."""
+"""Variation between people, of times and errors: a relative standard deviation."""
 PAPER_S: dict[Help, tuple[int, ...]] = {
     "axes": (497, 444, 412, 419, 341),
     "steps": (439, 448, 222, 247, 308),
 }
 """Table 3, seconds: Pose selection and Pose decomposition."""
 FLIPS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
-"""Chances to read a tilt the wrong way round from the axes, from never to a coin's."""
+"""Probabilities of reading a tilt from the axes with the wrong sign, from 0 to 0.5."""
 _AS_ASSUMED = "as assumed"
 _FLIP = "axes_flip = "
 
 
 @dataclass(frozen=True)
 class Table3Trial:
-    """One simulated person under every help."""
+    """One simulated person with every help."""
 
     seed: int
     person: int
     assumptions: Assumptions = field(default_factory=Assumptions)
     variant: str = _AS_ASSUMED
-    """Which assumption was changed, for the lines on sensitivity."""
+    """The changed assumption, for the sensitivity lines."""
 
     @property
     def key(self) -> str:
@@ -57,7 +57,7 @@ def run_table3(trial: Table3Trial) -> list[Row]:
     """A row for each help and each pose after the first."""
     camera, board = PAPER_CAMERA, Board()
     targets = targets_of(trial.seed, camera, board)
-    # The same person whatever is assumed, so that variants differ by the assumption alone.
+    # The same person in all variants, which then differ by the assumption alone.
     person = trial.assumptions.person(SPREAD, np.random.default_rng([trial.seed, 1, trial.person]))
     rows: list[Row] = []
     for number, help_ in enumerate(HELPS):
@@ -115,7 +115,7 @@ def table3_trials(
 
 
 def reduction(rows: Sequence[Row], variant: str = _AS_ASSUMED) -> float:
-    """By what share "steps" is faster than "axes", over all people's total times."""
+    """Relative reduction of the total time over all people, "steps" compared with "axes"."""
     steps, axes = (
         sum(float(r["seconds"]) for r in rows if r["help"] == help_ and r["variant"] == variant)
         for help_ in ("steps", "axes")
@@ -124,7 +124,7 @@ def reduction(rows: Sequence[Row], variant: str = _AS_ASSUMED) -> float:
 
 
 def table3_text(rows: Sequence[Row]) -> str:
-    """The tables for people: the times beside the paper's, and what the outcome hangs on."""
+    """Readable tables: the times beside the paper's, and the sensitivity."""
     usual = [row for row in rows if row["variant"] == _AS_ASSUMED]
     people = sorted({int(row["person"]) for row in usual})
     lines = [_times_line(help_, usual, people) for help_ in HELPS]
@@ -173,7 +173,7 @@ def _times_line(help_: Help, rows: Sequence[Row], people: Sequence[int]) -> tupl
 
 
 def _sensitivity(rows: Sequence[Row]) -> list[str]:
-    """How the outcome moves with each assumption, the most decisive first."""
+    """Change of the result with each assumption, the most decisive first."""
     variants = {str(row["variant"]) for row in rows}
     names = {v.removesuffix(" halved") for v in variants if v.endswith(" halved")}
     if not names:

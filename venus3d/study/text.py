@@ -1,4 +1,4 @@
-"""Tables as Markdown: they read well on a terminal and go into a document as they are."""
+"""Tables as Markdown, readable on a terminal and in documents."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table with its columns aligned; the first column to the left."""
+    """A Markdown table with aligned columns, the first one to the left."""
     columns = list(zip(headings, *rows, strict=True))
     widths = [max(3, *map(len, column)) for column in columns]
 
@@ -22,9 +22,9 @@ def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def mean_sd(values: Sequence[float], digits: int) -> str:
-    """Mean ± standard deviation (of the sample); the mean alone of a single value.
+    """Mean ± sample standard deviation; the mean alone of a single value.
 
-    A dash where nothing is known: no value, or one that is NaN.
+    A dash if there is no value, or one that is NaN.
     """
     if not len(values) or np.isnan(values).any():
         return "-"
