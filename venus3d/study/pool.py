@@ -69,7 +69,7 @@ def pool_of(
         spec: what the user typed; a recording that `open_frame_source` knows.
         board: what it shows.
         same: see `distinct`.
-        on_count: told of the frames looked at, every hundred.
+        on_count: called with the number of frames searched, every hundred.
 
     Raises:
         SourceError: it cannot be read.

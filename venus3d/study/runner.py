@@ -190,7 +190,7 @@ def _one(function: Callable[[T], Sequence[Row]], trial: T) -> tuple[str, Sequenc
 
 
 def _opened(journal: Path, setup: str) -> dict[str, list[dict[str, Value]]]:
-    """The finished trials of an earlier run of the same set-up; starts a journal if there is none."""
+    """The finished trials of an earlier run of this set-up; starts a journal if there is none."""
     try:
         text = journal.read_text("utf-8") if journal.exists() else ""
     except (OSError, UnicodeError) as error:
