@@ -1,7 +1,6 @@
 """The command line: options are parsed, mistakes become one sentence and exit code 2.
-
-Each command's module is imported only when it is run, so that `--help` and mistakes answer at once.
-"""
+Each command's module is imported only when it is run, so that `--help` and mistakes answer at
+once."""
 
 from __future__ import annotations
 

@@ -31,9 +31,7 @@ RESULT_FOLDER = Path("venus3d-result")
 
 def guide(options: GuideOptions) -> None:
     """Guide, print, write.
-
-    Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C left no result.
-    """
+    Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C left no result."""
     options.check()  # report mistakes before anything starts
     if options.output is None and not options.headless:
         # Ten minutes of holding a board must not be lost for a missing option.
@@ -54,9 +52,7 @@ def guide(options: GuideOptions) -> None:
 
 def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
     """Guide; however that ends, save what was captured and print where.
-
-    Raises `VenusError`, also for an internal error, whose traceback is printed.
-    """
+    Raises `VenusError`, also for an internal error, whose traceback is printed."""
 
     def keep(result: GuideResult) -> str:
         return _keep(result, options, files)
@@ -86,9 +82,7 @@ def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
 
 def open_audience(options: GuideOptions) -> Audience | None:
     """The second monitor, if the options ask for one; the caller closes it.
-
-    Raises `VenusError` for an unavailable address.
-    """
+    Raises `VenusError` for an unavailable address."""
     if options.audience is None:
         return None
     state = AudienceState(
@@ -109,9 +103,7 @@ def _attach(audience: Audience, viewer: Viewer) -> None:
 
 def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None) -> str:
     """Write a result during guidance, so that nothing is lost if the program is killed.
-
-    Returns the sentence for the page. Raises `StorageError`, which is printed as well.
-    """
+    Returns the sentence for the page. Raises `StorageError`, which is printed as well."""
     snapshot = result.snapshot
     if files is None or snapshot.calibration is None:
         return ""

@@ -79,9 +79,7 @@ def write_first(
     history: Sequence[Progress] = (),
 ) -> Written:
     """Write the files, if requested, before printing: the terminal may be gone.
-
-    An error is returned for `deliver` to raise, so that the numbers are still printed.
-    """
+    An error is returned for `deliver` to raise, so that the numbers are still printed."""
     if files is None:
         return ()
     try:
@@ -92,9 +90,7 @@ def write_first(
 
 def deliver(summary: Mapping[str, Any], written: Written, *, as_json: bool) -> None:
     """Print where the files are, and the JSON line if requested.
-
-    Raises the `StorageError` of unwritten files after printing.
-    """
+    Raises the `StorageError` of unwritten files after printing."""
     for path in () if isinstance(written, StorageError) else written:
         print(f"Written: {path}")
     if as_json:

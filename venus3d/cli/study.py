@@ -1,7 +1,6 @@
 """`venus3d study ...`: the paper's evaluation, one command per table or figure.
-
-Each command writes its rows as they come, so an interrupted run continues when it is called again.
-"""
+Each command writes its rows as they come, so an interrupted run continues when it is called
+again."""
 
 from __future__ import annotations
 

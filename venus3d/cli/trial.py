@@ -18,9 +18,7 @@ from venus3d.storage.exercise import ExerciseRow
 
 def trial(options: TrialOptions) -> None:
     """Run the trial and print the results.
-
-    Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C came before any time.
-    """
+    Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C came before any time."""
     result = run_trial(options)
     name = result.plan.participant
     if not result.complete:

@@ -1,4 +1,2 @@
 """The calibration engine: poses, camera, board, calibration, search, guidance.
-
-It has no screen, thread or file access, and imports only from within itself.
-"""
+It has no screen, thread or file access, and imports only from within itself."""

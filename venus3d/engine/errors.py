@@ -1,8 +1,6 @@
 """Errors that are meant for a person.
-
 Every user mistake ends in a `VenusError` whose text is one sentence with the cause and the cure.
-Programming mistakes keep Python's own exceptions.
-"""
+Programming mistakes keep Python's own exceptions."""
 
 
 class VenusError(Exception):

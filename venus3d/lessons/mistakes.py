@@ -1,7 +1,5 @@
 """Mistakes in a lesson file, explained to a teacher who knows no Python.
-
-msgspec and the TOML reader find the mistake; cause and cure are worded here.
-"""
+msgspec and the TOML reader find the mistake; cause and cure are worded here."""
 
 from __future__ import annotations
 

@@ -21,10 +21,7 @@ from venus3d.lessons.mistakes import LessonError, syntax_mistake, value_mistake
 
 
 def read_lesson(path: str | Path) -> Lesson:
-    """The lesson of a file.
-
-    Raises `LessonError`, with file and line, for any mistake.
-    """
+    """The lesson of a file. Raises `LessonError`, with file and line, for any mistake."""
     file = Path(path)
     text = _text_of(file)
     raw: Any = None
@@ -50,9 +47,7 @@ def shipped_lessons() -> tuple[Lesson, ...]:
 
 def lesson_of(choice: str) -> Lesson:
     """The lesson with this name: "" the first, a file (.toml), or a shipped one.
-
-    The number may be omitted: "gimbal-lock". Raises `VenusError` for an unknown one.
-    """
+    The number may be omitted: "gimbal-lock". Raises `VenusError` for an unknown one."""
     if choice.lower().endswith(".toml") or "/" in choice or "\\" in choice:
         return read_lesson(choice)
     names = {lesson.name: lesson for lesson in shipped_lessons()}

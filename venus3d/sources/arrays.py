@@ -13,9 +13,7 @@ from venus3d.sources.frame import Frame
 
 class Arrays:
     """Arrays (H, W) grey or (H, W, 3) BGR in order; `Frame.time_s` counts them.
-
-    Raises `SourceError` for an empty list.
-    """
+    Raises `SourceError` for an empty list."""
 
     is_live = False
     notes: tuple[str, ...] = ()

@@ -46,9 +46,7 @@ class Source(Protocol):
 
     def read(self) -> Frame | None:
         """The next frame of a recording, the newest of a live source; None at the end.
-
-        Raises `SourceError` if reading fails.
-        """
+        Raises `SourceError` if reading fails."""
         ...
 
     def close(self) -> None:

@@ -33,9 +33,7 @@ def is_image(path: Path) -> bool:
 
 def size_of(path: Path) -> tuple[int, int]:
     """(width, height) from the file's header, if possible without decoding the pixels.
-
-    Raises `SourceError` if the file is no image.
-    """
+    Raises `SourceError` if the file is no image."""
     if not is_image(path):
         raise _no_image(path)
     try:
@@ -48,9 +46,7 @@ def size_of(path: Path) -> tuple[int, int]:
 
 def read_image(path: Path) -> NDArray[np.uint8]:
     """Pixels: (H, W, 3) BGR 8 bit, or (H, W) grey of 8 or 16 bit; 16-bit colour becomes grey.
-
-    Raises `SourceError` if the file is no image, is truncated, or has other pixel types.
-    """
+    Raises `SourceError` if the file is no image, is truncated, or has other pixel types."""
     if not is_image(path):
         raise _no_image(path)
     _check_complete(path)

@@ -42,9 +42,7 @@ class Live:
         self, capture: CaptureDevice, name: str, *, timeout_s: float = READ_TIMEOUT_S
     ) -> None:
         """Start reading an opened `capture`, called `name` in messages.
-
-        Raises `SourceError` if no frame comes within `timeout_s`.
-        """
+        Raises `SourceError` if no frame comes within `timeout_s`."""
         self._capture, self._name, self._timeout_s = capture, name, timeout_s
         self._box: Latest[Frame] = Latest()
         self._stop = threading.Event()
@@ -68,9 +66,7 @@ class Live:
 
     def read(self) -> Frame | None:
         """The newest unread frame; waits for one. None after `close()`.
-
-        Raises `SourceError` if none comes within the timeout, or if the frame size changes.
-        """
+        Raises `SourceError` if none comes within the timeout, or if the frame size changes."""
         if self._stop.is_set():
             return None
         frame = self._box.take(0 if self._first is not None else self._timeout_s) or self._first

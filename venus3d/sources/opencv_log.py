@@ -9,9 +9,7 @@ import cv2
 
 def silence_opencv() -> None:
     """Turn off OpenCV's and FFmpeg's messages for this process; cheap, call before each opening.
-
-    A level set by the user in the environment is kept.
-    """
+    A level set by the user in the environment is kept."""
     # FFmpeg reads its level from here when the first capture of the process is opened.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     if "OPENCV_LOG_LEVEL" not in os.environ:

@@ -284,9 +284,7 @@ def _noise_sheet(
     camera: Camera, sigma: float, rng: np.random.Generator
 ) -> NDArray[np.int16] | None:
     """Noise somewhat larger than a frame, from which each frame takes a random part.
-
-    Two million normal numbers a frame would cost more than the rendering.
-    """
+    Two million normal numbers a frame would cost more than the rendering."""
     if sigma <= 0:
         return None
     shape = (camera.height + _NOISE_STRIDE, camera.width + _NOISE_STRIDE, 3)

@@ -17,18 +17,13 @@ from venus3d.sources.opencv_log import silence_opencv
 
 class Video:
     """The frames of a video file. `Frame.time_s` is the video's own time.
-
-    The rotation tag is not applied: a lens is calibrated on the sensor's rows and columns.
-    """
+    The rotation tag is not applied: a lens is calibrated on the sensor's rows and columns."""
 
     is_live = False
 
     def __init__(self, path: Path | str, *, realtime: bool = False) -> None:
-        """Open `path` (a file or its address).
-
-        With `realtime`, frames come when the video's clock says so, and a late reader skips frames.
-        Raises `SourceError` if no frame can be read.
-        """
+        """Open `path` (a file or its address). With `realtime`, frames come when the video's clock
+        says so, and a late reader skips frames. Raises `SourceError` if no frame can be read."""
         silence_opencv()
         self._path = path
         self._realtime = realtime

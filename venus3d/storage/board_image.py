@@ -48,9 +48,7 @@ def write_board(
     path: Path, board: Board, *, dpi: float = 300.0, margin_mm: float = 10.0
 ) -> tuple[int, int, float]:
     """Write the board as a PNG. Returns its width and height in pixels and its dots per inch.
-
-    PNG stores the resolution (pHYs) in whole dots per metre, within 0.003 % of 300 dpi.
-    """
+    PNG stores the resolution (pHYs) in whole dots per metre, within 0.003 % of 300 dpi."""
     picture, resolution = board_picture(board, dpi=dpi, margin_mm=margin_mm)
     buffer = io.BytesIO()
     Image.fromarray(picture).convert("1", dither=Image.Dither.NONE).save(

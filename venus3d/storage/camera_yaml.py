@@ -54,9 +54,7 @@ def write_camera_yaml(path: Path | str, calibration: Calibration) -> Path:
 
 def read_camera_yaml(path: Path | str) -> Camera:
     """The camera of a camera.yaml, ours or that of OpenCV's calibration sample.
-
-    Raises `StorageError` if there is no such file or no camera in it.
-    """
+    Raises `StorageError` if there is no such file or no camera in it."""
     try:
         text = Path(path).read_text()
     except (OSError, UnicodeDecodeError) as error:

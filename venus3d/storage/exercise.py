@@ -103,9 +103,7 @@ class ExerciseFile:
 
     def __init__(self, path: Path, kind: ExerciseKind) -> None:
         """Open or create the file and its folders.
-
-        Raises `StorageError` if the file cannot be written or is another program's.
-        """
+        Raises `StorageError` if the file cannot be written or is another program's."""
         self.path = path
         self._kind: ExerciseKind = kind
         self.rows: list[ExerciseRow] = []

@@ -15,9 +15,7 @@ from venus3d.engine.errors import StorageError
 
 def prepare(directory: Path, option: str = "--output") -> Path:
     """Create `directory` with its parents, and make sure that files can be written into it.
-
-    Raises `StorageError`, which names the option to change, before rather than after the work.
-    """
+    Raises `StorageError`, which names the option to change, before rather than after the work."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         # Only writing tells: permission bits do not stop root, and disks may be full or read-only.
@@ -84,9 +82,7 @@ def sync_folder(folder: Path) -> None:
 @contextmanager
 def locked(folder: Path) -> Generator[None, None, None]:
     """Lock a folder against other processes and threads that use this lock, where possible.
-
-    Raises `OSError` if there is no such folder.
-    """
+    Raises `OSError` if there is no such folder."""
     if sys.platform == "win32":
         yield
         return

@@ -1,7 +1,5 @@
 """result.json: a calibration's full result for programs, and its short form for --json.
-
-docs/result-format.md describes every key. `result_reader` reads it.
-"""
+docs/result-format.md describes every key. `result_reader` reads it."""
 
 from __future__ import annotations
 

@@ -50,9 +50,7 @@ class ResultFolder:
         history: Sequence[Progress] = (),
     ) -> tuple[Path, Path]:
         """Write the result in place of this session's last one.
-
-        Each file is complete at every moment. Raises `StorageError` and leaves the old files.
-        """
+        Each file is complete at every moment. Raises `StorageError` and leaves the old files."""
         camera = camera_yaml(calibration).encode()
         result = result_json(summary, calibration, history).encode()
         kept: list[str] = []

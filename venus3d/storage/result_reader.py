@@ -53,11 +53,8 @@ class Result:
 
 
 def read_result(path: Path | str) -> Result:
-    """Read a result.json written by `calibrate`, `guide` or `write_result`.
-
-    Raises `StorageError`, with cause and cure, if the file cannot be read, is no result, or has
-    another schema.
-    """
+    """Read a result.json written by `calibrate`, `guide` or `write_result`. Raises `StorageError`,
+    with cause and cure, if the file cannot be read, is no result, or has another schema."""
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:

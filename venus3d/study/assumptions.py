@@ -67,9 +67,7 @@ class Assumptions:
 
     def person(self, spread: float, rng: np.random.Generator) -> Assumptions:
         """A random person: all times and all errors scaled by two individual factors.
-
-        Both are lognormal around 1 with this `spread`.
-        """
+        Both are lognormal around 1 with this `spread`."""
         slow, clumsy = np.exp(spread * rng.standard_normal(2))
         changed = {
             name: getattr(self, name) * (slow if name.endswith("_s") else clumsy)

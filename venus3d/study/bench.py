@@ -97,9 +97,7 @@ def bench_trial(trial: BenchTrial) -> list[dict[str, Value]]:
 
 def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
     """A row for each view: the true quality of the poses, the predicted and the actual gain.
-
-    Gains are drops of the expected mean projection error as computed by the engine.
-    """
+    Gains are drops of the expected mean projection error as computed by the engine."""
     rows: list[dict[str, Value]] = []
     promised = before = float("nan")
     settings = Settings(method=cast(Method, trial.kind))

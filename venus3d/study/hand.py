@@ -135,9 +135,7 @@ def _match(camera: Camera, board: Board, pose: Pose, target: Pose) -> Match:
 
 def _steps_reader(person: Assumptions, board: Board, rng: np.random.Generator) -> Reader:
     """One degree of freedom at a time, given in words and figures.
-
-    First the four steps in order, without idle ones; then whatever is off most.
-    """
+    First the four steps in order, without idle ones; then whatever is off most."""
     ahead = [1, 2, 3, 4]
     tolerance = Tolerance()
 

@@ -164,9 +164,7 @@ def split(
     count: int, rng: np.random.Generator, share: float = 0.3
 ) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """Indices 0 ... count - 1 in two ascending parts: for calibration, and held out.
-
-    A random `share` is held out, at least four views, leaving at least six.
-    """
+    A random `share` is held out, at least four views, leaving at least six."""
     held = min(max(FEWEST_TEST, round(share * count)), count - FEWEST_TRAINING)
     order = rng.permutation(count)
     return tuple(sorted(order[held:].tolist())), tuple(sorted(order[:held].tolist()))

@@ -1,8 +1,6 @@
 """Runs trials on all cores or a cluster, and journals their rows.
-
 An interrupted run continues where it stopped. The rows of a finished run do not depend on the
-number of cores.
-"""
+number of cores."""
 
 from __future__ import annotations
 

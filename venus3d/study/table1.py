@@ -202,11 +202,8 @@ def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
 
 
 def rms_of_views_px(camera: Camera, pool: ViewPool, indices: Sequence[int]) -> float:
-    """Rms reprojection distance over all corners of the views `indices`, pixels.
-
-    Each view has its best pose under this camera; inf if one has no pose, so that a camera is not
-    rewarded for it.
-    """
+    """Rms reprojection distance over all corners of the views `indices`, pixels. Each view has its
+    best pose under this camera; inf if one has no pose, so that a camera is not rewarded for it."""
     squares: list[Array] = []
     for index in indices:
         view = pool.observations[index]

@@ -23,9 +23,7 @@ def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def mean_sd(values: Sequence[float], digits: int) -> str:
     """Mean ± sample standard deviation; the mean alone of a single value.
-
-    A dash if there is no value, or one that is NaN.
-    """
+    A dash if there is no value, or one that is NaN."""
     if not len(values) or np.isnan(values).any():
         return "-"
     mean = f"{np.mean(values):.{digits}f}"

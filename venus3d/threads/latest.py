@@ -10,9 +10,7 @@ T = TypeVar("T")
 
 class Latest(Generic[T]):
     """One value passed from one thread to another: a late reader gets the newest.
-
-    Values that nobody took are dropped. None is no value.
-    """
+    Values that nobody took are dropped. None is no value."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -35,9 +33,7 @@ class Latest(Generic[T]):
 
     def take(self, timeout: float | None = None) -> T | None:
         """The newest value not taken yet; waits for one up to `timeout` seconds.
-
-        None after the timeout, or when the box is closed and its last value was taken.
-        """
+        None after the timeout, or when the box is closed and its last value was taken."""
         with self._changed:
             self._changed.wait_for(lambda: self._fresh or self._closed, timeout)
             if not self._fresh:

@@ -53,17 +53,13 @@ class NoiseModel:
 
     def weight(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
         """(N,) factors on the information of a view under each pose vector (N, 6).
-
-        The share of corners found over the square of their relative noise.
-        """
+        The share of corners found over the square of their relative noise."""
         tilt, width = tilt_and_width(camera, board, vectors)
         return self.found(tilt, width) / self.sigma(tilt, width) ** 2
 
     def relative_to(self, camera: Camera, board: Board, vectors: ArrayLike) -> NoiseModel:
         """The model rescaled so that the mean variance under these poses (N, 6) is 1.
-
-        For noise measured on views of those poses instead of the reference.
-        """
+        For noise measured on views of those poses instead of the reference."""
         variance = float(np.mean(self.sigma(*tilt_and_width(camera, board, vectors)) ** 2))
         reference = self.reference_px * variance ** (-0.5 / self.noise_power)
         return replace(self, reference_px=reference)

@@ -188,9 +188,7 @@ class Detector:
 
     def _weigh(self, counts: dict[Board, int]) -> None:
         """Add a frame's evidence: the right reading finds more corners over several frames.
-
-        The wrong one finds some too, even with a lower reprojection error: neither is proof.
-        """
+        The wrong one finds some too, even with a lower reprojection error: neither is proof."""
         if not any(counts.values()):
             return
         self._frames += 1

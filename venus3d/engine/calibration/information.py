@@ -21,9 +21,7 @@ from venus3d.engine.geometry.pose import Array
 
 def view_information(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
     """Information (N, 9, 9) of views of board points (M, 3) under poses (N, 3, 3), (N, 3).
-
-    For corner noise of one pixel per axis. All points must be in front of the lens.
-    """
+    For corner noise of one pixel per axis. All points must be in front of the lens."""
     gram = normal_matrices(camera, points, R, t)
     # The pose columns differ in scale by orders of magnitude; unit diagonals keep the solve exact.
     scale = 1.0 / np.sqrt(np.einsum("nii->ni", gram[:, :6, :6]))
@@ -41,9 +39,7 @@ def normal_matrices(
     weights: ArrayLike | None = None,
 ) -> Array:
     """J^T J (N, 15, 15) of views, the six of the pose first; arguments as `view_information`.
-
-    With weights (M,) for the points.
-    """
+    With weights (M,) for the points."""
     J = camera.jacobians(points, R, t)
     if weights is not None:
         J *= np.sqrt(np.asarray(weights, dtype=np.float64))
@@ -53,9 +49,7 @@ def normal_matrices(
 
 def covariance_of(information: ArrayLike, sigma_px: float = 1.0) -> Array:
     """Covariance (..., 9, 9) of an information (..., 9, 9), for corner noise `sigma_px`.
-
-    Raises numpy's `LinAlgError` if the information is singular.
-    """
+    Raises numpy's `LinAlgError` if the information is singular."""
     matrix = np.asarray(information, dtype=np.float64)
     # Informations of f and k3 differ by 1e9 and more; invert the matrix with a unit diagonal.
     scale = 1.0 / np.sqrt(np.einsum("...ii->...i", matrix))

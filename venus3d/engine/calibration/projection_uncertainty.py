@@ -42,9 +42,7 @@ def projection_weight(camera: Camera) -> Array:
 @lru_cache(maxsize=16)
 def border_derivatives(camera: Camera) -> Array:
     """(n, 2, 9) derivatives E_k of MaxERE's pixels by the intrinsics, best rotation removed.
-
-    For intrinsics of covariance C the ray's pixel has the covariance `E_k C E_k^T`.
-    """
+    For intrinsics of covariance C the ray's pixel has the covariance `E_k C E_k^T`."""
     width, height = camera.image_size
     u, v = np.linspace(0, width - 1, ERE_GRID[0]), np.linspace(0, height - 1, ERE_GRID[1])
     pixels = np.stack([np.tile(u, len(v)), np.repeat(v, len(u))], axis=1).astype(np.float64)

@@ -20,10 +20,8 @@ _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
 
 
 def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
-    """(N, 2, 2) derivatives of the image by the board's x, y at each corner, pixels per metre.
-
-    From a homography through all corners; distortion changes the scale of a square only a little.
-    """
+    """(N, 2, 2) derivatives of the image by the board's x, y at each corner, pixels per metre. From
+    a homography through all corners; distortion changes the scale of a square only a little."""
     points = board.points_of(ids)[:, :2]
     H, _ = cv2.findHomography(points, corners)
     if H is None:

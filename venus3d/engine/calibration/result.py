@@ -42,10 +42,8 @@ class Calibration:
 
     @property
     def uncertainty_px(self) -> float:
-        """Projection uncertainty: expected rms error of a projected point over the image.
-
-        Common rotations of the camera are removed. NaN unless all nine parameters were estimated.
-        """
+        """Projection uncertainty: expected rms error of a projected point over the image. Common
+        rotations of the camera are removed. NaN unless all nine parameters were estimated."""
         if not all(self.free):
             return float("nan")
         return projection_uncertainty_px(self.camera, self.covariance)

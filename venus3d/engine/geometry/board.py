@@ -1,7 +1,5 @@
 """The ChArUco board: its corners, their ids, its image.
-
-All coordinates are relative to the board's centre, x along the columns, y along the rows, z = 0.
-"""
+All coordinates are relative to the board's centre, x along the columns, y along the rows, z = 0."""
 
 from __future__ import annotations
 

@@ -122,9 +122,7 @@ class Camera:
     @cached_property
     def radius_limit(self) -> float:
         """Largest normalised radius up to which the radial model grows; inf if it always does.
-
-        Beyond it the polynomial folds back, and points outside the view project into the image.
-        """
+        Beyond it the polynomial folds back, and points outside the view project into the image."""
         # d/dr of r(1 + k1 r^2 + k2 r^4 + k3 r^6) = 0, in w = 1/r^2: so 1 leads whatever k3 is.
         roots = np.roots([1.0, 3 * self.k1, 5 * self.k2, 7 * self.k3])
         real = roots[np.abs(roots.imag) <= 1e-9 * np.abs(roots)].real
@@ -147,9 +145,7 @@ class Camera:
 
     def distorted_pixels(self, x: Array, y: Array) -> Array:
         """Eqs (4), (5): ideal normalised coordinates, each (...), to pixels (2, ...).
-
-        Also beyond `radius_limit`, where the model folds back.
-        """
+        Also beyond `radius_limit`, where the model folds back."""
         x2, y2, xy2 = x * x, y * y, 2 * x * y
         r2 = x2 + y2
         radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
@@ -160,9 +156,7 @@ class Camera:
 
     def project(self, points: ArrayLike) -> Array:
         """Eq. (5): points (..., 3) in the camera's frame, metres, to pixels (..., 2).
-
-        NaN for points at or behind the lens, and beyond `radius_limit`.
-        """
+        NaN for points at or behind the lens, and beyond `radius_limit`."""
         xyz = np.asarray(points, dtype=np.float64)
         with np.errstate(divide="ignore", invalid="ignore"):
             xy = xyz[..., :2] / xyz[..., 2:]
@@ -172,9 +166,7 @@ class Camera:
 
     def unproject(self, pixels: ArrayLike) -> Array:
         """Pixels (..., 2) to ideal normalised coordinates (..., 2): the ray is (x, y, 1).
-
-        Newton's method on eq. (4); NaN for a pixel that no ray reaches.
-        """
+        Newton's method on eq. (4); NaN for a pixel that no ray reaches."""
         uv = np.asarray(pixels, dtype=np.float64)
         wanted = (uv - [self.cx, self.cy]) / [self.fx, self.fy]
         xy = wanted.copy()
@@ -218,9 +210,7 @@ class Camera:
 
     def jacobians(self, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
         """The same derivatives as (N, 15, 2, M): six of the pose (w, v), nine of the intrinsics.
-
-        Each of the 15 is contiguous, u of all points and then v: J J^T needs no copy.
-        """
+        Each of the 15 is contiguous, u of all points and then v: J J^T needs no copy."""
         rotations, positions = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64)
         arm = rotations @ np.asarray(points, dtype=np.float64).T
         iz = 1.0 / (arm[:, 2] + positions[:, 2, None])

@@ -50,9 +50,7 @@ class Pose:
     @staticmethod
     def from_vector(p: ArrayLike, axes: Axes = "fixed") -> Pose:
         """Pose of the vector `p`, (6,): three angles in degrees, then x, y, z in metres.
-
-        Raises `PoseError` unless `p` is six finite numbers.
-        """
+        Raises `PoseError` unless `p` is six finite numbers."""
         vector = np.asarray(p, dtype=np.float64)
         if vector.shape != (6,) or not np.isfinite(vector).all():
             raise PoseError(
@@ -76,9 +74,7 @@ class Pose:
     @staticmethod
     def from_matrix(T: ArrayLike) -> Pose:
         """Pose of a homogeneous matrix (4, 4); the rotation part is made orthonormal.
-
-        Raises `PoseError` if the matrix is not finite or is a reflection.
-        """
+        Raises `PoseError` if the matrix is not finite or is a reflection."""
         matrix = np.asarray(T, dtype=np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
             raise PoseError("A pose matrix is 4 x 4 finite numbers.")
@@ -170,10 +166,8 @@ def interpolate(start: Pose, end: Pose, fraction: float) -> Pose:
 
 
 def rotations_of(vectors: ArrayLike) -> Array:
-    """Rotation matrices (N, 3, 3) of pose vectors (N, 6), fixed axes: `Rz Ry Rx`.
-
-    Written out because a search needs thousands: five times as fast as scipy's `from_euler("xyz")`.
-    """
+    """Rotation matrices (N, 3, 3) of pose vectors (N, 6), fixed axes: `Rz Ry Rx`. Written out
+    because a search needs thousands: five times as fast as scipy's `from_euler("xyz")`."""
     angles = np.radians(np.atleast_2d(np.asarray(vectors, dtype=np.float64))[:, :3]).T
     (sx, sy, sz), (cx, cy, cz) = np.sin(angles), np.cos(angles)
     R = np.empty((angles.shape[1], 3, 3))
@@ -185,9 +179,7 @@ def rotations_of(vectors: ArrayLike) -> Array:
 
 def angles_of(R: ArrayLike) -> Array:
     """(N, 3) angles of the pose vector, degrees, of rotations (N, 3, 3); Y within -90 ... 90.
-
-    The inverse of `rotations_of`, except in gimbal lock, where the angles are not unique.
-    """
+    The inverse of `rotations_of`, except in gimbal lock, where the angles are not unique."""
     rotations = np.asarray(R, dtype=np.float64)
     x = np.arctan2(rotations[:, 2, 1], rotations[:, 2, 2])
     y = np.arcsin(np.clip(-rotations[:, 2, 0], -1.0, 1.0))

@@ -1,7 +1,5 @@
 """Three successive turns about fixed axes or the board's own, in any order.
-
-For teaching. Guidance uses the camera's fixed axes in the order X, Y, Z only (`decomposition`).
-"""
+For teaching. Guidance uses the camera's fixed axes in the order X, Y, Z only (`decomposition`)."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 """A board's outline under many poses: distances, pixels, sizes of squares.
-
-Poses are the last axis: minima and maxima of few points are fast along the first axis only.
-"""
+Poses are the last axis: minima and maxima of few points are fast along the first axis only."""
 
 from __future__ import annotations
 
@@ -81,11 +79,8 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
 
 @lru_cache(maxsize=8)
 def _probe(board: Board) -> Array:
-    """(2, 16, 1) x and y of the board points that decide, metres.
-
-    The outline, its neighbours a square along x and y, and the mid-edges, as distortion bows a
-    straight edge outwards.
-    """
+    """(2, 16, 1) x and y of the board points that decide, metres. The outline, its neighbours a
+    square along x and y, and the mid-edges, as distortion bows a straight edge outwards."""
     outline = board.outline[:, :2]
     inward = -np.sign(outline) * board.square
     middles = (outline + np.roll(outline, -1, axis=0)) / 2

@@ -14,10 +14,8 @@ from venus3d.engine.geometry.pose import Array
 Rule = Literal["repaired", "printed"]
 MIN_VIEWS = 6
 """The repaired rule gives no verdict from fewer views.
-
 With few views the residual noise, which scales every sigma, is itself known only roughly, and a
-ratio near 1 is easily chance.
-"""
+ratio near 1 is easily chance."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,6 @@
 """Practice: a level's targets, and the path of the board towards them.
-
-Pure values: no clock (times are passed in), no screen. `matching` decides when a pose is reached.
-"""
+Pure values: no clock (times are passed in), no screen. `matching` decides when a pose is
+reached."""
 
 from __future__ import annotations
 
@@ -57,11 +56,8 @@ def start_pose(camera: Camera, board: Board, limits: Limits) -> Pose:
 
 
 def choose_free(level: int, generator: np.random.Generator) -> Free:
-    """The pose parameters that a target of this level changes.
-
-    1: any one; 2: a turn and a shift; 3: all turns or all shifts; 4, 5: all shifts and one or two
-    turns; 6: all.
-    """
+    """The pose parameters that a target of this level changes. 1: any one; 2: a turn and a shift;
+    3: all turns or all shifts; 4, 5: all shifts and one or two turns; 6: all."""
     turns, shifts = generator.permutation(3), 3 + generator.permutation(3)
     whole = bool(generator.integers(2))
     chosen: dict[int, list[int]] = {
@@ -229,9 +225,7 @@ class Attempt:
 
 def detour(path_mm: float, shortest_mm: float, path_deg: float, shortest_deg: float) -> float:
     """Path length over the shortest path: the larger of the shift's and the turn's ratio.
-
-    NaN if the target needs neither.
-    """
+    NaN if the target needs neither."""
     pairs = ((path_mm, shortest_mm), (path_deg, shortest_deg))
     ratios = [path / shortest for path, shortest in pairs if shortest >= 1.0]
     return max(ratios, default=float("nan"))

@@ -24,11 +24,8 @@ class Tolerance:
     fraction: float = 0.035
     """The same as a fraction of the board's shorter side: 6 mm for the default board."""
     deg: float = 2.5
-    """Remaining turn, degrees.
-
-    On random targets, a pose with all four steps just within these tolerances overlaps by more than
-    0.85 in 99.8 %, so "all steps done" and "reached" agree.
-    """
+    """Remaining turn, degrees. On random targets, a pose with all four steps just within these
+    tolerances overlaps by more than 0.85 in 99.8 %, so "all steps done" and "reached" agree."""
     hysteresis: float = 1.6
     """A step that was done reopens only beyond this multiple, to avoid flicker."""
     reached_deg: float = 15.0

@@ -42,9 +42,7 @@ class Session:
         self, board: Board, image_size: tuple[int, int], settings: Settings | None = None
     ) -> None:
         """A session for images of `image_size` (width, height).
-
-        Raises `VenusError` for settings whose method, cost and search are incompatible.
-        """
+        Raises `VenusError` for settings whose method, cost and search are incompatible."""
         self.settings = settings or Settings()
         self._ending = False
         self._image_size = image_size
@@ -128,9 +126,7 @@ class Session:
 
     def choose_alternative(self, index: int) -> bool:
         """Switch to one of the target's alternatives. False if there is no such one.
-
-        The rejected pose goes last, so that `choose_alternative(0)` cycles through them all.
-        """
+        The rejected pose goes last, so that `choose_alternative(0)` cycles through them all."""
         old = self._target
         if old is None or self._phase != "guiding" or not 0 <= index < len(old.alternatives):
             return False

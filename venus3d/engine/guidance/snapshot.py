@@ -1,7 +1,5 @@
 """The state of a guided calibration after one observation, as frozen values.
-
-The session fills it; scene and storage read it.
-"""
+The session fills it; scene and storage read it."""
 
 from __future__ import annotations
 

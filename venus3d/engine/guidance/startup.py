@@ -63,9 +63,7 @@ class Startup:
     @property
     def distance(self) -> float | None:
         """z of the board's centre when it was first seen whole, metres, under `camera`.
-
-        None until then.
-        """
+        None until then."""
         return self._distance
 
     @property

@@ -1,7 +1,5 @@
 """The slow half of the session: calibrate, diagnose, search. Pure: it can run on any thread.
-
-The session hands out a frozen `Work` and applies its `Outcome`.
-"""
+The session hands out a frozen `Work` and applies its `Outcome`."""
 
 from __future__ import annotations
 
@@ -80,9 +78,7 @@ class Work:
         on_step: OnSearchStep | None = None,
     ) -> Outcome:
         """Do the work. `stop` ends the search early with the best pose; `on_step` observes it.
-
-        Raises `CalibrationError` if the views determine no camera at all.
-        """
+        Raises `CalibrationError` if the views determine no camera at all."""
         calibration, warnings = self._calibrated()
         posterior = Posterior.of_calibration(calibration, self.settings.noise)
         space = Space.of(posterior, self.settings, self.skipped)

@@ -1,7 +1,5 @@
 """Poses nearly as good as the best one and clearly different from it.
-
-One of them may be easier to hold.
-"""
+One of them may be easier to hold."""
 
 from __future__ import annotations
 
@@ -22,9 +20,7 @@ leaves; the latter for the first views, whose gains are large."""
 
 def clearly_different(one: Pose, other: Pose) -> bool:
     """Whether two poses are obviously different to a person.
-
-    By 20 degrees of turn, or by a fifth of the nearer one's distance in any direction.
-    """
+    By 20 degrees of turn, or by a fifth of the nearer one's distance in any direction."""
     nearer = min(float(np.linalg.norm(pose.t)) for pose in (one, other))
     apart = one.distance_to(other) >= DIFFERENT_FRACTION * nearer
     return apart or one.angle_to_deg(other) >= DIFFERENT_DEG

@@ -1,7 +1,5 @@
 """How well views like a given one determine the focal length; shown live in lessons.
-
-For teaching only: guidance uses `information` and `costs`.
-"""
+For teaching only: guidance uses `information` and `costs`."""
 
 from __future__ import annotations
 

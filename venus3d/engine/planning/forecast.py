@@ -93,9 +93,7 @@ def forecast(
 
 def spread_of(degrees: int) -> tuple[float, float]:
     """Factors (best, worst) on all planned uncertainties.
-
-    From the uncertainty of the noise: `degrees * s^2 / sigma^2` is chi-square distributed.
-    """
+    From the uncertainty of the noise: `degrees * s^2 / sigma^2` is chi-square distributed."""
     count, tail = max(degrees, 1), (1 - CONFIDENCE) / 2
     best, worst = np.sqrt(count / chi2.ppf([1 - tail, tail], count))
     return float(best), float(worst)

@@ -120,9 +120,7 @@ def paper_angle_deg(i: int) -> float:
 
 def bisection_angle_deg(i: int, half_range_deg: float = 70.0) -> float:
     """Rojtberg's angles, i from 1: midpoints of ever finer halves of the range, level by level.
-
-    For +-70: -35, 35, -52.5, -17.5, 17.5, 52.5, ... (without 0, parallel to the image).
-    """
+    For +-70: -35, 35, -52.5, -17.5, 17.5, 52.5, ... (without 0, parallel to the image)."""
     level, first = 2, 1
     while i >= first + level:
         first, level = first + level, level * 2
@@ -236,10 +234,8 @@ def _distortion_pose(
 
 
 def _nearest_visible(board: Board, camera: Camera, limits: Limits, vector: Array) -> Array:
-    """The vector at the smallest distance at which the limits hold.
-
-    If the tilt alone breaks them, only the image's border counts; the rest is for `brought_within`.
-    """
+    """The vector at the smallest distance at which the limits hold. If the tilt alone breaks them,
+    only the image's border counts; the rest is for `brought_within`."""
     distances = np.geomspace(limits.nearest, limits.farthest, 121)
     candidates = np.tile(vector, (distances.size, 1))
     candidates[:, 5] = distances

@@ -123,9 +123,7 @@ def _distance_factor(limits: Limits, camera: Camera, seen: Visibility) -> Array:
 
 def _sideways(limits: Limits, camera: Camera, seen: Visibility, t: Array, factor: Array) -> Array:
     """(2, N) metres that bring points outside the frame back into it, at the new distance.
-
-    At depth Z a pixel is Z / f metres; a factor on the distance scales about the centre's pixel.
-    """
+    At depth Z a pixel is Z / f metres; a factor on the distance scales about the centre's pixel."""
     low, high = (bound[:, None, None] for bound in limits.frame(camera))
     f, c = np.array([[camera.fx], [camera.fy]]), np.array([[camera.cx], [camera.cy]])
     centre = (f * t[:2] / t[2] + c)[:, None]

@@ -124,9 +124,7 @@ class Limits:
 
     def excess(self, camera: Camera, board: Board, vectors: ArrayLike) -> Array:
         """By how much the limits are broken, (N,): 0 within them, else a slope to follow back.
-
-        The broken `margins`, all together.
-        """
+        The broken `margins`, all together."""
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         margins = self.margins(camera, p, visibility_of(camera, board, p))
         return np.maximum(-SLACK - margins, 0.0).sum(axis=0)

@@ -56,9 +56,7 @@ class Space:
 
     def excess(self, vectors: Array) -> Array:
         """(N,) how far pose vectors (N, 6) are outside: 0 inside, else a slope that leads back.
-
-        By how much they break the limits (`Limits.excess`), plus 1 for each skipped pose nearby.
-        """
+        By how much they break the limits (`Limits.excess`), plus 1 for each skipped pose nearby."""
         total = self.limits.excess(self.camera, self.board, vectors)
         for pose in self.skipped:
             total += _near(vectors, pose)

@@ -1,7 +1,6 @@
 """The posterior of the intrinsics after some views, and after one more.
-
-Made once per calibration for all planning: targets, alternatives, forecast, usefulness of a view.
-"""
+Made once per calibration for all planning: targets, alternatives, forecast, usefulness of a
+view."""
 
 from __future__ import annotations
 
@@ -56,9 +55,7 @@ class Posterior:
         noise: NoiseModel | None = None,
     ) -> Posterior:
         """The posterior after views of this `information`, (9, 9).
-
-        `prior_information` is added while the views alone contain less.
-        """
+        `prior_information` is added while the views alone contain less."""
         gathered = np.asarray(information, dtype=np.float64)
         prior = prior_information(camera, sigma_px)
         settled = _settled(gathered, prior, sigma_px)

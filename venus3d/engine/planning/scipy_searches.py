@@ -56,9 +56,7 @@ def differential_evolution_search(
     on_step: OnSearchStep | None = None,
 ) -> SearchResult:
     """`scipy.optimize.differential_evolution`, 60 points at a time, for `budget` points.
-
-    From a Sobol sequence and without final polishing, otherwise with its defaults.
-    """
+    From a Sobol sequence and without final polishing, otherwise with its defaults."""
     objective = _Objective(space, cost, rng, budget, stop, on_step)
     with suppress(_Ended):
         _differential_evolution(

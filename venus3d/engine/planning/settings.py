@@ -1,7 +1,5 @@
 """Settings for finding the next pose: method, cost, search, noise model, limits.
-
-Invalid combinations are refused when the settings are made.
-"""
+Invalid combinations are refused when the settings are made."""
 
 from __future__ import annotations
 
@@ -29,9 +27,7 @@ from venus3d.engine.planning.method import (
 @dataclass(frozen=True)
 class PlanningSettings:
     """Settings for finding the next pose.
-
-    Raises `VenusError` for unknown names and invalid combinations.
-    """
+    Raises `VenusError` for unknown names and invalid combinations."""
 
     method: Method = "global"
     cost: Cost | None = None
