@@ -130,7 +130,7 @@ def test_another_pose_and_another_method_are_chosen_while_running(
     before = page.evaluate(first)
     page.keyboard.press("j")
     page.wait_for_function(f"old => {first} && {first} !== old", arg=before)
-    assert "poses were looked at" in page.inner_text(".v-reason")
+    assert "poses were evaluated" in page.inner_text(".v-reason")
 
     def pick(box: str, words: str) -> None:
         page.get_by_role("combobox", name=box).click()

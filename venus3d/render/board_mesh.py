@@ -1,7 +1,5 @@
 """The board as one mesh (printed front, white rim, thin body, neutral back), its outline and ghost.
-
-One mesh, so that a moving board is one node and one pose; layout and picture are the engine's.
-"""
+One mesh, so that a moving board is one node and one pose; layout and picture are the engine's."""
 
 from __future__ import annotations
 

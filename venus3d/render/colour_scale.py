@@ -1,8 +1,6 @@
-"""The colour scale of all maps (cividis), and the ticks of its legend.
-
-Cividis (Nuñez, Anderton and Renslow 2018) is perceptually even and looks nearly the same with and
-without red-green blindness.
-"""
+"""The colour scale of all maps (cividis), and the ticks of its legend. Cividis (Nuñez, Anderton and
+Renslow 2018) is perceptually even and looks nearly the same with and without red-green
+blindness."""
 
 from __future__ import annotations
 

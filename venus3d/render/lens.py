@@ -1,8 +1,5 @@
-"""Lens distortion for renderers that only know pinholes.
-
-A picture is rendered through a slightly larger ideal pinhole, then warped with `cv2.remap` by a map
-that is made once per camera.
-"""
+"""Lens distortion for renderers that only know pinholes. A picture is rendered through a slightly
+larger ideal pinhole, then warped with `cv2.remap` by a map that is made once per camera."""
 
 from __future__ import annotations
 
@@ -71,10 +68,8 @@ def lens_for(camera: Camera) -> Lens:
 
 def _rays(camera: Camera) -> Array:
     """(H, W, 2) ideal normalised coordinates of every pixel; NaN where no ray comes from.
-
     `Camera.unproject` is exact but slow for a million pixels, so the smooth map is computed on a
-    grid and interpolated (cubic: less than 1e-4 px off at 16 px).
-    """
+    grid and interpolated (cubic: less than 1e-4 px off at 16 px)."""
     nodes, x, y = _unprojected_grid(camera, 16.0)
     u, v = np.arange(camera.width), np.arange(camera.height)
     if np.isfinite(nodes).all():

@@ -1,7 +1,5 @@
-"""Maps over the camera's image as RGB pictures: uncertainty, coverage, distortion, residuals.
-
-They hold no text: numbers and legends stand beside them.
-"""
+"""Maps over the camera's image as RGB pictures: uncertainty, coverage, distortion, residuals. They
+hold no text: numbers and legends stand beside them."""
 
 from __future__ import annotations
 
@@ -33,11 +31,9 @@ _REACH = 1.5
 def uncertainty_picture(
     uncertainty_px: Array, ends_px: tuple[float, float], size: tuple[int, int], *, dark: bool
 ) -> Picture:
-    """Projection uncertainty (rows, columns), pixels, over the image: `size` (width, height).
-
-    The colour scale is logarithmic: at the border the values are often a hundred times those in the
-    middle. NaN (no ray reaches that pixel) is hatched.
-    """
+    """Projection uncertainty (rows, columns), pixels, over the image: `size` (width, height). The
+    colour scale is logarithmic: at the border the values are often a hundred times those in the
+    middle. NaN (no ray reaches that pixel) is hatched."""
     low, high = np.log(ends_px)
     return _heat(np.log(np.maximum(uncertainty_px, 1e-12)), low, high, size, dark)
 

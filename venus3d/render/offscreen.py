@@ -1,8 +1,6 @@
-"""Offscreen pictures of shapes as a camera with a lens would take them.
-
-One thread owns OpenGL; any thread may request pictures. If OpenGL is missing or fails, `Painter`
-draws the same shapes with OpenCV. Both use the same lens map.
-"""
+"""Offscreen pictures of shapes as a camera with a lens would take them. One thread owns OpenGL; any
+thread may request pictures. If OpenGL is missing or fails, `Painter` draws the same shapes with
+OpenCV. Both use the same lens map."""
 
 from __future__ import annotations
 
@@ -54,11 +52,8 @@ class Offscreen:
         self, backend: Literal["auto", "gl", "painter"] = "auto", *, smooth: bool = True
     ) -> None:
         """Start the render thread. Without `smooth` there is no antialiasing, in half the time: for
-        pictures that are blurred anyway.
-
-        Raises `RuntimeError` if `backend` is "gl" and OpenGL is unavailable; with "gl", later
-        failures are raised too instead of being painted.
-        """
+        pictures that are blurred anyway. Raises `RuntimeError` if `backend` is "gl" and OpenGL is
+        unavailable; with "gl", later failures are raised too instead of being painted."""
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="offscreen")
         self._closed = False
         self.note = ""

@@ -1,8 +1,6 @@
-"""The two other helps of a trial, drawn into the live picture: axes, and a filled silhouette.
-
-As published, they use no words. Lines and letters are thick enough for two metres; the colours suit
-colour-blind people and never stand alone: axes have letters, the target's are dashed.
-"""
+"""The two other helps of a trial, drawn into the live picture: axes, and a filled silhouette. As
+published, they use no words. Lines and letters are thick enough for two metres; the colours suit
+colour-blind people and never stand alone: axes have letters, the target's are dashed."""
 
 from __future__ import annotations
 

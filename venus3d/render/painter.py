@@ -1,8 +1,6 @@
-"""A small software renderer, used without OpenGL; it fills polygons with OpenCV.
-
-It draws through an ideal pinhole with a depth buffer, slower than OpenGL and without antialiasing;
-a printed board is warped as a whole, so its corners are exact.
-"""
+"""A small software renderer, used without OpenGL; it fills polygons with OpenCV. It draws through
+an ideal pinhole with a depth buffer, slower than OpenGL and without antialiasing; a printed board
+is warped as a whole, so its corners are exact."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
-"""The four steps of a target as the camera would see them, each under its instruction.
-
-Rendered on the first request for a target and camera, then cached (the paper's lazy loading).
-"""
+"""The four steps of a target as the camera would see them, each under its instruction. Rendered on
+the first request for a target and camera, then cached (the paper's lazy loading)."""
 
 from __future__ import annotations
 

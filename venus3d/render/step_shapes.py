@@ -1,8 +1,6 @@
-"""One step's instruction: the arrow, the swept angle, the axis and the amount.
-
-A turn is drawn as a protractor just outside the board, in a plane perpendicular to its axis, so
-that the board never hides it; the arc starts at the edge that the words name.
-"""
+"""One step's instruction: the arrow, the swept angle, the axis and the amount. A turn is drawn as a
+protractor just outside the board, in a plane perpendicular to its axis, so that the board never
+hides it; the arc starts at the edge that the words name."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def test_what_fails_is_told_and_the_next_view_is_tried(
     keeper = ResultSaver(disk.write, failed=told.append)
     keeper.put(anew(guided))
     wait_until(lambda: told)
-    why = ": The disk is full." if isinstance(error, StorageError) else "; the terminal tells why."
+    why = ": The disk is full." if isinstance(error, StorageError) else "; the terminal says why."
     assert told == [f"Not saved{why} The next view is tried again."]
     assert ("Odd." in caplog.text) == isinstance(error, ValueError)  # a mistake of ours, in full
     disk.error = None

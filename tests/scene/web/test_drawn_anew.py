@@ -136,7 +136,7 @@ def test_a_guide_page_that_breaks_is_drawn_anew(
         text = page_of(viewer.port, "/board/live", "/target/board", "GuiImageMessage", "/gizmo")
         assert count > 1 or common.DRAWN_ANEW in page_of(viewer.port, common.DRAWN_ANEW)
         assert "v-guide" in text
-    assert len(logged(caplog)) == 1 and "drawn anew" in logged(caplog)[0]
+    assert len(logged(caplog)) == 1 and "reloaded" in logged(caplog)[0]
     # What a person had captured and chosen is there again.
     assert vars(viewer.layers[0])["_pictures"]
 

@@ -37,11 +37,9 @@ class Failures:
 
 
 class DrawingThreads:
-    """Loops that draw one page until `stop` is set.
-
-    An error in a loop is logged and never reaches the page's caller; the page is reloaded and the
-    loops go on. Repeated failures are retried less and less often.
-    """
+    """Loops that draw one page until `stop` is set. An error in a loop is logged and never reaches
+    the page's caller; the page is reloaded and the loops go on. Repeated failures are retried less
+    and less often."""
 
     def __init__(self, draw_anew: Callable[[Exception], None], **loops: Callable[[], None]) -> None:
         """One thread per loop, named by its keyword.

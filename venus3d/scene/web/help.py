@@ -1,7 +1,5 @@
-"""A page's commands: one list for hotkeys, the command palette and the help.
-
-The help opens only in the tab that asked for it.
-"""
+"""A page's commands: one list for hotkeys, the command palette and the help. The help opens only in
+the tab that asked for it."""
 
 from __future__ import annotations
 

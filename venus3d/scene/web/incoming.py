@@ -1,9 +1,6 @@
-"""Validates what a browser sends: values, clicks, commands, and its viewpoint.
-
-Every message passes `is_heard` before viser sees it. viser checks little: anybody who opens the
-websocket could set any property of a widget, or a camera that breaks later computations in our
-threads.
-"""
+"""Validates what a browser sends: values, clicks, commands, and its viewpoint. Every message passes
+`is_heard` before viser sees it. viser checks little: anybody who opens the websocket could set any
+property of a widget, or a camera that breaks later computations in our threads."""
 
 from __future__ import annotations
 

@@ -1,9 +1,6 @@
-"""A layer of a page's scene: its own shapes, and a tab about them.
-
-Page and layer know nothing of each other's contents. For each moment drawn the page calls `put`
-(shapes), `bind` (gestures on what was drawn), `show` (the tab) and, once everything has been sent
-to the browsers, `show_late`.
-"""
+"""A layer of a page's scene: its own shapes, and a tab about them. Page and layer know nothing of
+each other's contents. For each moment drawn the page calls `put` (shapes), `bind` (gestures on what
+was drawn), `show` (the tab) and, once everything has been sent to the browsers, `show_late`."""
 
 from __future__ import annotations
 

@@ -1,8 +1,6 @@
 """A lesson's text as HTML that can neither run nor load anything, for the live page and exports.
-
 Lessons are passed between teachers and not trusted: HTML is shown as text, a picture becomes a link
-to it, and links lead only to web pages or mail addresses, in a new tab.
-"""
+to it, and links lead only to web pages or mail addresses, in a new tab."""
 
 from __future__ import annotations
 

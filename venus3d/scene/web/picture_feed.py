@@ -1,7 +1,5 @@
-"""The live picture's own loop: draws and shows the newest at a limited rate.
-
-Neither the picture nor the rest of the page waits for the other.
-"""
+"""The live picture's own loop: draws and shows the newest at a limited rate. Neither the picture
+nor the rest of the page waits for the other."""
 
 from __future__ import annotations
 

@@ -34,10 +34,8 @@ class ShownSteps:
 
 
 class ProjectionsPanel:
-    """The four tiles of one server.
-
-    Pictures and mark are separate pieces, so that changing the step resends no picture.
-    """
+    """The four tiles of one server. Pictures and mark are separate pieces, so that changing the
+    step resends no picture."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
         """An empty panel inside the current one."""

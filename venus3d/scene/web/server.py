@@ -1,8 +1,6 @@
-"""The pages' web servers: viser's, restricted, and never tunnelled to the outside.
-
-`LocalServer` is for operators, `ReadOnlyServer` for spectators. `handshake` decides who may
-connect, `incoming` which messages are accepted.
-"""
+"""The pages' web servers: viser's, restricted, and never tunnelled to the outside. `LocalServer` is
+for operators, `ReadOnlyServer` for spectators. `handshake` decides who may connect, `incoming`
+which messages are accepted."""
 
 from __future__ import annotations
 
@@ -213,11 +211,9 @@ def _serve_as(serve: Callable[..., Any]) -> Generator[None, None, None]:
 
 
 def start_server(host: str, port: int) -> tuple[LocalServer, str]:
-    """A running server, and a note if it had to take another port than `port`.
-
-    Raises `AddressError` if the address cannot be bound; this is tried first, since viser would
-    wait for ever.
-    """
+    """A running server, and a note if it had to take another port than `port`. Raises
+    `AddressError` if the address cannot be bound; this is tried first, since viser would wait for
+    ever."""
     _check_port(port)
     for candidate in range(port, min(port + _PORTS_TRIED, 65536)):
         if _is_free(host, candidate):
@@ -246,10 +242,8 @@ def start_read_only_server(host: str, port: int) -> ReadOnlyServer:
 
 def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
     """A new, empty server of the same kind and address in place of this one, which is stopped.
-
     Browsers reconnect by themselves. If `stop` is set meanwhile, the new one is stopped too. Raises
-    `AddressError` if the address does not become free soon.
-    """
+    `AddressError` if the address does not become free soon."""
     host, port = server.get_host(), server.get_port()
     server.stop()
     deadline = time.monotonic() + _FREE_AGAIN_S

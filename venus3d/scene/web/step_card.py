@@ -1,7 +1,5 @@
-"""The large text for the board's holder, as HTML: what to do now, and how much is left.
-
-Readable at two metres: one headline, one sentence and four short facts.
-"""
+"""The large text for the board's holder, as HTML: what to do now, and how much is left. Readable at
+two metres: one headline, one sentence and four short facts."""
 
 from __future__ import annotations
 

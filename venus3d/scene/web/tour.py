@@ -1,8 +1,6 @@
-"""A short guided tour: small steps over the page, each highlighting what it describes.
-
-It starts by itself when a browser first opens the page, which the browser remembers in its local
-storage; later only on request.
-"""
+"""A short guided tour: small steps over the page, each highlighting what it describes. It starts by
+itself when a browser first opens the page, which the browser remembers in its local storage; later
+only on request."""
 
 from __future__ import annotations
 

@@ -1,8 +1,5 @@
-"""Two short tones as HTML, played by an `<audio autoplay>` that is put into the page.
-
-Browsers stay silent until the page has been clicked once, so the page asks for a click while sounds
-are on.
-"""
+"""Two short tones as HTML, played by an `<audio autoplay>` that is put into the page. Browsers stay
+silent until the page has been clicked once, so the page asks for a click while sounds are on."""
 
 from __future__ import annotations
 

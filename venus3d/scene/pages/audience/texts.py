@@ -1,8 +1,5 @@
-"""Texts of the second monitor, and of its controls on the operator's page.
-
-One sentence at a time, addressed to the board's holder. How to move the board is said by
-`engine/guidance/prompts.py`.
-"""
+"""Texts of the second monitor, and of its controls on the operator's page. One sentence at a time,
+addressed to the board's holder. How to move the board is said by `engine/guidance/prompts.py`."""
 
 STARTING = ("…", "Starting", "Waiting for the first picture.")
 LOST = "No connection. This is an old picture."
@@ -57,4 +54,4 @@ CONTROLS = (
 ANNOUNCED = "Second monitor: {url}   (it only shows; {open_to})"
 THIS_MACHINE = "for this machine"
 NETWORK = "anybody on the network can look, without a password"
-DRAWN_ANEW = "The second page was drawn anew: drawing it failed ({cause}). Nothing is lost."
+DRAWN_ANEW = "The second monitor was reloaded after a drawing error ({cause}). Nothing is lost."

@@ -1,7 +1,5 @@
-"""The second monitor's page in viser: a picture in the scene, HTML around it, no controls.
-
-Every browser's camera is put in the real camera's place, and back if it was moved.
-"""
+"""The second monitor's page in viser: a picture in the scene, HTML around it, no controls. Every
+browser's camera is put in the real camera's place, and back if it was moved."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
-"""Base of both exercises' pages: one tab's panels and scene, and their updates.
-
-One thread calls `show` and `advance`; the pictures may come from another.
-"""
+"""Base of both exercises' pages: one tab's panels and scene, and their updates. One thread calls
+`show` and `advance`; the pictures may come from another."""
 
 from __future__ import annotations
 

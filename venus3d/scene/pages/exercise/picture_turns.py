@@ -1,7 +1,5 @@
-"""Chooses which tab's picture to draw next when there is no time for all.
-
-A tab's new request replaces its old one; the tab that has waited longest for a picture is next.
-"""
+"""Chooses which tab's picture to draw next when there is no time for all. A tab's new request
+replaces its old one; the tab that has waited longest for a picture is next."""
 
 from __future__ import annotations
 

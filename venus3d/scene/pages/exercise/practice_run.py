@@ -1,7 +1,5 @@
-"""The practice server: every tab is a trainee with their own board, scene and panels.
-
-Only the file and the server are shared. Closing a tab discards its trainee.
-"""
+"""The practice server: every tab is a trainee with their own board, scene and panels. Only the file
+and the server are shared. Closing a tab discards its trainee."""
 
 from __future__ import annotations
 

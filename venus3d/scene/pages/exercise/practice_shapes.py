@@ -1,8 +1,6 @@
-"""Shapes of a practice, in the scene and in the camera's picture, under each help.
-
-The board is the same shape in both; the help is shapes in the scene, and lines in the picture as a
-trial draws them. Names are those of `describe`, plus /axes/board/x ... and /axes/target/x ...
-"""
+"""Shapes of a practice, in the scene and in the camera's picture, under each help. The board is the
+same shape in both; the help is shapes in the scene, and lines in the picture as a trial draws them.
+Names are those of `describe`, plus /axes/board/x ... and /axes/target/x ..."""
 
 from __future__ import annotations
 

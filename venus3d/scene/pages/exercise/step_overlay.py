@@ -1,7 +1,5 @@
-"""Draws the active step into the camera's picture, like the axes and the outline.
-
-Lines and labels only: new arrow meshes for every picture would take longer than all the rest.
-"""
+"""Draws the active step into the camera's picture, like the axes and the outline. Lines and labels
+only: new arrow meshes for every picture would take longer than all the rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
 """Texts of both exercise pages; the rest is in `practice_texts` and `trial_texts`."""
 
-BROKEN = "This page met an error and stands still. Reload it to go on."
-STANDS_STILL = "a tab's page could not be drawn anew; it stands still until it is reloaded"
+BROKEN = "This page has stopped after an error. Reload it to continue."
+STANDS_STILL = "a tab's page could not be redrawn; it has stopped until it is reloaded"

@@ -1,8 +1,6 @@
-"""One participant's trial: the same poses under each help, seen by a known camera.
-
-Nothing is calibrated; measured is the time until each pose is reached and held. Times are those of
-the frames, so a replayed or simulated trial repeats them.
-"""
+"""One participant's trial: the same poses under each help, seen by a known camera. Nothing is
+calibrated; measured is the time until each pose is reached and held. Times are those of the frames,
+so a replayed or simulated trial repeats them."""
 
 from __future__ import annotations
 

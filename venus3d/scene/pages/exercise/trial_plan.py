@@ -65,11 +65,9 @@ def order_of(number: int) -> tuple[Help, ...]:
 
 
 def plan_of(name: str | None, rows: Sequence[ExerciseRow]) -> Plan:
-    """The plan of a participant, given the rows written so far.
-
-    A new name, or None for "P1", "P2", ..., gets the next order; after an interrupted run, the
-    remaining helps follow. Raises `VenusError` for one who has finished everything.
-    """
+    """The plan of a participant, given the rows written so far. A new name, or None for "P1", "P2",
+    ..., gets the next order; after an interrupted run, the remaining helps follow. Raises
+    `VenusError` for one who has finished everything."""
     numbers = {row.participant: row.number for row in rows}
     count = max(numbers.values(), default=0)
     if name is None:

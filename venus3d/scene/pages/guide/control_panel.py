@@ -1,7 +1,5 @@
-"""Buttons and commands of a guided calibration, their intents, and when they are shown.
-
-Only useful ones are shown: no steps without a target, no capture after the end.
-"""
+"""Buttons and commands of a guided calibration, their intents, and when they are shown. Only useful
+ones are shown: no steps without a target, no capture after the end."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
-"""The diagnoses against the result, above the progress; hidden while there are none.
-
-Each has a title, a cause and a cure. Sign, shape and word give the severity without colours.
-"""
+"""The diagnoses against the result, above the progress; hidden while there are none. Each has a
+title, a cause and a cure. Sign, shape and word give the severity without colours."""
 
 from __future__ import annotations
 

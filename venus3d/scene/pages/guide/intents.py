@@ -1,8 +1,6 @@
-"""Intents: what a person asks for in the browser, by button, key or command.
-
-Each updates the page's state (`ViewState.after`) and is queued for the guidance loop, which carries
-out those for the session or the source.
-"""
+"""Intents: what a person asks for in the browser, by button, key or command. Each updates the
+page's state (`ViewState.after`) and is queued for the guidance loop, which carries out those for
+the session or the source."""
 
 from __future__ import annotations
 

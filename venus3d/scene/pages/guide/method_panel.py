@@ -1,8 +1,6 @@
-"""How the next pose is found, ours or the paper's, as a list and as commands.
-
-Other methods and costs are for research and set on the command line; one set there is listed too.
-The list shows the session's method, not the click: a refused choice reverts by itself.
-"""
+"""How the next pose is found, ours or the paper's, as a list and as commands. Other methods and
+costs are for research and set on the command line; one set there is listed too. The list shows the
+session's method, not the click: a refused choice reverts by itself."""
 
 from __future__ import annotations
 

@@ -29,14 +29,14 @@ class GuideOptions:
     method: Method = "global"
     """How the next pose is found: ours (global), the paper's (venus), Rojtberg's, or by chance."""
     cost: Annotated[Cost | None, arg(help_behavior_hint="(the method's own)")] = None
-    """What the search makes small: by itself projection-variance for global, sum-iod for venus."""
+    """What the search minimises: by default projection-variance for global, sum-iod for venus."""
     search: Annotated[Strategy | None, arg(help_behavior_hint="(the method's own)")] = None
-    """How it is searched for: by itself annealing for venus, the whole space for global."""
+    """How it searches: by default annealing for venus, the whole space for global."""
     wanted_error: Annotated[float, arg(metavar="PX")] = 0.3
     """Mean projection error in pixels that is enough; the views until then are forecast."""
     limits: LimitOptions = field(default_factory=LimitOptions)
     keep_best: Switch = False
-    """Method venus: take the best pose that its search met, not the one it ends on."""
+    """Method venus: take the best pose of its search, not the last one."""
     overlap: float = 0.85
     """How much the board must cover its target in the picture, 0 to 1, to be captured."""
     auto_capture: bool = True

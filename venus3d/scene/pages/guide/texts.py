@@ -98,16 +98,16 @@ ANOTHER_TARGET = "Meanwhile there is another target; choose among its neighbours
 NO_OTHER_POSE = "No other pose is nearly as good; K asks for another one."
 NO_POSE_TO_CHOOSE = "There is no other pose to choose just now."
 HAND_TOO_FAR = "The simulated hand did not come near enough to its target; lower --overlap."
-SOURCE_BROKE = "The source broke: {error}"
+SOURCE_BROKE = "Reading the source failed: {error}"
 NOT_SAVED = "Not saved: {error} The next view is tried again."
-NOT_SAVED_MISTAKE = "Not saved; the terminal tells why. The next view is tried again."
+NOT_SAVED_MISTAKE = "Not saved; the terminal says why. The next view is tried again."
 NOT_SAVED_LOG = "venus3d: a result could not be saved"
 
 # -- how the next pose is found --------------------------------------------------------------------
 
 METHOD_FOLDER = "How the next pose is found"
 METHOD = "Method"
-METHOD_WITH_COST = "{method}; makes small: {cost}"
+METHOD_WITH_COST = "{method}; minimises: {cost}"
 METHOD_WORDS: dict[Method, str] = {
     "global": "Best of all poses (global)",
     "venus": "The paper's (venus)",
@@ -124,8 +124,8 @@ COST_WORDS: dict[Cost, str] = {
     "rms": "Misfit of a trial calibration, slow (rms)",
 }
 METHOD_HINT = (
-    "global looks at thousands of poses and needs the fewest views. venus starts at the paper's "
-    "rule and walks a little. The command line knows more (--method, --cost)."
+    "global evaluates thousands of poses and needs the fewest views. venus starts from the paper's "
+    "rule and searches nearby. More methods on the command line (--method, --cost)."
 )
 METHOD_COMMAND = "Method: {words}"
 
@@ -159,7 +159,7 @@ FORECAST_RANGE = "{words} ({low} to {high})."
 PROMISE = "It should bring the uncertainty from {now} to {then} px."
 WHAT_FOR = "What pose {number} is for"
 WHAT_FOR_HINT = "Why the board should go there: what its view tells of the camera."
-LOOKED_AT = "{count} poses were looked at. "
+LOOKED_AT = "{count} poses were evaluated. "
 SERVES = "Helps most: {names}."
 
 # -- the camera's parameters -----------------------------------------------------------------------

@@ -15,11 +15,8 @@ from venus3d.scene.web.camera_rig import View
 
 
 def guide_view(shapes: tuple[Shape, ...], target: int) -> tuple[object, View]:
-    """What is looked at, and the view of it.
-
-    Tabs turn only when the subject changes: the strip appears, changes or disappears, or the target
-    of number `target` is far away.
-    """
+    """What is looked at, and the view of it. Tabs turn only when the subject changes: the strip
+    appears, changes or disappears, or the target of number `target` is far away."""
     strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
     goals = [s.pose for s in shapes if isinstance(s, LineShape) and s.name == "/target/board"]
     if strip:

@@ -1,7 +1,5 @@
-"""The two pictures of a teaching page: the camera's view, and the four steps on one sheet.
-
-Small pictures while somebody drags, large ones once it is quiet; `viewer` decides when.
-"""
+"""The two pictures of a teaching page: the camera's view, and the four steps on one sheet. Small
+pictures while somebody drags, large ones once it is quiet; `viewer` decides when."""
 
 from __future__ import annotations
 

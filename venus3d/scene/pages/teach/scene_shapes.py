@@ -1,8 +1,6 @@
-"""The shapes of a teaching page, in 3D and in the camera's picture.
-
-`render.describe` and `render.strip` describe the steps as in a calibration; this module adds the
-moving board and the camera's picture.
-"""
+"""The shapes of a teaching page, in 3D and in the camera's picture. `render.describe` and
+`render.strip` describe the steps as in a calibration; this module adds the moving board and the
+camera's picture."""
 
 from __future__ import annotations
 

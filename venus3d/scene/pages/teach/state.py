@@ -1,7 +1,5 @@
-"""The state of a teaching page, frozen and shared by all tabs, and its changes.
-
-No drawing, threads or geometry.
-"""
+"""The state of a teaching page, frozen and shared by all tabs, and its changes. No drawing, threads
+or geometry."""
 
 from __future__ import annotations
 

@@ -1,8 +1,6 @@
-"""The teaching page in the browser: owns the state and draws it.
-
-One thread draws scene and panels, another the pictures; the newest state wins, so a slider never
-waits. Callbacks only change the frozen state.
-"""
+"""The teaching page in the browser: owns the state and draws it. One thread draws scene and panels,
+another the pictures; the newest state wins, so a slider never waits. Callbacks only change the
+frozen state."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 """The maps of the camera's uncertainty: title, picture, numbers on it, legend.
-
-`render.map_pictures` draws the pictures; the panel chooses the map.
-"""
+`render.map_pictures` draws the pictures; the panel chooses the map."""
 
 from __future__ import annotations
 

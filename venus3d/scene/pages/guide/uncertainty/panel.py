@@ -1,8 +1,6 @@
-"""The uncertainty layer: a tab with maps and captured views, and its shapes in the scene.
-
-Buttons and keys change a frozen state under a lock; the drawing thread reads it. A map is redrawn
-only when its content has changed.
-"""
+"""The uncertainty layer: a tab with maps and captured views, and its shapes in the scene. Buttons
+and keys change a frozen state under a lock; the drawing thread reads it. A map is redrawn only when
+its content has changed."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
-"""The nine parameters in a table: value, sigma and its trend, settled or not, meaning.
-
-A row opens, by a click or Enter, and explains the parameter's effect on the picture.
-"""
+"""The nine parameters in a table: value, sigma and its trend, settled or not, meaning. A row opens,
+by a click or Enter, and explains the parameter's effect on the picture."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
-"""Chooses the part of a search to replay: each new target's search once, slowly.
-
-`search_shapes` draws it. Used by the drawing thread.
-"""
+"""Chooses the part of a search to replay: each new target's search once, slowly. `search_shapes`
+draws it. Used by the drawing thread."""
 
 from __future__ import annotations
 

@@ -1,8 +1,5 @@
-"""Two boards side by side in one picture: the same numbers read in two ways.
-
-Each board has its own eye in the same relative place, so that boards with equal rotations look
-alike.
-"""
+"""Two boards side by side in one picture: the same numbers read in two ways. Each board has its own
+eye in the same relative place, so that boards with equal rotations look alike."""
 
 from __future__ import annotations
 

@@ -1,9 +1,6 @@
 """The path through the four steps as a film: the camera's view under the step's words; for a page
-that compares two readings, both boards.
-
-The offscreen renderer draws; PyAV writes MP4 (its wheels include the encoder, imageio would
-download one), Pillow writes GIF. Returns bytes, not files.
-"""
+that compares two readings, both boards. The offscreen renderer draws; PyAV writes MP4 (its wheels
+include the encoder, imageio would download one), Pillow writes GIF. Returns bytes, not files."""
 
 from __future__ import annotations
 

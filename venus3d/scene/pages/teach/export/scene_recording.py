@@ -1,7 +1,5 @@
-"""A page's 3D scene as a recording for viser's own player, offline too.
-
-A recording has no panels, so labels carry what the scene must say; `html_document` adds the words.
-"""
+"""A page's 3D scene as a recording for viser's own player, offline too. A recording has no panels,
+so labels carry what the scene must say; `html_document` adds the words."""
 
 from __future__ import annotations
 
