@@ -55,7 +55,7 @@ class Audience(Page[AudienceState]):
         """Called on a drawing thread with a sentence for the operator."""
         self._snapshot: Snapshot | None = None
         self._achieved: tuple[Cue, AudienceViewModel] | None = None
-        self._praise: tuple[AudienceViewModel, float] | None = None  # what is said, until when
+        self._praise: tuple[AudienceViewModel, float] | None = None  # the message, until when
         self._paused = False
         self._overlay = LensOverlay()
         self._pictures = PictureFeed(self._draw_picture, lambda: self._paced(PICTURE_PERIOD_S))

@@ -21,7 +21,7 @@ NOTHING_YET = (
 
 NOW_TITLE = "How far off a point may be, now"
 NOW_TEXT = (
-    "Where a point really is and where this calibration puts it differ by about so many pixels. "
+    "Where a point really is and where this calibration puts it differ by about this many pixels. "
     "The mean over the picture is {error} px."
 )
 AFTER_TITLE = "How far off it may be after pose {number}"
