@@ -38,9 +38,9 @@ class BoardOptions:
     dictionary: str = "DICT_5X5_100"
     """OpenCV's name of the marker dictionary."""
     legacy: Switch = False
-    """The layout of boards printed before OpenCV 4.6; found out by itself where it matters."""
+    """The layout of boards printed before OpenCV 4.6; detected where it matters."""
     inverted: Switch = False
-    """White on black; found out by itself."""
+    """White on black; detected automatically."""
 
     def board(self) -> Board:
         """The engine's board. Raises `BoardError` for invalid options."""
@@ -57,7 +57,7 @@ class BoardOptions:
 
 @dataclass(frozen=True)
 class LimitOptions:
-    """What a target pose may ask of a person; by itself what suits the board and the camera."""
+    """Limits of a target pose; by default those that suit the board and the camera."""
 
     max_angle_deg: Annotated[float | None, optional("DEG", "70")] = None
     """Largest turn about each axis in degrees."""

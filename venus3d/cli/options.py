@@ -16,13 +16,13 @@ Number = Positional[float]
 
 @dataclass(frozen=True)
 class CalibrateOptions:
-    """Calibrating from what exists already."""
+    """Calibration from existing images or a video."""
 
     source: Annotated[Positional[str], arg(metavar="SOURCE")]
     """A folder of pictures, a pattern such as "shots/*.jpg", or a video."""
     board: BoardOptions = field(default_factory=BoardOptions)
     max_frames: int = 40
-    """How many frames to take from a video at most: those that tell most, no near-duplicates."""
+    """Maximum number of frames from a video: the most informative ones, no near-duplicates."""
     every: Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: chosen)")] = None
     """Take every Nth frame of a video that shows the board, instead of choosing."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
@@ -33,7 +33,7 @@ class CalibrateOptions:
 
 @dataclass(frozen=True)
 class DecomposeOptions:
-    """Taking a pose apart."""
+    """Decomposition of a pose into four steps."""
 
     xr: Annotated[Number, arg(metavar="XR")]
     """Turn about X in degrees: positive brings the top edge towards the camera."""
@@ -54,7 +54,7 @@ class DecomposeOptions:
     camera: Annotated[
         Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(usual: the simulated one)")
     ] = None
-    """The camera that looks, from a camera.yaml."""
+    """A camera.yaml with the camera to use."""
     output: Annotated[Path, arg(metavar="DIR")] = Path("steps")
     """Folder for the pictures step-1.png to step-4.png."""
 
@@ -69,4 +69,4 @@ class BoardCommand:
     margin_mm: float = 10.0
     """Free border around the board in millimetres."""
     output: Annotated[Path, arg(metavar="PATH")] = Path("board.png")
-    """The picture to write; a folder gets a board.png."""
+    """The image to write; in a folder board.png."""

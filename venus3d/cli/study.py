@@ -36,7 +36,7 @@ class FiguresOptions:
     repeats: int = 20
     """Calibrations by each method."""
     seed: int = 0
-    """One number that makes a run repeat."""
+    """Seed that makes a run reproducible."""
     jobs: _Jobs = None
     """Processes."""
     dask: _Dask = None
@@ -52,7 +52,7 @@ class BenchOptions:
     repeats: int = 20
     """Calibrations by each method."""
     seed: int = 0
-    """One number that makes the accuracies repeat; speeds are what this machine gives."""
+    """Seed that makes the accuracies reproducible; speeds depend on the machine."""
     jobs: _Jobs = None
     """Processes."""
     json: Switch = False

@@ -41,7 +41,7 @@ class Table1Options:
     max_views: int = 40
     """Never take more views than this."""
     seed: int = 0
-    """One number that makes a run repeat."""
+    """Seed that makes a run reproducible."""
     jobs: _Jobs = None
     """Processes."""
     dask: _Dask = None
@@ -58,7 +58,7 @@ class Table2Options:
     """A video, a folder or a pattern of pictures that show the board; best 1280 x 720."""
     board: BoardOptions = field(default_factory=BoardOptions)
     frames: int = 500
-    """How many measurements; the recording's frames are gone through again and again."""
+    """Number of measurements; the recording's frames are reused cyclically."""
     threads: int = 1
     """Threads that OpenCV may use."""
     seed: int = 0
@@ -76,7 +76,7 @@ class Table3Options:
     seed: int = 0
     """Chooses the poses and the people."""
     quick: Switch = False
-    """Leave out what the outcome hangs on."""
+    """Leave out the sensitivity analysis."""
     assume: Assumptions = field(default_factory=Assumptions)
     jobs: _Jobs = None
     """Processes."""

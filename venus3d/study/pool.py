@@ -66,7 +66,7 @@ def pool_of(
     """Search a recording once and keep the views that can be calibrated from.
 
     Args:
-        spec: what the user typed; a recording that `open_frame_source` knows.
+        spec: what the user typed; a recording for `open_frame_source`.
         board: what it shows.
         same: see `distinct`.
         on_count: called with the number of frames searched, every hundred.
