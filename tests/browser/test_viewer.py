@@ -57,7 +57,7 @@ def test_animation_walks_the_four_steps_and_starts_again(guiding: Snapshot) -> N
     state = ViewState().seeing(guiding).play(True)
     seen: list[int] = []
     for _ in range(round(5 * SECONDS_PER_STEP / 0.1) + 2):
-        state = state.after(0.1).seeing(guiding)
+        state = state.later(0.1).seeing(guiding)
         assert 0 <= state.sweep < 1
         if not seen or seen[-1] != state.step:
             seen.append(state.step)
