@@ -199,3 +199,20 @@ def test_what_the_screen_shows_to_be_off_is_mended(targets: list[Target]):
             pose = pilot.advance(pose, target, 0.2, seen=seen_of(pose))
         assert seen_of(pose).distance_to(target.pose) < 0.008
         assert seen_of(pose).angle_to_deg(target.pose) < 2.5
+
+
+def test_a_hand_that_was_misled_brings_a_board_back_that_is_no_longer_seen(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """On a busy machine the pictures came late: the hand, at its target, mended all 45 degrees of
+    the way once more, nothing was seen any more, and the session stood still for ever."""
+    target = target_of(Pose.from_vector([45, 0, 0, 0, 0, 0.45]), paper_camera, default_board)
+    pilot, pose = hand(speed=5.0), START
+    while not pilot.arrived:
+        pose = pilot.advance(pose, target, 0.1)
+    old = Pose.from_vector([5, 0, 0, 0, 0, 0.45])
+    while pose.angle_to_deg(target.pose) < 30:
+        pose = pilot.advance(pose, target, 0.1, seen=old)
+    for _ in range(60):
+        pose = pilot.advance(pose, target, 0.1)
+    assert pilot.arrived and pose.angle_to_deg(target.pose) < 2.5

@@ -26,6 +26,7 @@ _RETREAT_SHARE = 0.5  # of the top speed, without a target: the first images mus
 _MIN_JERK_PEAK = 1.875  # peak speed of a minimum-jerk motion over its mean speed
 _PAUSE_S = 0.3
 _LOOK_S = 0.8  # rest before looking at the screen, until old images have passed
+_LOST_S = 5.0  # rest after which a mended board is taken to be out of sight
 _OVERSHOOT = 0.05
 _OVERSHOOT_MOST = (0.010, 3.0)  # metres, degrees
 _PLACEMENT = (0.0012, 0.4)  # standard deviation per axis: metres, degrees
@@ -82,6 +83,7 @@ class Autopilot:
         self._placement = np.zeros(6)
         self._step = 1
         self._rested_s = 0.0
+        self._mended = False  # whether it stands where the screen told it to
 
     @property
     def step(self) -> int:
@@ -115,6 +117,8 @@ class Autopilot:
             self._aim(target, grabbed)
         elif not self._legs and seen is not None and self._rested_s > _LOOK_S / self._speed:
             self._mend(target, seen)
+        elif not self._legs and self._mended and self._rested_s > _LOST_S / self._speed:
+            self._bring_back(target)
         self._move(dt_s)
         self._time_s += dt_s
         assert self._steady is not None
@@ -133,7 +137,7 @@ class Autopilot:
 
     def _aim(self, target: Target, grabbed: bool) -> None:
         """Plan the path to a new target, or the rest of it if it has only shifted."""
-        before, self._target = self._target, target
+        before, self._target, self._mended = self._target, target, False
         same = (
             before is not None
             and not grabbed
@@ -163,8 +167,17 @@ class Autopilot:
             return
         self._start_anew()
         here = self._end
+        self._mended = True
         missing = target.pose.R @ seen.R.T
         self._add(4, Pose(missing @ here.R, here.t + target.pose.t - seen.t))
+
+    def _bring_back(self, target: Target) -> None:
+        """Move to the target itself. What an old picture showed to be missing, where few come, may
+        have been mended twice; the board is then beyond what can be seen, and nothing mends that.
+        """
+        self._rested_s, self._mended = 0.0, False
+        self._start_anew()
+        self._add(4, target.pose)
 
     def _start_anew(self) -> None:
         self._legs.clear()
