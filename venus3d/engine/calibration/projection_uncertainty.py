@@ -50,13 +50,13 @@ def border_derivatives(camera: Camera) -> Array:
 
 
 def projection_uncertainty_px(camera: Camera, covariance: ArrayLike) -> float:
-    """Expected rms projection error over the image, pixels, of a covariance (9, 9)."""
+    """Projection uncertainty: expected rms error over the image, pixels, of a covariance (9, 9)."""
     mean_variance = np.sum(projection_weight(camera) * np.asarray(covariance, dtype=np.float64))
     return float(np.sqrt(max(mean_variance, 0.0)))
 
 
 def uncertainty_map(camera: Camera, covariance: ArrayLike, grid: tuple[int, int] = GRID) -> Array:
-    """(down, across) expected projection error, pixels, at the centres of a `grid` of equal cells.
+    """(down, across) projection uncertainty, pixels, at the centres of a `grid` of equal cells.
 
     NaN where no ray reaches the pixel. The rotation removed is the best one for the pixels of
     `GRID`: there the map's mean square is that of `projection_uncertainty_px`.

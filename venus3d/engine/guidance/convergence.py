@@ -45,7 +45,7 @@ class Progress:
     sigma: Array
     """(9,) standard deviations."""
     uncertainty_px: float
-    """Mean projection error over the image expected from the covariance, pixels."""
+    """Projection uncertainty over the image, pixels."""
     predicted_sigma: Array = field(default_factory=lambda: np.full(9, np.nan))
     """(9,) predicted by the last view's target; NaN if it was not taken at a target."""
     predicted_uncertainty_px: float = float("nan")

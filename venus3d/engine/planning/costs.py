@@ -115,7 +115,7 @@ def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
         return lambda C: np.asarray(total(np.einsum("nii->ni", C) / over, axis=1))
     if name == "max-ere":
         moves = border_derivatives(camera)
-        return lambda C: _largest_expected_error(moves, C)
+        return lambda C: _largest_uncertainty(moves, C)
     weight = projection_weight(camera)
     if name == "projection-variance":
         return lambda C: C.reshape(-1, 81) @ weight.ravel()
@@ -130,7 +130,7 @@ def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
     return mean_of_axes
 
 
-def _largest_expected_error(moves: Array, covariances: Array) -> Array:
+def _largest_uncertainty(moves: Array, covariances: Array) -> Array:
     """(N,) largest of the expected distances, pixels, over the rays of `border_derivatives`."""
     a, b = moves[:, 0], moves[:, 1]
     # Elements of every ray's 2 x 2 covariance as one product with the 81 elements of C.

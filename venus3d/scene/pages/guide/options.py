@@ -33,7 +33,7 @@ class GuideOptions:
     search: Annotated[Strategy | None, arg(help_behavior_hint="(the method's own)")] = None
     """How it searches: by default annealing for venus, the whole space for global."""
     wanted_error: Annotated[float, arg(metavar="PX")] = 0.3
-    """Mean projection error in pixels that is enough; the views until then are forecast."""
+    """Projection uncertainty in pixels that is enough; the views until then are forecast."""
     limits: LimitOptions = field(default_factory=LimitOptions)
     keep_best: Switch = False
     """Method venus: take the best pose of its search, not the last one."""
