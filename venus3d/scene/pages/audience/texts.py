@@ -17,7 +17,6 @@ DOUBTED = ("!", "Not done yet", "The operator reads a warning; please wait.")
 """Badge, title and sentence of each state; three have the engine's sentence."""
 
 STEP_DONE = "{title}: right. Leave it like that."
-STEP_OF = "Step {number} of 4"
 VIEWS = ("no picture yet", "{count} picture so far", "{count} pictures so far")
 TO_GO = "to go"
 RIGHT = "right"
@@ -37,7 +36,6 @@ DIAL_LABEL = "{amount} to go; right within {limit}"
 SOUND_HINT = "Click here once: browsers stay silent until somebody has clicked."
 
 PANEL = "Second monitor"
-PANEL_HINT = "What the people at {url} see. They cannot change anything."
 CONTROLS = (
     ("mirror", "Mirrored picture", "R", "Reversed, for somebody who faces the camera"),
     (
