@@ -151,7 +151,9 @@ def test_pose_outside_the_limits(
     run: Run, tmp_path: Path, pose: tuple[float, ...], limit: str
 ) -> None:
     sentence = run("decompose", *pose, "--output", tmp_path).sentence
-    assert limit in sentence and "--limits" in sentence
+    assert limit in sentence and "choose another pose" in sentence
+    # No option moves the border of the picture.
+    assert ("--limits" in sentence) == ("picture" not in limit)
     assert not list(tmp_path.iterdir())
 
 

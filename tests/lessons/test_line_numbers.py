@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import msgspec
+import pytest
+
 from venus3d.lessons.line_numbers import lines_of
 
 TEXT = '''# a remark
@@ -55,3 +58,17 @@ def test_what_never_ends_or_is_no_toml_is_found_where_it_begins() -> None:
     assert lines_of("a = 1\n\npose = [0, 0\nb = 2\n").broken == 3
     assert lines_of("a = 1\nb = two\nc = 3\n").broken == 2
     assert lines_of('a = """one\ntwo\\""" not yet\n"""\nb = 2\n').broken is None
+
+
+def test_quotes_and_remarks_in_texts_of_several_lines_are_text() -> None:
+    text = 'a = \'\'\'\nit\'s """ here # [\n\'\'\'\nb = """# [one\\\\"""\nc = [ # ]\n1]\nd = 4\n'
+    assert list(lines_of(text).of.values()) == [1, 4, 5, 7]
+
+
+def test_a_list_without_an_end_is_parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was parsed anew at each line: minutes for a file of a hundred kilobytes."""
+    parsed: list[str] = []
+    decode = msgspec.toml.decode
+    monkeypatch.setattr(msgspec.toml, "decode", lambda text: [parsed.append(text), decode(text)][1])
+    assert lines_of("title = 1\npose = [\n" + "[1],\n" * 500).broken == 2
+    assert parsed == ["title = 1\n"]

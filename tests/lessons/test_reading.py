@@ -105,6 +105,7 @@ def test_files_of_other_editors_are_read_too(written) -> None:
         ("600]", "600", 9, "never ends"),
         ("40, -50", "40 -50", 9, "list"),
         ('text = "Short"', 'text = "a\\b\\c"', 15, "backslash"),
+        ('text = "Short"', 'text = """\nlong\nan \\alpha\n"""', 17, "\\alpha"),
         ('text = "Short"', 'text = "a"\ntext = "b"', 16, "twice"),
         ("[10, -20.5, 30, 40, -50, 600]", "5", 9, "pose is a list of six numbers"),
         ('"holder"', "5", 10, "viewpoint cannot be 5; it is one of outside"),

@@ -81,7 +81,11 @@ def test_a_result_is_read_back(tmp_path: Path, calibration: Calibration) -> None
         assert read.number == view.number and read.rms_px == view.rms_px
 
 
-@pytest.mark.parametrize("text", ["", "hello", "[]", "3", "{}", '{"schema": 2}', "\x00\x01"])
+@pytest.mark.parametrize(
+    "text",
+    ["", "hello", "[]", "3", "{}", '{"schema": 2}', '{"schema": true}', "\x00\x01", "[" * 100_000],
+    ids=range(9),
+)
 def test_a_file_that_is_no_result(tmp_path: Path, text: str) -> None:
     path = tmp_path / "result.json"
     path.write_text(text)
@@ -99,6 +103,7 @@ def test_a_file_that_is_no_result(tmp_path: Path, text: str) -> None:
         ("free", [True]),
         ("covariance", [[1]]),
         ("image_size", [0, 0]),
+        ("image_size", [float("inf"), 720]),
         ("board", {}),
         ("intrinsics", {"fx": "wide"}),
         ("captured", [{"ids": [99]}]),
@@ -109,7 +114,7 @@ def test_a_damaged_result(
 ) -> None:
     content = full_result(summary_of(calibration), calibration)
     path = tmp_path / "result.json"
-    path.write_text(to_json({**content, key: value}))
+    path.write_text(json.dumps({**content, key: value}))
     with pytest.raises(StorageError, match="is no result of venus3d"):
         read_result(path)
 

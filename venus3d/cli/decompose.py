@@ -57,9 +57,10 @@ def _target(options: DecomposeOptions, board: Board, camera: Camera) -> Pose:
     limits = replace(Limits.for_board(board, camera), **options.limits.chosen())
     refused = refusals(limits, camera, board, target.vector())
     if refused:
-        raise PoseError(
-            f"{refused[0].text.rstrip('.')}; choose another pose, or move the limit (--limits)."
-        )
+        cure = "choose another pose"
+        if refused[0].kind not in ("outside", "behind"):
+            cure += ", or move the limit (--limits)"
+        raise PoseError(f"{refused[0].text.rstrip('.')}; {cure}.")
     return target
 
 

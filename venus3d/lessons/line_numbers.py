@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import msgspec
+
+_BRACKETS = {"[": 1, "{": 1, "]": -1, "}": -1}
+_TOKEN = re.compile(r"""\"{3}|'{3}|"(?:\\.|[^"\\])*"|'[^']*'|\#|[][{}]""")
+_END = {'"""': re.compile(r'(?:\\.|[^\\])*?"""'), "'''": re.compile(r".*?'{3}")}
+"""What ends a text of several lines, by the quotes that begin it."""
 
 KeyPath = tuple[str | int, ...]
 """Path of a value: ("page", 0, "pose"); tables of an array count from 0."""
@@ -24,23 +30,25 @@ class Lines:
 
 
 def lines_of(text: str) -> Lines:
-    """Find the headers and keys of a TOML text, parsing each statement by itself, line by line."""
+    """Find the headers and keys of a TOML text, parsing each statement by itself."""
     found: dict[KeyPath, int] = {}
     counts: dict[KeyPath, int] = {}
     table: KeyPath = ()
     statement, begun = "", 1
+    depth, quotes = 0, ""
     for number, line in enumerate(text.splitlines(), start=1):
         if not statement:
             if not line.strip() or line.lstrip().startswith("#"):
                 continue
-            begun = number
+            begun, depth = number, 0
         statement += f"{line}\n"
-        if number > begun and not any(end in line for end in ('"""', "'''", "]")):
-            continue  # reparsing a long statement at every line would take minutes
+        depth, quotes = _open_after(line, depth, quotes)
+        if quotes or depth > 0:
+            continue
         try:
             content = msgspec.toml.decode(statement)
         except msgspec.DecodeError:
-            continue
+            return Lines(found, begun)  # nothing is open that a further line could close
         if statement.lstrip().startswith("["):
             table = _table_of(content, counts)
             found.setdefault(table, begun)
@@ -49,6 +57,22 @@ def lines_of(text: str) -> Lines:
             found.setdefault((*table, next(iter(content))), begun)
         statement = ""
     return Lines(found, begun if statement else None)
+
+
+def _open_after(line: str, depth: int, quotes: str) -> tuple[int, str]:
+    """How many brackets are open after a line, and the quotes of a text that goes on, or none."""
+    at = 0
+    while True:
+        found = _END[quotes].match(line, at) if quotes else _TOKEN.search(line, at)
+        if found is None or found.group() == "#":
+            return depth, quotes
+        at = found.end()
+        if quotes:
+            quotes = ""
+        elif found.group() in _END:
+            quotes = found.group()
+        else:
+            depth += _BRACKETS.get(found.group(), 0)
 
 
 def _table_of(content: object, counts: dict[KeyPath, int]) -> KeyPath:

@@ -32,9 +32,12 @@ def read_lesson(path: str | Path) -> Lesson:
         where, sentence = value_mistake(error, raw)
         raise LessonError(file.name, lines_of(text).line(where), sentence) from None
     except msgspec.DecodeError as error:
-        # For a duplicate key the reader's message gives the line.
+        # The reader's line is where it gave up: right for a duplicate key and for a bad character
+        # in a long text, but far below whatever was not closed.
         said = re.search(r"at line (\d+)", str(error))
-        line = lines_of(text).broken or (int(said.group(1)) if said else 1)
+        line = int(said.group(1)) if said else 1
+        if "\\" not in str(error):
+            line = lines_of(text).broken or line
         sentence = syntax_mistake(str(error), text.splitlines()[line - 1])
         raise LessonError(file.name, line, sentence) from None
     return Lesson(file.stem, content.title, content.summary, content.page)

@@ -62,12 +62,12 @@ def read_result(path: Path | str) -> Result:
             f"The result {path} cannot be read ({reason(error)}); give a result.json that venus3d "
             "wrote."
         ) from error
-    except ValueError as error:  # neither text nor JSON
+    except (ValueError, RecursionError) as error:  # neither text nor JSON
         raise _no_result(path) from error
     if not isinstance(content, dict):
         raise _no_result(path)
     schema: Any = content.get("schema", 1 if {"intrinsics", "captured"} <= content.keys() else None)
-    if schema != SCHEMA and isinstance(schema, int):
+    if schema != SCHEMA and type(schema) is int:
         cure = (
             "read the camera.yaml beside it, or calibrate again"
             if schema < SCHEMA
@@ -78,7 +78,7 @@ def read_result(path: Path | str) -> Result:
         )
     try:
         return _result_of(content)
-    except (LookupError, TypeError, ValueError, VenusError) as error:
+    except (ArithmeticError, LookupError, TypeError, ValueError, VenusError) as error:
         raise _no_result(path) from error
 
 

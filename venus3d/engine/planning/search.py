@@ -3,7 +3,7 @@
 annealing                Algorithm 1 of the paper, from a given pose
 global                   ours: the whole pose space within the limits
 dual-annealing           scipy's, a benchmark
-differential-evolution   scipy's, a benchmark (the paper's posterior names evolutionary search)
+differential-evolution   scipy's, a benchmark (the paper's outlook names evolutionary search)
 
 All take a random generator, return the best pose so far when stopped, and report their steps.
 """

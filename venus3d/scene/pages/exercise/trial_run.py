@@ -83,7 +83,7 @@ class TrialServer(ExerciseServer[TrialViewModel]):
         self._tiles = Tiles()
         self._view = trial.view()
         self._image: LivePicture | None = None
-        self._drawn: tuple[object, tuple[Picture, Picture]] | None = None
+        self._drawn: tuple[object, object, tuple[Picture, Picture]] | None = None
         self._picture_due_s = 0.0
         self._open()
 
@@ -155,9 +155,10 @@ class TrialServer(ExerciseServer[TrialViewModel]):
             if image is None:
                 return
             # For all tabs together.
-            if self._drawn is None or self._drawn[0] != (id(image), id(view)):
-                self._drawn = ((id(image), id(view)), live_picture(image, view))
-            page.show_picture(*self._drawn[1])
+            drawn = self._drawn
+            if drawn is None or drawn[0] is not image or drawn[1] is not view:
+                drawn = self._drawn = (image, view, live_picture(image, view))
+            page.show_picture(*drawn[2])
 
         self._turns.ask(tab.client.client_id, "live", draw)
 

@@ -43,6 +43,7 @@ class MethodPanel:
         """Create the list in the current panel, folded."""
         self._ask = ask
         self._shown = _OFFERED[0]
+        self._entries = _OFFERED
         self._picked: float | None = None
         with gui.add_folder(say.METHOD_FOLDER, expand_by_default=False):
             labels = {entry: entry.label for entry in _OFFERED}
@@ -69,8 +70,9 @@ class MethodPanel:
         if found == self._shown and not is_due:
             return
         self._shown, self._picked = found, None
-        entries = _OFFERED if found in _OFFERED else (*_OFFERED, found)
-        self._list.show({entry: entry.label for entry in entries}, found, again=True)
+        if found not in self._entries:  # the command line's choice stays in the list
+            self._entries = (*_OFFERED, found)
+        self._list.show({entry: entry.label for entry in self._entries}, found, again=True)
 
     def _pick(self, entry: _Entry) -> None:
         self._picked = monotonic()

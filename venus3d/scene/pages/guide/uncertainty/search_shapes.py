@@ -9,8 +9,8 @@ batch by batch, annealing move by move, with a line along the accepted poses.
     /search/best, sheet, best_label           the best board so far
     /search/best_angles                       and its dot in the box
     /search/live                              the board as it is now
-    /search/now                               the pose looked at (search_trace)
-    /search/search_trace, /search/walk_angles         the line of the poses taken (search_trace)
+    /search/now                               the pose looked at (walk)
+    /search/walk, /search/walk_angles         the line of the poses taken (walk)
     /search/box, /search/axis_1 ... axis_3    the box, the names of its axes; with _line the axes
     /search/title                             what the box is
 """
