@@ -5,7 +5,8 @@
     ... in the drawing loop: if rig.is_due: rig.advance()
 
 A view is a function of the window's aspect (width over height), so that it fits every tab. A new
-tab, or one whose aspect changes, jumps to the view at once.
+tab, or one whose aspect changes, jumps to the view at once. A browser that is still setting up its
+scene may drop or change its first view; it is sent again until the browser confirms it.
 """
 
 from __future__ import annotations
@@ -21,13 +22,19 @@ import viser
 from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera, between
 from venus3d.scene.web.scene_view import Host
 
-View = Callable[[float], SceneCamera]
-"""A view, as a function of the window's width over height."""
+Framing = Callable[[float], SceneCamera]
+"""How a scene is framed: the view for a window of this width over height."""
 NEAR, FAR = 0.01, 50.0
 """Clipping planes, metres."""
 _USUAL_ASPECT = 1.0
 _THERE = 0.01
 """A tab this near its goal, metres, has arrived."""
+_RESENT, _FIRST_RESENT_S = 5, 0.25
+"""How often an unconfirmed first view is sent again, and after how long at first: twice as long
+each time."""
+_A_TURN = 0.5
+"""Two reports nearer than this, relative to the distance looked at, are a person's movement; what a
+browser does while it starts are jumps."""
 
 
 class CameraRig:
@@ -44,7 +51,7 @@ class CameraRig:
         """
         self._host, self._wake, self._tolerance = host, wake, tolerance
         self._tabs: dict[int, _Tab] = {}
-        self._view: View | None = None
+        self._view: Framing | None = None
         self._lock = threading.Lock()
         if isinstance(host, viser.ClientHandle):
             self._come(host)
@@ -53,7 +60,7 @@ class CameraRig:
             host.on_client_connect(self._come)
             host.on_client_disconnect(self._leave)
 
-    def go(self, view: View, *, at_once: bool = False) -> None:
+    def go(self, view: Framing, *, at_once: bool = False) -> None:
         """Fly to this view, or jump there."""
         self._view = view
         if not isinstance(self._host, viser.ClientHandle):
@@ -86,8 +93,10 @@ class CameraRig:
         with self._lock:
             self._tabs[client.client_id] = tab
 
-        def moved(_: object) -> None:  # also when the window is resized
-            tab.check()
+        # Also when the window is resized. On the loop's thread: what is read there is what the
+        # browser has just sent, and not what was set meanwhile.
+        async def moved(_: object) -> None:
+            tab.report()
             if self._view is not None and tab.is_due(self._tolerance):
                 self._wake()
 
@@ -110,8 +119,11 @@ class _Tab:
     aspect: float = 0.0
     """The window's aspect when its view was last set."""
     goal: SceneCamera | None = None
-    arrived: bool = False
-    astray: bool = False
+    settled: bool = False
+    """Whether the browser has shown its goal once, or a person has turned it, or it never will."""
+    resent: int = 0
+    sent_at: float = 0.0
+    reported: SceneCamera | None = None
 
     @property
     def seen(self) -> SceneCamera:
@@ -125,25 +137,49 @@ class _Tab:
 
     def is_due(self, tolerance: float) -> bool:
         other_shape = abs(self.window - self.aspect) > tolerance * self.window
-        return self.start is not None or other_shape or self.astray
+        return self.start is not None or other_shape or self._unheard
 
-    def check(self) -> None:
-        # A browser that is still setting up its scene changes or drops the first view: resend it
-        # until the browser confirms.
-        if self.goal is not None and not self.arrived:
-            off = np.linalg.norm(self.client.camera.position - self.goal.position)
-            self.arrived = bool(off < _THERE)
-            self.astray = not self.arrived
+    @property
+    def _unheard(self) -> bool:
+        """Whether the browser has had time enough to confirm its first view, and has not."""
+        if self.settled or self.goal is None:
+            return False
+        return time.monotonic() - self.sent_at > _FIRST_RESENT_S * 2**self.resent
 
-    def advance(self, view: View) -> None:
-        self.aspect, self.astray = self.window, False
+    def report(self) -> None:
+        """Note where the browser says that its camera is."""
+        seen, before = self.seen, self.reported
+        self.reported = seen
+        if self.settled or self.goal is None:
+            return
+        there = np.linalg.norm(seen.position - self.goal.position) < _THERE
+        self.settled = bool(there) or (before is not None and _is_turned(before, seen))
+
+    def advance(self, view: Framing) -> None:
+        again = self._unheard
+        self.resent += again
+        self.settled = self.settled or self.resent > _RESENT
+        self.aspect, self.sent_at = self.window, time.monotonic()
         self.goal = view(self.aspect)
-        shown, done = self.goal, (time.monotonic() - self.begun) / FLIGHT_SECONDS
+        shown, done = self.goal, (self.sent_at - self.begun) / FLIGHT_SECONDS
         if self.start is not None and done < 1:
             shown = between(self.start, self.goal, max(0.0, done))
         else:
             self.start = None
-        camera = self.client.camera
         with self.client.atomic():
-            camera.position, camera.look_at = shown.position, shown.look_at
-            camera.fov = shown.fov_rad
+            if again:
+                # viser sends nothing that it thinks is there already.
+                self._set(SceneCamera(shown.position + 1.0, shown.look_at, 0.9 * shown.fov_rad))
+            self._set(shown)
+
+    def _set(self, view: SceneCamera) -> None:
+        camera = self.client.camera
+        camera.position, camera.look_at = view.position, view.look_at
+        camera.fov = view.fov_rad  # the browser answers this with its camera
+
+
+def _is_turned(before: SceneCamera, after: SceneCamera) -> bool:
+    """Whether a person turned or moved the camera a little between two reports."""
+    moved = float(np.linalg.norm(after.position - before.position))
+    distance = float(np.linalg.norm(after.position - after.look_at))
+    return 1e-4 * distance < moved < _A_TURN * distance

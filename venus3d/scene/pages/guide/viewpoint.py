@@ -11,10 +11,10 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.render.shapes import LineShape, Shape
 from venus3d.render.strip import STRIP_CENTRE, bounds_of
 from venus3d.render.viewpoints import FOV_RAD, guiding_view, steps_back, view_kept_wide
-from venus3d.scene.web.camera_rig import View
+from venus3d.scene.web.camera_rig import Framing
 
 
-def guide_view(shapes: tuple[Shape, ...], target: int) -> tuple[object, View]:
+def guide_view(shapes: tuple[Shape, ...], target: int) -> tuple[object, Framing]:
     """What is looked at, and the view of it. Tabs turn only when the subject changes: the strip
     appears, changes or disappears, or the target of number `target` is far away."""
     strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
@@ -26,7 +26,7 @@ def guide_view(shapes: tuple[Shape, ...], target: int) -> tuple[object, View]:
     return back, guiding_view(back)
 
 
-def _strip_view(bounds: Array) -> View:
+def _strip_view(bounds: Array) -> Framing:
     """From behind the camera at a strip with bounds (2, 3), metres."""
     x, y, z = STRIP_CENTRE
     width = 1.1 * float(bounds[1, 0] - bounds[0, 0])
