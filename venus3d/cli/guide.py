@@ -19,7 +19,7 @@ from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.result_saver import is_over
 from venus3d.scene.pages.guide.run import GuideResult, run_guide
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.web.address import audience_address
+from venus3d.scene.web.monitor import audience_address
 from venus3d.scene.web.page import announce
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of

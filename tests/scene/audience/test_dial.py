@@ -20,8 +20,6 @@ from venus3d.engine.planning.target import Target
 from venus3d.render.palette import contrast, ground, step_colour
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.dial import (
-    RIGHT_ON_DARK,
-    RIGHT_ON_LIGHT,
     amount_text,
     dial_html,
     share,
@@ -113,7 +111,7 @@ def test_amounts_have_a_sign_and_a_unit(at) -> None:
 @pytest.mark.parametrize("dark", [True, False])
 def test_everything_can_be_told_from_its_ground(dark: bool) -> None:
     """WCAG AA: 4.5 for letters, 3 for large ones and what is drawn."""
-    paper, good = ground(dark).background, RIGHT_ON_DARK if dark else RIGHT_ON_LIGHT
+    paper, good = ground(dark).background, ground(dark).reached
     assert contrast(good, paper) >= 4.5
     assert contrast(ground(dark).warning, paper) >= 4.5
     for number in (1, 2, 3, 4):

@@ -24,7 +24,7 @@ from venus3d.scene.pages.audience.run import announcement
 from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.web.address import audience_address
+from venus3d.scene.web.monitor import audience_address
 
 
 @pytest.mark.parametrize(

@@ -13,10 +13,10 @@ from venus3d.render.describe import SceneOptions, describe
 from venus3d.render.palette import contrast, ground
 from venus3d.render.shapes import LineShape, MeshShape, PointShape, Shape
 from venus3d.scene.pages.guide.uncertainty.captured_views import captured_view_shapes, view_of
-from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
-from venus3d.scene.pages.guide.uncertainty.search_shapes import (
+from venus3d.scene.pages.guide.uncertainty.search_replay import (
     REST_SECONDS,
     SECONDS,
+    SearchReplay,
     caption,
     search_shapes,
     shown_after,

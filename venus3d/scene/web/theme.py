@@ -56,31 +56,15 @@ class Theme:
         return (150, 163, 184) if self.dark else (70, 82, 102)
 
     @property
-    def line(self) -> str:
-        """Colour of thin separating lines."""
-        return hex_of(mixed(ground(self.dark).background, ground(self.dark).text, 0.17))
-
-    @property
-    def tile(self) -> str:
-        """Background of a tile, slightly off the panel's."""
-        if not self.dark:
-            return "#ffffff"
-        return hex_of(mixed(ground(True).background, ground(True).text, 0.05))
-
-    @property
-    def panel(self) -> str:
-        """Background of a panel, which matches viser's own."""
-        return hex_of(ground(self.dark).background)
-
-    @property
     def variables(self) -> str:
         """The colours as CSS variables (style.css says what they mean)."""
+        own = ground(self.dark)
         colours = {
             "text": self.good,
             "soft": self.quiet,
-            "ground": self.panel,
-            "tile": self.tile,
-            "line": self.line,
+            "ground": hex_of(own.background),
+            "tile": hex_of(mixed(own.background, own.text, 0.05)) if self.dark else "#ffffff",
+            "line": hex_of(mixed(own.background, own.text, 0.17)),
             "done": self.reached,
             "warning": self.info,
         }

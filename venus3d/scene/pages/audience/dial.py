@@ -13,22 +13,12 @@ import numpy as np
 
 from venus3d.engine.guidance.matching import Match
 from venus3d.render.amounts import degrees
-from venus3d.render.palette import DARK, LIGHT, hex_of
-from venus3d.render.shapes import Colour
 from venus3d.scene.pages.audience import texts
 
-RIGHT_ON_DARK: Colour = DARK.reached
-RIGHT_ON_LIGHT: Colour = LIGHT.reached
-"""Colour of something correct; always with a tick or a word."""
 LARGEST_DEG, LARGEST_MM = 90.0, 300.0
 """The ends of the scales."""
 _CENTRE, _RADIUS, _REACH_DEG = (200.0, 210.0), 150.0, 125.0
 _LEFT, _RIGHT_END = 24.0, 376.0
-
-
-def right_colour(*, dark: bool) -> str:
-    """CSS colour of something correct."""
-    return hex_of(RIGHT_ON_DARK if dark else RIGHT_ON_LIGHT)
 
 
 def share(value: float, largest: float) -> float:

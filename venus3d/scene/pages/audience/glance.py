@@ -12,9 +12,8 @@ from html import escape
 import numpy as np
 
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.render.palette import ground, hex_of, step_colour
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.pages.audience.dial import dial_html, right_colour, tick_html
+from venus3d.scene.pages.audience.dial import dial_html, tick_html
 from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view_model import AudienceViewModel
 from venus3d.scene.web.theme import Theme, style_sheet
@@ -25,19 +24,13 @@ _SCREEN, _HALF = 16 / 9, 0.505
 
 def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: bool) -> str:
     """The text and drawings beside the picture at one moment."""
-    good = moment.kind == "good"
-    if good:
-        colour = right_colour(dark=dark)
-    elif moment.step:
-        colour = hex_of(step_colour(moment.step, dark))
-    else:
-        colour = hex_of(ground(dark).warning)
-    if good:
-        dial = tick_html()
+    theme = Theme(dark)
+    if moment.kind == "good":
+        colour, dial = theme.reached, tick_html()
     elif moment.step and moment.match is not None:
-        dial = dial_html(moment.match, moment.step)
+        colour, dial = theme.steps[moment.step - 1], dial_html(moment.match, moment.step)
     else:
-        dial = f"<div class='v-sign'>{escape(moment.badge)}</div>"
+        colour, dial = theme.info, f"<div class='v-sign'>{escape(moment.badge)}</div>"
     said = moment.sentence.replace(" mm", "\u00a0mm")  # no line break between number and unit
     views = 0 if snapshot is None else len(snapshot.views)
     views += moment.fresh and snapshot is not None and snapshot.phase == "captured"
@@ -45,8 +38,8 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
         f"<div class='v-audience v-is-{moment.kind}' style='--step:{colour}'>"
         f"<div class='v-side'><div class='v-top'><b>{escape(moment.badge)}</b>"
         f"<span>{escape(moment.title)}</span></div>"
-        f"<div class='v-dial'>{dial}</div>{_chips(moment, dark)}"
-        f"<div class='v-views'>{_views(views)}</div></div>"
+        f"<div class='v-dial'>{dial}</div>{_chips(moment, theme)}"
+        f"<div class='v-views'>{texts.VIEWS[min(views, 2)].format(count=views)}</div></div>"
         f"<div class='v-say' aria-live='polite'>{escape(said)}</div>"
         f"<div class='v-lost'>{escape(texts.LOST)}</div></div>"
     )
@@ -70,17 +63,11 @@ def sheet(look: AudienceState, aspect: float = _SCREEN) -> str:
     return f"<style>{colours}{style_sheet('audience')}{place}</style>{mirrored}"
 
 
-def _views(count: int) -> str:
-    return texts.VIEWS[min(count, 2)].format(count=count)
-
-
-def _chips(moment: AudienceViewModel, dark: bool) -> str:
-    cells: list[str] = []
-    for number in (1, 2, 3, 4):
-        done = moment.match is not None and moment.match.within[number - 1]
-        state = " v-on" if number == moment.step else ""
-        state += " v-done" if done else ""
-        colour = hex_of(step_colour(number, dark))
-        mark = "✓" if done else str(number)
-        cells.append(f"<i class='v-chip{state}' style='--step:{colour}'>{mark}</i>")
-    return f"<div class='v-chips'>{''.join(cells)}</div>"
+def _chips(moment: AudienceViewModel, theme: Theme) -> str:
+    within = (False,) * 4 if moment.match is None else moment.match.within
+    cells = "".join(
+        f"<i class='v-chip{' v-on' * (number == moment.step)}{' v-done' * done}' "
+        f"style='--step:{colour}'>{'✓' if done else number}</i>"
+        for number, (done, colour) in enumerate(zip(within, theme.steps, strict=True), 1)
+    )
+    return f"<div class='v-chips'>{cells}</div>"

@@ -17,7 +17,7 @@ from venus3d.scene.pages.exercise.view_model import MoveBoard, Request
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
-from venus3d.scene.web.panel_style import PanelStyle
+from venus3d.scene.web.panels import PanelStyle
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.theme import Theme
 

@@ -26,9 +26,9 @@ from venus3d.scene.pages.exercise.practice_choices import PracticeChoices
 from venus3d.scene.pages.exercise.practice_shapes import scene_shapes
 from venus3d.scene.pages.exercise.view_model import PracticeViewModel, Request
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.panels import on_window
 from venus3d.scene.web.pose_panel import PosePanel
 from venus3d.scene.web.theme import Theme
-from venus3d.scene.web.windows import on_window
 
 _LEFT_WIDTH, _RIGHT_WIDTH = 380, 560
 _SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340

@@ -37,10 +37,10 @@ from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
 from venus3d.scene.pages.exercise.trial_plan import times_of
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press, Request, TrialViewModel
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.panels import fit_width
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
-from venus3d.scene.web.windows import fit_width
 
 Layout = Literal["steps", "picture", "result"]
 _LARGE_PICTURE_WIDTH = 1280

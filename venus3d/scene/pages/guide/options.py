@@ -12,7 +12,7 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.planning.method import Cost, Method, Strategy
 from venus3d.engine.planning.settings import PlanningSettings
 from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
-from venus3d.scene.web.address import audience_address
+from venus3d.scene.web.monitor import audience_address
 
 
 @dataclass(frozen=True)

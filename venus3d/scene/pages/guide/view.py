@@ -29,12 +29,11 @@ from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
-from venus3d.scene.web.panel_style import PanelStyle
+from venus3d.scene.web.panels import PanelStyle, fit_width
 from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
-from venus3d.scene.web.windows import fit_width
 
 LEFT_WIDTH, _RIGHT_WIDTH = 480, 510
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350

@@ -34,9 +34,8 @@ from venus3d.scene.pages.teach.progress_card import card_html
 from venus3d.scene.pages.teach.state import TeachState, Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.web.buttons import ButtonRow
-from venus3d.scene.web.panel_style import PanelStyle
+from venus3d.scene.web.panels import PanelStyle, fit_width
 from venus3d.scene.web.theme import Theme
-from venus3d.scene.web.windows import fit_width
 
 # (lowest height of the window, width on the left, width on the right), pixels
 _WIDTHS = ((900, 520, 500), (0, 400, 340))

@@ -31,8 +31,7 @@ from venus3d.scene.pages.guide.uncertainty.maps import (
     scale_html,
 )
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
-from venus3d.scene.pages.guide.uncertainty.view_card import view_html
-from venus3d.scene.pages.guide.uncertainty.view_window import ViewWindow
+from venus3d.scene.pages.guide.uncertainty.view_card import ViewWindow, view_html
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.projections_panel import encoded

@@ -1,11 +1,15 @@
-"""One captured view: its picture, pose, residuals and information, and what excluding it would
-do."""
+"""One captured view: its picture, pose, residuals and information, and what excluding it would do;
+as a card, and as a window in the tab in which it was clicked."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
+from threading import Lock
+from typing import Any
 
 import numpy as np
+import viser
 
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.result import Calibration
@@ -123,3 +127,47 @@ def _what_if(snapshot: Snapshot, calibration: Calibration, left: Influence | Non
     return (
         f"{title}<table class='v-without'>{head}{rows}</table><div class='v-verdict'>{said}</div>"
     )
+
+
+class ViewWindow:
+    """At most one per tab; Esc closes it. Callbacks come on viser's threads."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._open: dict[int, tuple[Any, Any]] = {}
+
+    def open(
+        self,
+        client: viser.ClientHandle,
+        number: int,
+        html: str,
+        leave_out: Callable[[], None] | None,
+    ) -> None:
+        """Show `html` of the view of this number, with a button that excludes it if allowed."""
+        self.close(client)
+        with self._lock, client.atomic():
+            modal = client.gui.add_modal(texts.VIEW_TITLE.format(number=number))
+            with modal:
+                client.gui.add_html(html)
+                if leave_out is not None:
+                    drop = client.gui.add_button(
+                        texts.LEAVE_OUT, icon=viser.Icon.TRASH, hint=texts.LEAVE_OUT_HINT
+                    )
+                    drop.on_click(lambda _: leave_out())
+                    drop.on_click(lambda _: self.close(client))
+                close = client.gui.add_button(texts.CLOSE_VIEW, hint=texts.CLOSE_VIEW_HINT)
+                close.on_click(lambda _: self.close(client))
+            escape = client.gui.add_command(
+                texts.CLOSE_VIEW_COMMAND, description=texts.CLOSE_VIEW_HINT, hotkey="escape"
+            )
+            escape.on_trigger(lambda _: self.close(client))
+            self._open[client.client_id] = (modal, escape)
+
+    def close(self, client: viser.ClientHandle) -> None:
+        """Close this tab's window, if there is one."""
+        with self._lock:
+            opened = self._open.pop(client.client_id, None)
+        if opened is not None:
+            modal, escape = opened
+            modal.close()
+            escape.remove()

@@ -1,4 +1,4 @@
-"""Adapts panel widths to the size of a browser's window."""
+"""Panels: their style sheet and brightness, and their width in windows of any size."""
 
 from __future__ import annotations
 
@@ -8,7 +8,38 @@ from typing import Any
 import viser
 
 from venus3d.scene.web.scene_view import Host
+from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.viser_private import panel_in
+
+
+class PanelStyle:
+    """The style sheet in each panel, and the brightness of viser's own widgets."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        """No styles until `show`."""
+        self._gui = gui
+        self._sheets: list[Any] = []
+        self._theme: Theme | None = None
+
+    def add(self) -> None:
+        """Add the style sheet to the current panel; each needs its own, since a folded panel
+        removes it."""
+        self._sheets.append(self._gui.add_html(""))
+
+    def show(self, theme: Theme) -> bool:
+        """Use these colours, in new panels too. Whether anything has changed."""
+        if theme == self._theme and all(sheet.content for sheet in self._sheets):
+            return False
+        self._theme = theme
+        self._gui.configure_theme(
+            dark_mode=theme.dark,
+            show_logo=False,
+            show_share_button=False,
+            brand_color=theme.brand,
+        )
+        for sheet in self._sheets:
+            sheet.content = theme.sheet
+        return True
 
 
 def on_window(host: Host, act: Callable[[viser.ClientHandle], None]) -> None:
