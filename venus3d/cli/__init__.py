@@ -6,13 +6,16 @@ from __future__ import annotations
 
 import errno
 import os
+import pkgutil
 import signal
 import sys
 from collections.abc import Callable, Sequence
-from importlib import import_module
+from functools import reduce
+from operator import or_
 from typing import Annotated, Any
 
 import tyro
+from tyro.conf import subcommand
 
 from venus3d import __version__
 from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
@@ -29,66 +32,20 @@ Lengths and translations are in millimetres, angles in degrees. `venus3d COMMAND
 command, `venus3d --version` names the version.
 """
 
-Command = (
-    Annotated[
-        GuideOptions,
-        tyro.conf.subcommand(
-            "guide", description="Calibrate a camera with guidance, pose by pose, in the browser."
-        ),
-    ]
-    | Annotated[
-        TeachOptions,
-        tyro.conf.subcommand(
-            "teach", description="Show what a pose is and how it comes apart, in the browser."
-        ),
-    ]
-    | Annotated[
-        PracticeOptions,
-        tyro.conf.subcommand(
-            "practice", description="Let trainees bring a board to target poses, and score them."
-        ),
-    ]
-    | Annotated[
-        TrialOptions,
-        tyro.conf.subcommand(
-            "trial", description="Time volunteers who reach poses with three kinds of help."
-        ),
-    ]
-    | Annotated[
-        CalibrateOptions,
-        tyro.conf.subcommand(
-            "calibrate", description="Calibrate from pictures or a video that exist already."
-        ),
-    ]
-    | Annotated[
-        DecomposeOptions,
-        tyro.conf.subcommand(
-            "decompose", description="Take a pose apart into four steps, in words and pictures."
-        ),
-    ]
-    | Annotated[
-        BoardCommand,
-        tyro.conf.subcommand("board", description="Write the board as a picture to print."),
-    ]
-    | Annotated[
-        StudyOptions,
-        tyro.conf.subcommand(
-            "study", description="Do the paper's evaluation again: figures, tables, benchmarks."
-        ),
-    ]
-)
-
-_COMMANDS: dict[type, tuple[str, str]] = {
-    GuideOptions: ("guide", "guide"),
-    TeachOptions: ("teach", "teach"),
-    PracticeOptions: ("practice", "practice"),
-    TrialOptions: ("trial", "trial"),
-    CalibrateOptions: ("calibrate", "calibrate_command"),
-    DecomposeOptions: ("decompose", "decompose_command"),
-    BoardCommand: ("board", "board_command"),
-    StudyOptions: ("study", "study"),
+_COMMANDS: dict[str, tuple[type, str]] = {
+    "guide": (GuideOptions, "venus3d.cli.guide:guide"),
+    "teach": (TeachOptions, "venus3d.cli.teach:teach"),
+    "practice": (PracticeOptions, "venus3d.scene.pages.exercise.practice_run:run_practice"),
+    "trial": (TrialOptions, "venus3d.cli.trial:trial"),
+    "calibrate": (CalibrateOptions, "venus3d.cli.calibrate:calibrate_command"),
+    "decompose": (DecomposeOptions, "venus3d.cli.decompose:decompose_command"),
+    "board": (BoardCommand, "venus3d.cli.board:board_command"),
+    "study": (StudyOptions, "venus3d.cli.study:study"),
 }
-"""The module and function of each command, by its options."""
+"""Each command's options, whose docstring is its description, and the function that takes them."""
+_COMMAND: Any = reduce(
+    or_, (Annotated[options, subcommand(name)] for name, (options, _) in _COMMANDS.items())
+)
 OK, MISTAKE, INTERRUPTED = 0, 2, 130
 
 
@@ -125,10 +82,7 @@ def _run(given: list[str]) -> int:
                 "--poses."
             )
         options = tyro.cli(
-            Command,  # type: ignore[arg-type]  # tyro takes a union, which no annotation can say
-            prog="venus3d",
-            description=DESCRIPTION,
-            args=given or ["--help"],
+            _COMMAND, prog="venus3d", description=DESCRIPTION, args=given or ["--help"]
         )
         # On a kill or a closed terminal the captured views are kept, as with Ctrl-C.
         with on_stop_signal(_interrupt, ctrl_c=False):
@@ -160,7 +114,7 @@ def _silenced() -> bool:
     return found
 
 
-def _command_of(options: object) -> Callable[[Any], None]:
+def _command_of(options: object) -> Callable[[Any], object]:
     # Imported only now: no command waits for another one's libraries.
-    module, name = _COMMANDS[type(options)]
-    return getattr(import_module(f"venus3d.cli.{module}"), name)
+    place = next(function for kind, function in _COMMANDS.values() if kind is type(options))
+    return pkgutil.resolve_name(place)

@@ -16,7 +16,7 @@ Number = Positional[float]
 
 @dataclass(frozen=True)
 class CalibrateOptions:
-    """Calibration from existing images or a video."""
+    """Calibrate from pictures or a video that exist already."""
 
     source: Annotated[Positional[str], arg(metavar="SOURCE")]
     """A folder of pictures, a pattern such as "shots/*.jpg", or a video."""
@@ -33,7 +33,7 @@ class CalibrateOptions:
 
 @dataclass(frozen=True)
 class DecomposeOptions:
-    """Decomposition of a pose into four steps."""
+    """Take a pose apart into four steps, in words and pictures."""
 
     xr: Annotated[Number, arg(metavar="XR")]
     """Turn about X in degrees: positive brings the top edge towards the camera."""
@@ -61,7 +61,7 @@ class DecomposeOptions:
 
 @dataclass(frozen=True)
 class BoardCommand:
-    """Drawing the board."""
+    """Write the board as a picture to print."""
 
     board: BoardOptions = field(default_factory=BoardOptions)
     dpi: float = 300.0

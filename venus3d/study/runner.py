@@ -97,7 +97,7 @@ def run_trials(
                 f"{len(done)} of {len(keys)} trials are kept; the same command goes on from there"
             ) from stop
     table = [{"trial": key, **row} for key in keys for row in done[key]]
-    write_bytes(rows_file, _csv(table).encode())
+    write_bytes(rows_file, csv_of(table))
     return table
 
 
@@ -224,10 +224,11 @@ def _append(journal: Path, line: Mapping[str, Any]) -> None:
         ) from error
 
 
-def _csv(table: Sequence[Row]) -> str:
+def csv_of(table: Sequence[Row]) -> bytes:
+    """Rows as CSV; a column that a row lacks is empty there."""
     columns = list(dict.fromkeys(name for row in table for name in row))
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n", restval="")
     writer.writeheader()
     writer.writerows(table)
-    return text.getvalue()
+    return text.getvalue().encode()

@@ -14,7 +14,7 @@ from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, ima
 
 @dataclass(frozen=True)
 class PracticeOptions:
-    """One server on which trainees practise, each with a board of their own."""
+    """Let trainees bring a board to target poses, and score them."""
 
     board: BoardOptions = field(default_factory=BoardOptions)
     camera: Annotated[
@@ -39,7 +39,7 @@ class PracticeOptions:
 
 @dataclass(frozen=True)
 class TrialOptions:
-    """One volunteer's trial: the same poses with three kinds of help, timed."""
+    """Time volunteers who reach poses with three kinds of help."""
 
     source: Annotated[Positional[str], arg(metavar="SOURCE")] = "sim"
     """sim, a camera's number or device, or a stream's address."""

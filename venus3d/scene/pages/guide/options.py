@@ -17,7 +17,7 @@ from venus3d.scene.web.monitor import audience_address
 
 @dataclass(frozen=True)
 class GuideOptions:
-    """One guided calibration."""
+    """Calibrate a camera with guidance, pose by pose, in the browser."""
 
     source: Annotated[Positional[str], arg(metavar="SOURCE")] = "sim"
     """sim, a camera's number or device, a stream's address, a video, a folder or a pattern."""

@@ -14,7 +14,7 @@ from venus3d.options import BoardOptions, Switch, check_range
 
 @dataclass(frozen=True)
 class TeachOptions:
-    """One teaching page, or one lesson written to a file."""
+    """Show what a pose is and how it comes apart, in the browser."""
 
     lesson: Annotated[
         Positional[str], arg(metavar="LESSON", help_behavior_hint="(usual: the first)")
