@@ -14,16 +14,19 @@ from scipy.stats import ttest_rel
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
-from venus3d.study.arms import ARMS, ArmTrial, abs_rms_err_px, run_arm
 from venus3d.study.figures import FIGURES, INDICATORS, judge_figure, verdicts_text
 from venus3d.study.plots import draw_figure
 from venus3d.study.runner import Value
 from venus3d.study.simulated import (
+    ARMS,
     NOISE_PX,
+    ArmTrial,
+    abs_rms_err_px,
     first_pose,
     guided_calibrations,
     observed,
     points_before,
+    run_arm,
 )
 
 

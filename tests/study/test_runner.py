@@ -12,8 +12,8 @@ import pytest
 
 from tests.study.trials import Draw, drawn
 from venus3d.engine.errors import StorageError, VenusError
-from venus3d.study.arms import ArmTrial, run_arm
 from venus3d.study.runner import run_trials
+from venus3d.study.simulated import ArmTrial, run_arm
 
 TRIALS = tuple(Draw(seed) for seed in (3, 1, 4, 5, 9, 2))
 

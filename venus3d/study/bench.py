@@ -26,7 +26,7 @@ from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search import search
-from venus3d.study.runner import Value, run_trials
+from venus3d.study.runner import Row, run_trials
 from venus3d.study.simulated import (
     NOISE_PX,
     guided_calibrations,
@@ -90,15 +90,15 @@ def bench(
     return [*speed, *judged(rows)]
 
 
-def bench_trial(trial: BenchTrial) -> list[dict[str, Value]]:
+def bench_trial(trial: BenchTrial) -> list[Row]:
     """The rows of one trial."""
     return [state_row(trial)] if trial.kind == "state" else method_rows(trial)
 
 
-def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
+def method_rows(trial: BenchTrial) -> list[Row]:
     """A row for each view: the true quality of the poses, the predicted and the actual gain.
     Gains are drops of the expected mean projection error as computed by the engine."""
-    rows: list[dict[str, Value]] = []
+    rows: list[Row] = []
     promised = before = float("nan")
     settings = Settings(method=cast(Method, trial.kind))
     for stage in guided_calibrations(settings, VIEWS, seed=trial.seed, repeat=trial.repeat):
@@ -119,7 +119,7 @@ def method_rows(trial: BenchTrial) -> list[dict[str, Value]]:
     return rows
 
 
-def state_row(trial: BenchTrial) -> dict[str, Value]:
+def state_row(trial: BenchTrial) -> Row:
     """The result of `global` on one state, and the best of long runs of dual annealing."""
     settings, views = Settings(), trial.repeat + 2
     *_, last = guided_calibrations(settings, views, seed=trial.seed, repeat=trial.repeat)
@@ -141,7 +141,7 @@ def state_row(trial: BenchTrial) -> dict[str, Value]:
     }
 
 
-def judged(rows: Sequence[dict[str, Value]]) -> list[Bar]:
+def judged(rows: Sequence[Row]) -> list[Bar]:
     """The claims about accuracy, from the trials' rows."""
     states = [row for row in rows if row["kind"] == "state"]
     above = np.array([float(row["global_cost"]) / float(row["best_cost"]) for row in states])
@@ -184,7 +184,7 @@ def _figure(value: float) -> str:
     return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
 
 
-def _by_repeat(rows: Sequence[dict[str, Value]], kind: str, column: str) -> Array:
+def _by_repeat(rows: Sequence[Row], kind: str, column: str) -> Array:
     """(repeats, views) of a column of a method's rows."""
     values = [float(row[column]) for row in rows if row["kind"] == kind]
     return np.array(values).reshape(-1, VIEWS)

@@ -18,6 +18,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.recording import observe_recording
+from venus3d.study.pool import frames_with_board
 
 Image = NDArray[np.uint8]
 PIXELS = 1280 * 720
@@ -57,12 +58,7 @@ def load_clip(
     """
     detector = Detector(board)
     recording = observe_recording(spec, detector, on_count)
-    seen = [i for i, o in enumerate(recording.observations) if o.count]
-    if not seen:
-        raise CalibrationError(
-            f"The board is seen in none of the {len(recording.observations)} frames of {spec}; "
-            "check the board's options (columns, rows, dictionary)."
-        )
+    seen = frames_with_board(recording, spec)
     chosen = set(np.array(seen)[np.linspace(0, len(seen) - 1, min(most, len(seen))).astype(int)])
     images = [_as_720p(image) for image in _frames(spec, chosen)]
     size = (images[0].shape[1], images[0].shape[0])

@@ -12,8 +12,8 @@ from scipy.stats import t as student
 from venus3d import __version__
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.limits import Mask
-from venus3d.study.arms import ARMS, ArmTrial, run_arm
-from venus3d.study.runner import Value, run_trials
+from venus3d.study.runner import Row, run_trials
+from venus3d.study.simulated import ARMS, ArmTrial, run_arm
 from venus3d.study.text import table
 
 INDICATORS: Mapping[str, str] = {
@@ -144,7 +144,7 @@ def run_figures(
     seed: int,
     jobs: int | None = None,
     dask: str | None = None,
-) -> list[dict[str, Value]]:
+) -> list[Row]:
     """Run all arms of all figures, each once; rows as `run_arm` makes them, one file for all."""
     arms = tuple(dict.fromkeys(arm for figure in FIGURES for arm in figure.arms))
     # The slow arms first, or the last of them would run alone at the end.
@@ -161,7 +161,7 @@ def run_figures(
     )
 
 
-def logarithms(rows: Iterable[Mapping[str, Value]], arm: str, indicator: str) -> Array:
+def logarithms(rows: Iterable[Row], arm: str, indicator: str) -> Array:
     """(repeats, views) natural logarithms of an indicator; NaN where unknown."""
     chosen = [row for row in rows if row["arm"] == arm]
     repeats = len({row["repeat"] for row in chosen})
@@ -169,12 +169,12 @@ def logarithms(rows: Iterable[Mapping[str, Value]], arm: str, indicator: str) ->
     return np.log(values)
 
 
-def judge_figure(rows: Sequence[Mapping[str, Value]], figure: Figure) -> list[Verdict]:
+def judge_figure(rows: Sequence[Row], figure: Figure) -> list[Verdict]:
     """A verdict for each indicator."""
     return [_verdict(rows, figure, indicator) for indicator in figure.indicators]
 
 
-def _verdict(rows: Sequence[Mapping[str, Value]], figure: Figure, indicator: str) -> Verdict:
+def _verdict(rows: Sequence[Row], figure: Figure, indicator: str) -> Verdict:
     first, second = (logarithms(rows, arm, indicator) for arm in figure.arms)
     low, high = _interval(second - first)
     # A winner leads at every number of views from some one on: the interval excludes equality.
@@ -217,7 +217,7 @@ def _since(leads: Mask) -> int:
     return since if since <= len(leads) else 0
 
 
-def verdicts_text(rows: Sequence[Mapping[str, Value]]) -> str:
+def verdicts_text(rows: Sequence[Row]) -> str:
     """All figures in Markdown: the arms, the paper's claim, and the winner."""
     figures = [_figure_text(figure, judge_figure(rows, figure)) for figure in FIGURES]
     return "\n\n".join([_LEGEND, *figures])

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -54,10 +54,9 @@ class Motion:
     """(3,) rotation vector about the camera's axes, degrees."""
 
 
-class Reader(Protocol):
-    """A person's reading of a help: its time, and the intended motions in order."""
-
-    def __call__(self, now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]: ...
+Reader = Callable[[Match, Pose, Pose], tuple[float, list[Motion]]]
+"""A person's reading of a help, from the match now, the board's pose and the target: its time, and
+the intended motions in order."""
 
 
 def reach(
@@ -178,10 +177,11 @@ def _outline_reader(person: Assumptions, board: Board, rng: np.random.Generator)
     def look(now: Match, pose: Pose, target: Pose) -> tuple[float, list[Motion]]:
         nonlocal mirrored
         took = person.reaction_s + person.glance_s
-        if pose.angle_to_deg(_believed(target, mirrored)) < _ALIGNED_DEG and now.overlap > 0.7:
+        believed = {False: target, True: mirrored_tilt(target)}
+        if pose.angle_to_deg(believed[mirrored]) < _ALIGNED_DEG and now.overlap > 0.7:
             # It looks right but is not accepted: try the other sign.
             mirrored = not mirrored if person.outline_flip > 0 else mirrored
-        missing = _missing_deg(pose, _believed(target, mirrored))
+        missing = _missing_deg(pose, believed[mirrored])
         took += float(np.linalg.norm(missing)) / person.rotation_deg_per_s
         return took, _judged(
             person, now, missing, 1.0, person.outline_tilt_share, person.outline_tilt_deg, rng
@@ -231,10 +231,6 @@ def _judged(
 def _missing_deg(pose: Pose, target: Pose) -> Array:
     """(3,) rotation vector from the pose's orientation to the target's, degrees."""
     return np.degrees(Pose(target.R @ pose.R.T, np.zeros(3)).rvec)
-
-
-def _believed(target: Pose, mirrored: bool) -> Pose:
-    return mirrored_tilt(target) if mirrored else target
 
 
 def mirrored_tilt(pose: Pose) -> Pose:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from venus3d.storage.folder import write_bytes
-from venus3d.study.arms import ARMS
 from venus3d.study.figures import FIRST_VIEWS, INDICATORS, Figure, logarithms
-from venus3d.study.runner import Value, needed
+from venus3d.study.runner import Row, needed
+from venus3d.study.simulated import ARMS
 
 # Okabe and Ito's vermilion and blue: distinguishable by everybody, and in grey.
 _COLOURS = ("#D55E00", "#0072B2")
@@ -26,9 +26,7 @@ def pyplot() -> Any:
     return import_module("matplotlib.pyplot")
 
 
-def draw_figure(
-    rows: Sequence[Mapping[str, Value]], figure: Figure, directory: Path
-) -> tuple[Path, Path]:
+def draw_figure(rows: Sequence[Row], figure: Figure, directory: Path) -> tuple[Path, Path]:
     """Write `figureN.png` and `figureN.svg`. Raises `StorageError`, and `VenusError` without
     matplotlib."""
     plt = pyplot()
@@ -59,14 +57,14 @@ def draw_figure(
     )
 
 
-def _subtitle(rows: Sequence[Mapping[str, Value]], figure: Figure) -> str:
+def _subtitle(rows: Sequence[Row], figure: Figure) -> str:
     repeats = len({row["repeat"] for row in rows})
     told = f"The paper: {figure.claim}.   " if figure.claim else ""
     over = f"Mean of {repeats} repeats, ± one standard deviation" if repeats > 1 else "One repeat"
     return f"{told}{over}; smaller is better."
 
 
-def _panel(panel: Any, rows: Sequence[Mapping[str, Value]], figure: Figure, indicator: str) -> None:
+def _panel(panel: Any, rows: Sequence[Row], figure: Figure, indicator: str) -> None:
     ends: list[float] = []
     last = 0
     for arm, colour in zip(figure.arms, _COLOURS, strict=True):

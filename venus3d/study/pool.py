@@ -19,7 +19,7 @@ from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.sources.recording import observe_recording
+from venus3d.sources.recording import Recording, observe_recording
 from venus3d.sources.sim import Simulation
 
 FEWEST_TRAINING, FEWEST_TEST = 6, 4
@@ -77,12 +77,7 @@ def pool_of(
     """
     detector = Detector(board)
     recording = observe_recording(spec, detector, on_count)
-    seen = [o for o in recording.observations if o.count]
-    if not seen:
-        raise CalibrationError(
-            f"The board is seen in none of the {len(recording.observations)} frames of {spec}; "
-            "check the board's options (columns, rows, dictionary)."
-        )
+    seen = [recording.observations[index] for index in frames_with_board(recording, spec)]
     kept = distinct(seen, detector.board, same)
     needed = FEWEST_TRAINING + FEWEST_TEST
     if len(kept) < needed:
@@ -94,6 +89,17 @@ def pool_of(
     notes = (*recording.notes, *detector.notes)
     asking = asking_limits(detector.board, kept)
     return ViewPool(spec, detector.board, tuple(kept), len(recording.observations), notes, asking)
+
+
+def frames_with_board(recording: Recording, spec: str) -> list[int]:
+    """The frames that show the board. Raises `CalibrationError` if there are none."""
+    seen = [index for index, o in enumerate(recording.observations) if o.count]
+    if not seen:
+        raise CalibrationError(
+            f"The board is seen in none of the {len(recording.observations)} frames of {spec}; "
+            "check the board's options (columns, rows, dictionary)."
+        )
+    return seen
 
 
 def asking_limits(board: Board, observations: Sequence[Observation]) -> dict[str, float]:

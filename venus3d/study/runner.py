@@ -24,7 +24,7 @@ from venus3d.storage.folder import write_bytes
 from venus3d.threads.signals import on_stop_signal
 
 Value = str | int | float
-Row = Mapping[str, Value]
+Row = dict[str, Value]
 REACH_S = 15.0
 """Timeout for a Dask scheduler, seconds."""
 
@@ -50,7 +50,7 @@ def run_trials(
     jobs: int | None = None,
     dask: str | None = None,
     label: str = "trials",
-) -> list[dict[str, Value]]:
+) -> list[Row]:
     """Run `function` on every trial; its rows in the trials' order, each with a column `trial`.
 
     Each trial's rows are appended to a journal beside `rows_file` at once, so that an interrupted
@@ -86,9 +86,8 @@ def run_trials(
         asked = things.enter_context(_asked_to_stop())
         try:
             for key, rows in finished:
-                kept = [dict(row) for row in rows]
-                _append(journal, {"trial": key, "rows": kept})
-                done[key] = kept
+                _append(journal, {"trial": key, "rows": list(rows)})
+                done[key] = list(rows)
                 bar.update()
                 if asked.is_set():
                     raise KeyboardInterrupt
@@ -102,7 +101,7 @@ def run_trials(
 
 
 @contextmanager
-def _asked_to_stop() -> Generator[threading.Event, None, None]:
+def _asked_to_stop() -> Generator[threading.Event]:
     """An event set by a signal that asks to end. The `KeyboardInterrupt` raised as well may be lost
     where joblib collects garbage."""
     asked = threading.Event()
@@ -179,15 +178,22 @@ def _gathered(
 
 def _one(function: Callable[[T], Sequence[Row]], trial: T) -> tuple[str, Sequence[Row]]:
     # OpenCV's threads sum in no fixed order, and the trials fill the cores anyway.
-    before = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
+    with opencv_threads(1):
         return trial.key, function(trial)
+
+
+@contextmanager
+def opencv_threads(count: int) -> Generator[None]:
+    """OpenCV works with so many threads in here."""
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(count)
+    try:
+        yield
     finally:
         cv2.setNumThreads(before)
 
 
-def _opened(journal: Path, setup: str) -> dict[str, list[dict[str, Value]]]:
+def _opened(journal: Path, setup: str) -> dict[str, list[Row]]:
     """The finished trials of an earlier run of this set-up; starts a journal if there is none."""
     try:
         text = journal.read_text("utf-8") if journal.exists() else ""

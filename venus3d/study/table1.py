@@ -26,9 +26,9 @@ from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.study.pool import ViewPool, nearest, split
+from venus3d.study.runner import Row
 from venus3d.study.text import mean_sd, table
 
-Row = dict[str, str | int | float]
 Arm = Literal["pose-selection", "opencv", "venus", "global", "best-view"]
 ARMS: tuple[Arm, ...] = ("pose-selection", "opencv", "venus", "global", "best-view")
 """In the paper's order. "opencv": random views of the pool, no guidance. "best-view": takes the
@@ -92,7 +92,9 @@ def run_table1(trial: Table1Trial) -> list[Row]:
             "rms_train_px": step.calibration.rms_px,
             "rms_test_px": rms_of_views_px(camera, pool, held_out),
             "expected_uncertainty_px": step.uncertainty_px,
-            "true_error_px": _true_error_px(pool, camera),
+            "true_error_px": (
+                np.nan if pool.truth is None else projection_diff_px(pool.truth, camera)
+            ),
             "fx": camera.fx,
             "fy": camera.fy,
             "cx": camera.cx,
@@ -189,10 +191,6 @@ def _most_telling(pool: ViewPool, unused: Sequence[int], calibration: Calibratio
     return min(unused, key=uncertainty_px)
 
 
-def _true_error_px(pool: ViewPool, camera: Camera) -> float:
-    return float("nan") if pool.truth is None else projection_diff_px(pool.truth, camera)
-
-
 def _ending(session: Session, wanted: Pose | None, arm: Arm) -> Ending:
     if session.phase == "converged":
         return "converged"
@@ -232,7 +230,11 @@ def table1_text(rows: Sequence[Row], pools: Sequence[ViewPool]) -> str:
     parts: list[str] = []
     for pool in pools:
         mine = [row for row in rows if row["source"] == pool.name]
-        lines = [_line(arm, of_arm) for arm in ARMS if (of_arm := _rows_of(arm, mine))]
+        lines = [
+            _line(arm, of_arm)
+            for arm in ARMS
+            if (of_arm := [row for row in mine if row["method"] == arm])
+        ]
         head = mine[0]
         seeds = len({row["seed"] for row in mine})
         parts.append(
@@ -242,10 +244,6 @@ def table1_text(rows: Sequence[Row], pools: Sequence[ViewPool]) -> str:
         )
         parts.append(table(_HEADINGS, lines))
     return "\n\n".join(parts)
-
-
-def _rows_of(arm: Arm, rows: Sequence[Row]) -> list[Row]:
-    return [row for row in rows if row["method"] == arm]
 
 
 _HEADINGS = (
@@ -262,6 +260,16 @@ _HEADINGS = (
     "paper: test, views, train",
 )
 
+_MEANS = {
+    "rms_test_px": 4,
+    "views": 1,
+    "rms_train_px": 4,
+    "expected_uncertainty_px": 2,
+    "true_error_px": 2,
+    "fx": 1,
+}
+"""Columns of a method's last rows that are averaged, and their digits."""
+
 
 def _line(arm: Arm, rows: Sequence[Row]) -> tuple[str, ...]:
     last = [row for row in rows if row["ended"]]
@@ -269,12 +277,7 @@ def _line(arm: Arm, rows: Sequence[Row]) -> tuple[str, ...]:
     converged = sum(row["ended"] == "converged" for row in last)
     return (
         arm,
-        mean_sd(_column(last, "rms_test_px"), 4),
-        mean_sd(_column(last, "views"), 1),
-        mean_sd(_column(last, "rms_train_px"), 4),
-        mean_sd(_column(last, "expected_uncertainty_px"), 2),
-        mean_sd(_column(last, "true_error_px"), 2),
-        mean_sd(_column(last, "fx"), 1),
+        *(mean_sd(_column(last, name), digits) for name, digits in _MEANS.items()),
         f"{converged} of {len(last)}",
         mean_sd(_column(equal, "rms_test_px"), 4),
         f"{np.mean(_column(rows, 'off_deg')):.0f}" if arm in _ASKING else "-",

@@ -10,8 +10,7 @@ region    like axes, but search around the board's last position, as this progra
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -28,6 +27,7 @@ from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.study.clip import Clip, Image
+from venus3d.study.runner import Row, opencv_threads
 from venus3d.study.text import table
 
 Guidance = Literal["axes", "steps", "region"]
@@ -144,7 +144,7 @@ def show(encoded: Any) -> None:
 def run_table2(clip: Clip, frames: int, threads: int, seed: int) -> Costs:
     """Prepare once, then measure, with `threads` OpenCV threads."""
     rng = np.random.default_rng(seed)
-    with _opencv_threads(threads), Offscreen() as offscreen:
+    with opencv_threads(threads), Offscreen() as offscreen:
         prepare_steps(clip, offscreen, rng)  # warms up the renderer
         started = time.perf_counter()
         prepared = prepare_steps(clip, offscreen, rng)
@@ -153,7 +153,7 @@ def run_table2(clip: Clip, frames: int, threads: int, seed: int) -> Costs:
     return Costs(clip, guiding, showing, preparing_ms, threads)
 
 
-def table2_rows(costs: Costs) -> list[dict[str, str | int | float]]:
+def table2_rows(costs: Costs) -> list[Row]:
     """One row for each frame and guidance."""
     return [
         {
@@ -233,13 +233,3 @@ def _ms(work: Callable[[], object]) -> tuple[float, float]:
     started, worked = time.perf_counter(), time.process_time()
     work()
     return 1000 * (time.perf_counter() - started), 1000 * (time.process_time() - worked)
-
-
-@contextmanager
-def _opencv_threads(count: int) -> Generator[None]:
-    before = cv2.getNumThreads()
-    cv2.setNumThreads(count)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(before)

@@ -19,9 +19,9 @@ from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.study.assumptions import Assumptions
 from venus3d.study.hand import HELPS, Help, reach
+from venus3d.study.runner import Row
 from venus3d.study.text import minutes, table
 
-Row = dict[str, str | int | float]
 POSES = 10
 PEOPLE = 5
 SPREAD = 0.25
@@ -96,22 +96,18 @@ def table3_trials(
 ) -> list[Table3Trial]:
     """Everybody as assumed; then with each assumption halved and doubled."""
     usual = Assumptions() if assumptions is None else assumptions
-    trials = [Table3Trial(seed, person, usual) for person in range(1, people + 1)]
+    variants = {_AS_ASSUMED: usual}
     if sensitivity:
-        for chance in FLIPS:
-            changed = replace(usual, axes_flip=chance)
-            trials += [
-                Table3Trial(seed, person, changed, f"{_FLIP}{chance:g}")
-                for person in range(1, people + 1)
-            ]
+        variants |= {f"{_FLIP}{chance:g}": replace(usual, axes_flip=chance) for chance in FLIPS}
         for name in (f.name for f in fields(usual) if not f.name.startswith("outline")):
             for word, factor in (("halved", 0.5), ("doubled", 2.0)):
-                changed = replace(usual, **{name: getattr(usual, name) * factor})
-                trials += [
-                    Table3Trial(seed, person, changed, f"{name} {word}")
-                    for person in range(1, people + 1)
-                ]
-    return trials
+                changed = {name: getattr(usual, name) * factor}
+                variants[f"{name} {word}"] = replace(usual, **changed)
+    return [
+        Table3Trial(seed, person, changed, variant)
+        for variant, changed in variants.items()
+        for person in range(1, people + 1)
+    ]
 
 
 def reduction(rows: Sequence[Row], variant: str = _AS_ASSUMED) -> float:
@@ -128,15 +124,10 @@ def table3_text(rows: Sequence[Row]) -> str:
     usual = [row for row in rows if row["variant"] == _AS_ASSUMED]
     people = sorted({int(row["person"]) for row in usual})
     lines = [_times_line(help_, usual, people) for help_ in HELPS]
-    told: tuple[tuple[Help, str], ...] = (
-        ("axes", "paper, Pose selection"),
-        ("steps", "paper, Pose decomposition"),
-    )
-    for help_, said in told:
-        times = PAPER_S[help_]
+    for help_, times in PAPER_S.items():
         cells = [minutes(t) for t in times[: len(people)]]
         cells += ["-"] * (len(people) - len(cells))
-        lines.append((said, *cells, f"{np.mean(times):.0f}", "-", "-"))
+        lines.append((_PAPER_SAID[help_], *cells, f"{np.mean(times):.0f}", "-", "-"))
     headings = ("help", *(f"person {n}" for n in people), "mean (s)", "looks a pose", "not reached")
     paper = 1 - sum(PAPER_S["steps"]) / sum(PAPER_S["axes"])
     return "\n\n".join(
@@ -150,6 +141,10 @@ def table3_text(rows: Sequence[Row]) -> str:
     )
 
 
+_PAPER_SAID: dict[Help, str] = {
+    "axes": "paper, Pose selection",
+    "steps": "paper, Pose decomposition",
+}
 _SAID: dict[Help, str] = {
     "steps": "simulated, decomposed steps",
     "axes": "simulated, axes overlay",
