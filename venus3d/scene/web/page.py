@@ -73,8 +73,7 @@ class Page(ABC, Generic[State]):
         with self._lock:
             before, self._state = self._state, change(self._state)
             if self._state is not before:
-                self._changed = True
-                self._lock.notify_all()
+                self.wake()
             return self._state
 
     def wake(self) -> None:
@@ -127,7 +126,6 @@ class Page(ABC, Generic[State]):
         self.wake()
 
     def _tell_of_failure(self, error: Exception) -> None:
-        """Report that the page was laid out again after this error."""
         tell_of_failure(self.server, error)
 
     # -- the machinery ---------------------------------------------------------------------------

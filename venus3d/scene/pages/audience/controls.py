@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import viser
 
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.web.help import Command, add_commands
 
 
@@ -25,29 +24,20 @@ class AudienceControls:
             for name, label, key, hint in texts.CONTROLS:
                 said = label if key is None else f"{label} ({key})"
                 box = server.gui.add_checkbox(said, getattr(audience.state, name), hint=hint)
-                box.on_update(self._ticked(name))
+                box.on_update(partial(self._ticked, name))
                 self._boxes[name] = box
         self.commands = tuple(
-            Command(f"{texts.PANEL}: {label}", key, hint, self._toggled(name))
+            Command(f"{texts.PANEL}: {label}", key, hint, partial(self._toggle, name))
             for name, label, key, hint in texts.CONTROLS
         )
         """Commands, already in the palette; for the page's help."""
         add_commands(server, self.commands)
 
-    def _ticked(self, name: str) -> Callable[[Any], None]:
-        def ticked(event: Any) -> None:
-            if event.client is not None:  # not set by the program
-                self._audience.change(_with(name, bool(event.target.value)))
+    def _ticked(self, name: str, event: Any) -> None:
+        if event.client is not None:  # not set by the program
+            on = bool(event.target.value)
+            self._audience.change(lambda look: replace(look, **{name: on}))
 
-        return ticked
-
-    def _toggled(self, name: str) -> Callable[[], None]:
-        def toggled() -> None:
-            self._audience.change(lambda look: _with(name, not getattr(look, name))(look))
-            self._boxes[name].value = getattr(self._audience.state, name)
-
-        return toggled
-
-
-def _with(name: str, on: bool) -> Callable[[AudienceState], AudienceState]:
-    return lambda look: replace(look, **{name: on})
+    def _toggle(self, name: str) -> None:
+        look = self._audience.change(lambda look: replace(look, **{name: not getattr(look, name)}))
+        self._boxes[name].value = getattr(look, name)

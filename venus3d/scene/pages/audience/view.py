@@ -98,10 +98,8 @@ class AudienceView:
                     cast_shadow=False,
                     receive_shadow=False,
                 )
-            self._image.render_width, self._image.render_height = (
-                _DISTANCE * width,
-                _DISTANCE * height,
-            )
+            self._image.render_width = _DISTANCE * width
+            self._image.render_height = _DISTANCE * height
             self._image.position, self._image.image = _DISTANCE * centre, rgb
             self._plane = self._hung = plane
             self._server.initial_camera.fov = plane.fov_rad(_USUAL_ASPECT)

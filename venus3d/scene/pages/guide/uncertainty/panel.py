@@ -75,19 +75,12 @@ class UncertaintyPanel:
         self._snapshot: Snapshot | None = None
         self._theme = Theme(True)
         self._replay = SearchReplay()
-
-    @property
-    def commands(self) -> tuple[Command, ...]:
-        """Its commands, which the page's owner adds."""
-        return (
+        views, search = partial(self._switch, "views"), partial(self._switch, "search")
+        self.commands = (
             Command(texts.NEXT_MAP, "M", texts.NEXT_MAP_HINT, self._next_map),
-            Command(
-                texts.TOGGLE_VIEWS, "V", texts.TOGGLE_VIEWS_HINT, lambda: self._switch("views")
-            ),
+            Command(texts.TOGGLE_VIEWS, "V", texts.TOGGLE_VIEWS_HINT, views),
             Command(texts.NEXT_VIEW, "I", texts.NEXT_VIEW_HINT, self._next_view),
-            Command(
-                texts.REPLAY_SEARCH, "Y", texts.REPLAY_SEARCH_HINT, lambda: self._switch("search")
-            ),
+            Command(texts.REPLAY_SEARCH, "Y", texts.REPLAY_SEARCH_HINT, search),
         )
 
     @property
@@ -108,7 +101,11 @@ class UncertaintyPanel:
         self._bound: set[str] = set()
         self._window = ViewWindow()
         self._maps = ButtonRow(
-            gui, texts.MAPS_LABEL, _map_labels("now"), self._pick_map, hint=texts.MAPS_HINT
+            gui,
+            texts.MAPS_LABEL,
+            _map_labels("now"),
+            lambda kind, _: self._change(map=kind),
+            hint=texts.MAPS_HINT,
         )
         self._switches = ButtonRow(
             gui,
@@ -128,10 +125,7 @@ class UncertaintyPanel:
         self._legend = gui.add_html("", visible=False)
         self._about = gui.add_html("", visible=False)
         self._drop = gui.add_button(
-            texts.LEAVE_OUT,
-            icon=viser.Icon.TRASH,
-            hint=texts.LEAVE_OUT_HINT,
-            visible=False,
+            texts.LEAVE_OUT, icon=viser.Icon.TRASH, hint=texts.LEAVE_OUT_HINT, visible=False
         )
         self._drop.on_click(lambda _: self._leave_out(self.state.view))
         self._map = gui.add_html("")
@@ -156,7 +150,27 @@ class UncertaintyPanel:
     def show(self, snapshot: Snapshot, theme: Theme) -> None:
         """Update the tab, except for the map."""
         self._snapshot, self._theme = snapshot, theme
-        self._show_views(snapshot, self.state)
+        state = self.state
+        numbers = [view.number for view in snapshot.views]
+        chosen = state.view if state.view in numbers else None
+        labels = {
+            view.number: texts.VIEW_OPTION.format(number=view.number, rms=figure(view.rms_px))
+            for view in snapshot.views
+        }
+        self._views.show({0: texts.NO_VIEW, **labels}, chosen or 0)
+        self._views.visible = bool(numbers)
+        picture = self._pictures.get(chosen or 0, "")
+        card = (snapshot.calibration, chosen, picture)
+        if card != self._card:
+            self._card = card
+            self._forget_old(numbers)
+            self._about.content = "" if chosen is None else view_html(snapshot, chosen, picture)
+            self._about.visible = chosen is not None
+            self._drop.visible = chosen is not None and len(numbers) > 1
+        self._legend.content = _legend(snapshot, state, self._theme)
+        self._legend.visible = bool(self._legend.content)
+        self._maps.show(_map_labels(state.map))
+        self._switches.show(_switch_labels(state))
 
     def show_late(self, snapshot: Snapshot, theme: Theme) -> None:
         """Start drawing the tab's map if it has changed: in the next call, since the scene of a new
@@ -179,31 +193,9 @@ class UncertaintyPanel:
             number = view_of(name)
             if number is not None and name not in self._bound:
                 self._bound.add(name)
-                scene.node(name).on_click(self._opener(number))
+                scene.node(name).on_click(partial(self._open, number))
 
     # -- the tab ---------------------------------------------------------------------------------
-
-    def _show_views(self, snapshot: Snapshot, state: UncertaintyState) -> None:
-        numbers = [view.number for view in snapshot.views]
-        chosen = state.view if state.view in numbers else None
-        labels = {
-            view.number: texts.VIEW_OPTION.format(number=view.number, rms=figure(view.rms_px))
-            for view in snapshot.views
-        }
-        self._views.show({0: texts.NO_VIEW, **labels}, chosen or 0)
-        self._views.visible = bool(numbers)
-        picture = self._pictures.get(chosen or 0, "")
-        card = (snapshot.calibration, chosen, picture)
-        if card != self._card:
-            self._card = card
-            self._forget_old(numbers)
-            self._about.content = "" if chosen is None else view_html(snapshot, chosen, picture)
-            self._about.visible = chosen is not None
-            self._drop.visible = chosen is not None and len(numbers) > 1
-        self._legend.content = _legend(snapshot, state, self._theme)
-        self._legend.visible = bool(self._legend.content)
-        self._maps.show(_map_labels(state.map))
-        self._switches.show(_switch_labels(state))
 
     def _forget_old(self, numbers: list[int]) -> None:
         """Drop pictures of excluded views; those still being calibrated stay."""
@@ -215,23 +207,16 @@ class UncertaintyPanel:
                 if number in numbers or number > newest
             }
 
-    def _opener(self, number: int) -> Callable[[Any], None]:
-        def opened(event: Any) -> None:
-            self._open(event.client, number)
-
-        return opened
-
-    def _open(self, client: viser.ClientHandle, number: int) -> None:
+    def _open(self, number: int, event: Any) -> None:
         """Open a view's card in the tab in which it was clicked."""
         snapshot = self._snapshot
         self._change(view=number)
         if snapshot is None:
             return
         html = view_html(snapshot, number, self._pictures.get(number, ""))
-        if not html:
-            return
-        drop = partial(self._leave_out, number) if len(snapshot.views) > 1 else None
-        self._window.open(client, number, self._theme.sheet + html, drop)
+        if html:
+            drop = partial(self._leave_out, number) if len(snapshot.views) > 1 else None
+            self._window.open(event.client, number, self._theme.sheet + html, drop)
 
     # -- what people do; on viser's threads ------------------------------------------------------
 
@@ -239,9 +224,6 @@ class UncertaintyPanel:
         with self._lock:
             self.state = replace(self.state, **changes)
         self._wake()
-
-    def _pick_map(self, kind: MapKind, _: object) -> None:
-        self._change(map=kind)
 
     def _next_map(self) -> None:
         self._change(map=MAP_KINDS[(MAP_KINDS.index(self.state.map) + 1) % len(MAP_KINDS)])
