@@ -22,12 +22,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from venus3d.engine.calibration.adjustment import Calibration
     from venus3d.engine.calibration.checks import diagnose
     from venus3d.engine.calibration.detection import Detector
     from venus3d.engine.calibration.diagnosis import Diagnosis
     from venus3d.engine.calibration.observation import Observation, View
     from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
-    from venus3d.engine.calibration.result import Calibration
     from venus3d.engine.errors import (
         BoardError,
         CalibrationError,
@@ -105,7 +105,7 @@ _NAMES_IN = {
     "engine.calibration.diagnosis": ("Diagnosis",),
     "engine.calibration.observation": ("Observation", "View"),
     "engine.calibration.projection_uncertainty": ("projection_diff_px",),
-    "engine.calibration.result": ("Calibration",),
+    "engine.calibration.adjustment": ("Calibration",),
     "engine.errors": (
         "BoardError",
         "CalibrationError",

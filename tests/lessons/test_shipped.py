@@ -7,8 +7,7 @@ import pytest
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.refusals import refusals
+from venus3d.engine.planning.limits import Limits, refusals
 from venus3d.lessons.lesson import EXTRAS, VIEWPOINTS, Lesson
 from venus3d.lessons.reading import shipped_lessons
 from venus3d.scene.web.pose_panel import RANGES

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose

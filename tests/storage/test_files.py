@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera

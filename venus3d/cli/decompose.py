@@ -18,8 +18,7 @@ from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step, Steps, decompose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import step_prompt
-from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.refusals import refusals
+from venus3d.engine.planning.limits import Limits, refusals
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.storage.camera_yaml import read_camera_yaml

@@ -8,8 +8,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.convergence import Progress

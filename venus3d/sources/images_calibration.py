@@ -6,12 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import cast
 
-from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.calibration.view_selection import select_views
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board

@@ -13,7 +13,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.storage.folder import write_bytes

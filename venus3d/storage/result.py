@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array

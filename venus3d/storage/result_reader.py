@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, View
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera

@@ -22,7 +22,6 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.costs import make_cost
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search import search

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.information import covariance_of, view_information
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import (
@@ -20,7 +20,6 @@ from venus3d.engine.calibration.projection_uncertainty import (
     projection_diff_px,
     projection_uncertainty_px,
 )
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera

@@ -12,9 +12,9 @@ from typing import Literal
 
 import numpy as np
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
@@ -23,8 +23,8 @@ from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.startup import Startup
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.planning.settings import Method
 from venus3d.study.pool import ViewPool, nearest, split
 from venus3d.study.runner import Row
 from venus3d.study.text import mean_sd, table

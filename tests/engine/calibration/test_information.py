@@ -16,10 +16,9 @@ from venus3d.engine.calibration.information import (
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose, rotations_of
-from venus3d.engine.geometry.quadrature import board_nodes
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.planning.posterior import Posterior, board_nodes
 
 NEXT = [-15, 35, 45, 0.1, 0.05, 0.5]
 

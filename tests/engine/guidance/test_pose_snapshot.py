@@ -7,7 +7,7 @@ import numpy as np
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.pose_snapshot import pose_snapshot
+from venus3d.engine.guidance.snapshot import pose_snapshot
 
 TARGET = Pose.from_vector([25, -30, 20, 0.04, -0.02, 0.52])
 

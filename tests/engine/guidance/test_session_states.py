@@ -16,7 +16,7 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.planning.method import COSTS, METHODS, STRATEGIES
+from venus3d.engine.planning.settings import COSTS, METHODS, STRATEGIES
 
 _ODDS = {
     "look": 8,

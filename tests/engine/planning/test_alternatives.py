@@ -19,10 +19,9 @@ from venus3d.engine.calibration.projection_uncertainty import projection_uncerta
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.alternatives import AT_MOST, NEARLY, clearly_different
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.reasons import held_in_words
-from venus3d.engine.planning.target import Target
+from venus3d.engine.planning.suggest import AT_MOST, NEARLY, clearly_different
+from venus3d.engine.planning.target import Target, held_in_words
 
 SIGMA = float(np.sqrt(0.1))
 SEEN = ([45, 0, 0, 0, 0, 0.4], [-20, 25, 0, 0.05, 0, 0.4], [10, -35, 10, -0.05, 0, 0.45])

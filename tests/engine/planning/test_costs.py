@@ -24,8 +24,8 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose, rotations_of
 from venus3d.engine.planning.costs import PoseCost, expected_distance, make_cost, with_surcharge
-from venus3d.engine.planning.method import COSTS, Cost
 from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.planning.settings import COSTS, Cost
 
 VIEWS = np.array(
     [

@@ -15,10 +15,9 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.forecast import AHEAD, Forecast, forecast, spread_of
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import METHODS, Cost, Method
 from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.posterior import Posterior
-from venus3d.engine.planning.settings import PlanningSettings
+from venus3d.engine.planning.settings import METHODS, Cost, Method, PlanningSettings
 from venus3d.engine.planning.suggest import find_pose
 
 SIGMA = 0.2

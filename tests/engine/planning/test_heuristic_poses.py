@@ -20,8 +20,8 @@ from venus3d.engine.planning.heuristic_poses import (
     weakest_parameter,
     window_pose,
 )
-from venus3d.engine.planning.limit_projection import brought_within
 from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import brought_within
 
 
 def test_eq_11_as_printed_and_where_it_degenerates() -> None:

@@ -9,9 +9,8 @@ from scipy.spatial.transform import Rotation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose, angles_of, rotations_of
-from venus3d.engine.planning.limit_projection import onto_limits
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.pose_space import Space, random_pose
+from venus3d.engine.planning.pose_space import Space, onto_limits, random_pose
 
 
 def test_what_is_brought_inside_is_inside_and_near_where_it_was(

@@ -9,9 +9,8 @@ import pytest
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.limits import Limits, refusals
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.engine.planning.refusals import refusals
 
 
 def test_accepted_poses_keep_every_limit_by_opencvs_projection(

@@ -12,8 +12,7 @@ import pytest
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.refusals import refusals
+from venus3d.engine.planning.limits import Limits, refusals
 
 NAMES = ("top left", "top right", "bottom right", "bottom left")
 

@@ -12,11 +12,13 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose, rotations_of
 from venus3d.engine.planning.costs import CostFunction, PoseCost, make_cost
+from venus3d.engine.planning.global_search import search_globally
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import STRATEGIES, Strategy
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
-from venus3d.engine.planning.search import SearchResult, SearchStep, anneal, search, search_globally
+from venus3d.engine.planning.search import anneal, search
+from venus3d.engine.planning.search_trace import SearchResult, SearchStep
+from venus3d.engine.planning.settings import STRATEGIES, Strategy
 
 GOAL = np.array([20.0, -30, 10, 0.05, -0.02, 0.5])
 SCALE = np.array([20.0, 20, 20, 0.05, 0.05, 0.1])

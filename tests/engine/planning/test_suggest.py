@@ -15,11 +15,18 @@ from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import COSTS, METHODS, Cost, Method, Start, Strategy
-from venus3d.engine.planning.reasons import reason_for
-from venus3d.engine.planning.search import SearchStep
-from venus3d.engine.planning.settings import PlanningSettings
+from venus3d.engine.planning.search_trace import SearchStep
+from venus3d.engine.planning.settings import (
+    COSTS,
+    METHODS,
+    Cost,
+    Method,
+    PlanningSettings,
+    Start,
+    Strategy,
+)
 from venus3d.engine.planning.suggest import NextTarget
+from venus3d.engine.planning.target import reason_for
 
 SIGMA = float(np.sqrt(0.1))
 FIRST = Pose.from_vector([45, 0, 0, 0, 0, 0.4])

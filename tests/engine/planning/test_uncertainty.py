@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import (
     GRID,
@@ -17,7 +17,6 @@ from venus3d.engine.calibration.projection_uncertainty import (
     projection_uncertainty_px,
     uncertainty_map,
 )
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose

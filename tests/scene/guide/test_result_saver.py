@@ -13,7 +13,7 @@ from tests.waiting import wait_until
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.guidance.phase import Phase
+from venus3d.engine.guidance.prompts import Phase
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.result_saver import ResultSaver

@@ -1,4 +1,4 @@
-"""Bundle adjustment: from observations to a camera and its covariance.
+"""Bundle adjustment: from observations to a `Calibration`, the camera and its covariance.
 
 OpenCV finds the optimum (`cv2.calibrateCamera`, Zhang 2000, eq. (9) of the paper) but returns
 standard deviations only, so the full covariance is computed here.
@@ -7,6 +7,7 @@ standard deviations only, so the full covariance is computed here.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import cv2
@@ -14,11 +15,48 @@ import numpy as np
 
 from venus3d.engine.calibration.information import covariance_of, view_information
 from venus3d.engine.calibration.observation import Observation, View
-from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
+
+
+def rms_distance(errors: Array) -> float:
+    """Root mean square length of vectors (N, 2)."""
+    return float(np.sqrt((errors**2).sum(axis=1).mean()))
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """The calibrated camera with its covariance and its views."""
+
+    board: Board
+    """The board whose corners the views show."""
+    camera: Camera
+    covariance: Array
+    """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed."""
+    free: tuple[bool, ...]
+    """Which of the nine parameters were estimated."""
+    residual_sigma_px: float
+    """Standard deviation of one corner coordinate, from the residuals, pixels."""
+    rms_px: float
+    """Root mean square reprojection distance over all corners, pixels (OpenCV's rms)."""
+    views: tuple[View, ...]
+
+    @property
+    def sigma(self) -> Array:
+        """(9,) standard deviations of the `PARAMETERS`; 0 where a parameter was held fixed."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def uncertainty_px(self) -> float:
+        """Projection uncertainty: expected rms error of a projected point over the image. Common
+        rotations of the camera are removed. NaN unless all nine parameters were estimated."""
+        if not all(self.free):
+            return float("nan")
+        return projection_uncertainty_px(self.camera, self.covariance)
+
 
 Model = Literal["full", "startup"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from venus3d.engine.calibration.adjustment import rms_distance
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import rms_distance
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose

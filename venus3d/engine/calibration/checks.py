@@ -12,9 +12,8 @@ from itertools import combinations
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import largest_angle_deg
+from venus3d.engine.calibration.adjustment import Calibration, largest_angle_deg
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.camera import PARAMETERS, planning_camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.sentences import listed

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate, determines_homography
+from venus3d.engine.calibration.adjustment import calibrate, determines_homography, rms_distance
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.information import prior_information, view_information
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import rms_distance
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera

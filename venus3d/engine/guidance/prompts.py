@@ -8,6 +8,7 @@ clockwise and counter-clockwise swap for them; up, down, nearer and farther do n
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +16,11 @@ from numpy.typing import ArrayLike
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Axis
 from venus3d.engine.guidance.matching import Match
-from venus3d.engine.guidance.phase import Phase
 from venus3d.engine.sentences import listed
+
+Phase = Literal["startup", "guiding", "captured", "converged", "finished"]
+"""startup: until the first capture; guiding: a target is shown; captured: calibrating and
+searching; converged: the parameters have settled; finished: ended by the user or complete."""
 
 PARAMETER_DESCRIPTIONS = (
     "focal length, horizontal",

@@ -13,17 +13,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
-from venus3d.engine.guidance.phase import Phase
-from venus3d.engine.guidance.prompts import headline_and_prompt, startup_headline_and_prompt
+from venus3d.engine.guidance.prompts import Phase, headline_and_prompt, startup_headline_and_prompt
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.startup import Startup
@@ -31,7 +30,7 @@ from venus3d.engine.guidance.tracking import PoseTracker
 from venus3d.engine.guidance.views import CapturedView, CapturedViews
 from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.engine.planning.heuristic_poses import HeuristicState
-from venus3d.engine.planning.method import Cost, Method
+from venus3d.engine.planning.settings import Cost, Method
 from venus3d.engine.planning.target import Target
 
 

@@ -9,16 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate, determines_homography
+from venus3d.engine.calibration.adjustment import Calibration, calibrate, determines_homography
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import STARTUP_REASON
-from venus3d.engine.planning.method import Cost, Method
+from venus3d.engine.planning.settings import Cost, Method
 from venus3d.engine.planning.target import Target, unpredicted_target
 
 TILT_DEG = 45.0

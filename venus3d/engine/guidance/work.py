@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.adjustment import Calibration, calibrate, rms_distance
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.observation import Observation, View
-from venus3d.engine.calibration.result import Calibration, rms_distance
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera

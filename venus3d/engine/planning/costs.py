@@ -19,8 +19,8 @@ from venus3d.engine.calibration.projection_uncertainty import border_derivatives
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, rotations_of
-from venus3d.engine.planning.method import COSTS, Cost
 from venus3d.engine.planning.posterior import Posterior
+from venus3d.engine.planning.settings import COSTS, Cost
 
 CostFunction = Callable[[Array], Array]
 
@@ -31,7 +31,7 @@ class PoseCost:
 
     exact: CostFunction
     rough: CostFunction
-    """From two dozen points of the board instead of all corners (`quadrature`): good to a fraction
+    """From two dozen points of the board instead of all corners (`board_nodes`): good to a fraction
     of a per cent, in three quarters of the time for the default board's 40 corners, a third for
     130.
     """

@@ -8,15 +8,16 @@ good poses, which run along their common limits.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.costs import CostFunction, rough_of
-from venus3d.engine.planning.elites import Elites
 from venus3d.engine.planning.pose_space import Space, nothing_fits
-from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchStep, Stop
+from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchRun, Stop
 
 Numbers = NDArray[np.intp]
 _SAMPLES = 0.15  # share of the budget for the first samples of the whole space
@@ -55,99 +56,59 @@ def search_globally(
 
     Raises `VenusError` if no pose fits the limits.
     """
-    run = _Run(space, cost, stop, on_step)
-    parents, costs = run.samples(budget, rng)
+    run, rough = SearchRun(space, stop, on_step), rough_of(cost)
+    parents, costs = _samples(run, rough, budget, rng)
     # In a space of few poses most children are invalid, so the rounds are limited.
     for _ in range(10 + 4 * budget // _PART):
-        if run.elites.evaluated >= budget or run.stopped():
+        if run.evaluated >= budget or run.is_stopped():
             break
-        spent = run.elites.evaluated / budget
+        spent = run.evaluated / budget
         count = round(_PARENTS[0] + (_PARENTS[1] - _PARENTS[0]) * spent)
         order = np.argsort(costs, kind="stable")[:count]
         parents, costs = parents[order], costs[order]
-        children, of = _children(parents, min(_PART, budget - run.elites.evaluated), rng)
-        found, values, kept = run.look_at(children)
+        children, of = _children(parents, min(_PART, budget - run.evaluated), rng)
+        found, values, kept = _look_at(run, rough, children)
         _replace(parents, costs, found, values, of[kept])
-    return run.found()
+    result = run.found()
+    if rough is cost:
+        return result
+    costs = cost(result.elites)
+    order = np.argsort(costs, kind="stable")
+    elites, costs = result.elites[order], costs[order]
+    return replace(result, vector=elites[0], cost=float(costs[0]), elites=elites, elite_costs=costs)
 
 
-class _Run:
-    """A search in progress."""
+def _samples(
+    run: SearchRun, cost: CostFunction, budget: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Points (N, 6) of the unit cube spread over the space, and their costs (N,)."""
+    sequence, shift = qmc.Sobol(6, scramble=False), rng.random(6)
+    wanted = max(1, round(_SAMPLES * budget))
+    size = min(512, 2 ** int(np.ceil(np.log2(2 * wanted))))  # Sobol needs powers of two
+    points: list[Array] = []
+    costs: list[Array] = []
+    for _ in range(2**15 // size):
+        unit, values, _ = _look_at(run, cost, (np.asarray(sequence.random(size)) + shift) % 1.0)
+        points.append(unit)
+        costs.append(values)
+        if run.evaluated >= wanted or (run.evaluated and run.is_stopped()):
+            break
+    if not run.evaluated:
+        raise nothing_fits(run.space)
+    return np.concatenate(points), np.concatenate(costs)
 
-    def __init__(
-        self,
-        space: Space,
-        cost: CostFunction,
-        stop: Stop | None,
-        on_step: OnSearchStep | None,
-    ) -> None:
-        self.elites = Elites(space)
-        self._space, self._cost, self._rough = space, cost, rough_of(cost)
-        self._stop, self._on_step, self._stopped = stop, on_step, False
 
-    def stopped(self) -> bool:
-        self._stopped = self._stopped or (self._stop is not None and self._stop())
-        return self._stopped
-
-    def samples(self, budget: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        """Points (N, 6) of the unit cube spread over the space, and their costs (N,)."""
-        sequence, shift = qmc.Sobol(6, scramble=False), rng.random(6)
-        wanted = max(1, round(_SAMPLES * budget))
-        size = min(512, 2 ** int(np.ceil(np.log2(2 * wanted))))  # Sobol needs powers of two
-        points: list[Array] = []
-        costs: list[Array] = []
-        for _ in range(2**15 // size):
-            unit, values, _ = self.look_at((np.asarray(sequence.random(size)) + shift) % 1.0)
-            points.append(unit)
-            costs.append(values)
-            if self.elites.evaluated >= wanted or (self.elites.evaluated and self.stopped()):
-                break
-        if not self.elites.evaluated:
-            raise nothing_fits(self._space)
-        return np.concatenate(points), np.concatenate(costs)
-
-    def look_at(self, unit: Array) -> tuple[Array, Array, Numbers]:
-        """Points (N, 6) brought into the space: those (K, 6) for which it worked, their costs (K,)
-        and numbers (K,)."""
-        vectors, good = self._space.bring_inside(self._space.from_unit(unit))
-        kept = np.flatnonzero(good)
-        if not kept.size:
-            return unit[:0], np.zeros(0), kept
-        vectors = vectors[kept]
-        costs = self._rough(vectors)
-        self.elites.add(vectors, costs)
-        self._report(vectors, costs)
-        return self._space.to_unit(vectors), costs, kept
-
-    def _report(self, vectors: Array, costs: Array) -> None:
-        """Report a batch's best pose, as accepted if it is the best of all."""
-        if self._on_step is None:
-            return
-        i, elites = int(np.argmin(costs)), self.elites
-        cost = float(costs[i])
-        self._on_step(
-            SearchStep(
-                vectors[i],
-                cost,
-                cost <= elites.best_cost,
-                elites.best,
-                elites.best_cost,
-                elites.evaluated,
-                vectors,
-                costs,
-            )
-        )
-
-    def found(self) -> SearchResult:
-        found = self.elites.found(self._stopped)
-        if self._rough is self._cost:
-            return found
-        costs = self._cost(found.elites)
-        order = np.argsort(costs, kind="stable")
-        elites, costs = found.elites[order], costs[order]
-        return SearchResult(
-            elites[0], float(costs[0]), found.evaluated, self._stopped, elites, costs
-        )
+def _look_at(run: SearchRun, cost: CostFunction, unit: Array) -> tuple[Array, Array, Numbers]:
+    """Points (N, 6) brought into the space: those (K, 6) for which it worked, their costs (K,) and
+    numbers (K,)."""
+    vectors, good = run.space.bring_inside(run.space.from_unit(unit))
+    kept = np.flatnonzero(good)
+    if not kept.size:
+        return unit[:0], np.zeros(0), kept
+    vectors = vectors[kept]
+    costs = cost(vectors)
+    run.report(vectors, costs, run.add(vectors, costs), batch=True)
+    return run.space.to_unit(vectors), costs, kept
 
 
 def _children(parents: Array, count: int, rng: np.random.Generator) -> tuple[Array, Numbers]:

@@ -17,8 +17,8 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.costs import index_of_dispersion
-from venus3d.engine.planning.limit_projection import brought_within
 from venus3d.engine.planning.limits import Limits
+from venus3d.engine.planning.pose_space import brought_within
 
 ROLL_DEG = 22.5
 """pi/8 of eq. (10): keeps the board's rows from being parallel to the image's."""

@@ -1,4 +1,8 @@
-"""The space of allowed poses, and its map from the unit cube."""
+"""The space of allowed poses, its map from the unit cube, and the way back onto its limits.
+
+A search's best poses lie on the limits. `onto_limits` is for the thousands of poses of a search;
+`brought_within` changes a single one as little as possible and reports the change.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +15,19 @@ from numpy.typing import ArrayLike
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.pose import Array, Pose, rotations_of
-from venus3d.engine.planning.limit_projection import onto_limits
-from venus3d.engine.planning.limits import Limits, Mask
+from venus3d.engine.geometry.pose import Array, Pose, angles_of, rotations_of
+from venus3d.engine.geometry.visibility import Visibility, visibility_of
+from venus3d.engine.planning.limits import Limits, Mask, refusals
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.settings import PlanningSettings
 
 SKIPPED_DEG = 15.0
 SKIPPED_FRACTION = 0.1
 _TRIES = 50  # batches of 64 poses drawn for a random one within the limits
+# Aim a little inside: each correction is a Newton step and would otherwise approach forever.
+_TILT_DEG = 0.05
+_SHARE = 1e-3
+_PX = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,3 +122,139 @@ def nothing_fits(space: Space) -> VenusError:
         "No pose of this board fits the limits on a target; widen them (the distances "
         f"{space.limits.nearest:g} to {space.limits.farthest:g} m, the tilt, the smallest square)."
     )
+
+
+def onto_limits(
+    limits: Limits, camera: Camera, board: Board, vectors: Array, *, steps: int = 2
+) -> tuple[Array, Mask]:
+    """Pose vectors (N, 6) moved onto the limits they break, and which (N,) are now within.
+
+    Valid poses are unchanged. A step clips the angles, moves the board along its line of sight
+    until size, distances and depth ratio fit, moves it sideways into the image and reduces its
+    tilt. These interact a little: of the Gaussian neighbours of valid poses (0.1 of the unit cube),
+    41 % are valid at once, 61, 89 and 96 % after one, two and three steps.
+    """
+    moved = np.array(vectors, dtype=np.float64)
+    accepted = np.zeros(len(moved), dtype=bool)
+    left = np.arange(len(moved))
+    for step in range(steps + 1):
+        p = moved[left]
+        seen = visibility_of(camera, board, p)
+        good = limits.within(camera, p, seen)
+        accepted[left[good]] = True
+        bad = np.flatnonzero(~good)
+        left = left[bad]
+        if step == steps or not left.size:
+            break
+        moved[left] = _step(limits, camera, p[bad], seen.of(bad))
+    return moved, accepted
+
+
+def brought_within(
+    board: Board, camera: Camera, limits: Limits, vector: ArrayLike
+) -> tuple[Array, str]:
+    """The pose vector (6,) brought within the limits by the smallest change, and what changed.
+
+    Tries a smaller tilt (X and Y angles scaled together), another distance along the line of sight,
+    and a shift towards the image's centre. Ten degrees weigh as much as ten per cent of the
+    distance or a tenth of the way to the centre. If none helps, the vector is unchanged, with the
+    reason.
+    """
+    p = np.asarray(vector, dtype=np.float64).copy()
+    if limits.accepts(camera, board, p)[0]:
+        return p, ""
+    cause = refusals(limits, camera, board, p)[0].text
+    p[:3] = np.clip(p[:3], -limits.max_angle_deg, limits.max_angle_deg)
+    tilt, stretch, centring = (
+        axis.ravel()
+        for axis in np.meshgrid(
+            np.linspace(1, 0, 36), 1.05 ** np.arange(-18, 29), [0, 0.05, 0.1, 0.2, 0.3, 0.5, 1]
+        )
+    )
+    candidates = np.tile(p, (tilt.size, 1))
+    candidates[:, :2] *= tilt[:, None]
+    candidates[:, 3:] *= stretch[:, None]
+    candidates[:, 3:5] *= 1 - centring[:, None]
+    change = (1 - tilt) * np.abs(p[:2]).max() / 10 + np.abs(np.log(stretch)) / 0.1 + 10 * centring
+    order = np.argsort(change, kind="stable")
+    for block in np.array_split(order, 24):
+        good = limits.accepts(camera, board, candidates[block])
+        if good.any():
+            best = candidates[block[int(np.argmax(good))]]
+            return best, f"{cause} {_change_in_words(p, best)}".strip()
+    return p, cause
+
+
+def _change_in_words(before: Array, after: Array) -> str:
+    parts: list[str] = []
+    for name, old, new in zip("XY", before[:2], after[:2], strict=True):
+        if abs(new - old) > 0.05:
+            parts.append(f"turned about {name} by {new:.0f}° instead of {old:.0f}°")
+    if abs(after[5] / before[5] - 1) > 1e-6:
+        parts.append(f"held at {after[5] * 1000:.0f} mm instead of {before[5] * 1000:.0f} mm")
+    if np.linalg.norm(after[3:5] / after[5] - before[3:5] / before[5]) > 1e-6:
+        parts.append("moved towards the centre of the picture")
+    return f"It is {' and '.join(parts)}." if parts else ""
+
+
+def _step(limits: Limits, camera: Camera, p: Array, seen: Visibility) -> Array:
+    """One correction of vectors (N, 6)."""
+    with np.errstate(all="ignore"):
+        factor = _distance_factor(limits, camera, seen)
+        t = p[:, 3:].T * factor
+        t[:2] += _sideways(limits, camera, seen, t, factor)
+        p[:, 3:] = t.T
+        _cut_tilt(limits, p, seen.R.transpose(2, 0, 1))
+    p[:, :3] = np.clip(p[:, :3], -limits.max_angle_deg, limits.max_angle_deg)
+    return p
+
+
+def _distance_factor(limits: Limits, camera: Camera, seen: Visibility) -> Array:
+    """(N,) factors on the distance; nearer limits take precedence over farther ones."""
+    low, high = limits.frame(camera)
+    extent = (seen.high - seen.low) / (high - low)[:, None]
+    # far - near hardly depends on the distance, so the ratio requires a nearest distance.
+    nearest = np.maximum(limits.nearest, (seen.far - seen.near) / (limits.max_depth_ratio - 1))
+    grow = np.maximum(extent.max(axis=0), nearest / seen.near)
+    shrink = np.minimum(seen.side / limits.min_square_px, limits.farthest / seen.far)
+    closer = np.where(shrink < 1, shrink * (1 - _SHARE), 1.0)
+    factor = np.where(grow > 1, grow * (1 + _SHARE), closer)
+    # Beyond the model's radius pixels are meaningless: move away from the lens, within reason.
+    return np.where(seen.seen, np.clip(factor, 0.5, 2.0), 1.3)
+
+
+def _sideways(limits: Limits, camera: Camera, seen: Visibility, t: Array, factor: Array) -> Array:
+    """(2, N) metres that bring points outside the frame back into it, at the new distance.
+    At depth Z a pixel is Z / f metres; a factor on the distance scales about the centre's pixel."""
+    low, high = (bound[:, None, None] for bound in limits.frame(camera))
+    f, c = np.array([[camera.fx], [camera.fy]]), np.array([[camera.cx], [camera.cy]])
+    centre = (f * t[:2] / t[2] + c)[:, None]
+    pixels = centre + (seen.pixels - centre) / factor
+    depth = seen.depth * factor
+    below = np.max(np.maximum(low + _PX - pixels, 0) * depth, axis=1)
+    above = np.max(np.maximum(pixels - (high - _PX), 0) * depth, axis=1)
+    # Move a board that is not seen whole towards the optical axis.
+    return np.where(seen.seen, (below - above) / f, -0.3 * t[:2])
+
+
+def _cut_tilt(limits: Limits, p: Array, R: Array) -> None:
+    """Cut the tilt of vectors (N, 6) with rotations (N, 3, 3) to the limit, by the smallest turn.
+
+    In place. In the plane of the normal n and the line of sight l (both unit), the new normal is
+    `cos(a) l + sin(a) m`, a the limit and m the part of n perpendicular to l. The smallest turn
+    from n to n' is `1 + S + S^2 / (1 + n.n')`, S = n' n^T - n n'^T.
+    """
+    n, t = R[:, :, 2], p[:, 3:]
+    line = t / np.sqrt(np.einsum("ni,ni->n", t, t))[:, None]
+    cosine = np.einsum("ni,ni->n", n, line)
+    tilted = np.flatnonzero(cosine < np.cos(np.radians(limits.max_tilt_deg)))
+    if not tilted.size:
+        return
+    R, n, line = R[tilted], n[tilted], line[tilted]
+    across = n - cosine[tilted, None] * line
+    across /= np.maximum(np.sqrt(np.einsum("ni,ni->n", across, across)), 1e-9)[:, None]
+    allowed = np.radians(limits.max_tilt_deg - _TILT_DEG)
+    wanted = np.cos(allowed) * line + np.sin(allowed) * across
+    skew = wanted[:, :, None] * n[:, None] - n[:, :, None] * wanted[:, None]
+    turn = skew + skew @ skew / (1 + np.einsum("ni,ni->n", n, wanted))[:, None, None]
+    p[tilted, :3] = angles_of(R + turn @ R)

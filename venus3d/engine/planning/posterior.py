@@ -5,11 +5,12 @@ view."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.corner_noise import RENDERED, NoiseModel
 from venus3d.engine.calibration.information import (
     covariance_of,
@@ -19,15 +20,15 @@ from venus3d.engine.calibration.information import (
 )
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Array, Pose, rotations_of
-from venus3d.engine.geometry.quadrature import board_nodes
 
 LEAST_SIGMA_PX = 0.01
 """Lower bound of the corner noise, so that predictions stay finite if residuals vanish."""
 _CHUNK = 512  # poses at a time: their Jacobians should fit into the processor's cache
+NODES = (6, 4)
+"""Number of nodes along the longer and the shorter side of the board."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +90,7 @@ class Posterior:
         """(N, 9, 9) covariances after one more view of the whole board under pose vectors (N, 6).
 
         A noise model weighs the view by the noise and the corners found. `rough` takes two dozen
-        points of the board instead of all corners (`quadrature`): good to a fraction of a per cent.
+        points of the board instead of all corners (`board_nodes`): good to a fraction of a per cent.
 
         The normal matrix of pose and intrinsics, with the information on the latter added, is `L
         L^T`. As the pose comes first, the lower right block of L is the root of the marginal
@@ -142,3 +143,37 @@ def _settled(information: Array, prior: Array, sigma_px: float) -> bool:
             return False
     # A negative or zero variance: the information is singular but for rounding.
     return bool((variance > 0).all() and (variance < sigma_px**2 / np.diag(prior)).all())
+
+
+@lru_cache(maxsize=8)
+def board_nodes(board: Board) -> tuple[Array, Array]:
+    """(K, 3) nodes on the board, metres, and (K,) weights that add up to the number of corners.
+
+    A view's information is a sum over the corners of functions that are smooth over the board.
+    Along each direction the corners are equally spaced, and such sums have Gauss rules as integrals
+    do: n weighted nodes give the sum of any polynomial of degree 2n - 1 exactly (Golub and Welsch
+    1969).
+
+    On the default board 24 nodes replace 40 corners: over 1000 poses the projection variance is
+    0.05 % off (rms; 0.6 % at worst) with one view known, 0.01 % with three, less with more.
+    """
+    across, down = board.columns - 1, board.rows - 1
+    long, short = NODES
+    x, wx = _gauss(across, long if across >= down else short)
+    y, wy = _gauss(down, short if across >= down else long)
+    nodes = np.zeros((len(x) * len(y), 3))
+    nodes[:, 0], nodes[:, 1] = np.tile(x, len(y)), np.repeat(y, len(x))
+    return nodes * board.square, np.asarray(np.outer(wy, wx).ravel(), dtype=np.float64)
+
+
+def _gauss(count: int, nodes: int) -> tuple[Array, Array]:
+    """Nodes and weights for a sum over `count` points with unit spacing, centred at 0.
+
+    The nodes are the eigenvalues of the Jacobi matrix of the points' orthogonal polynomials (Gram's
+    discrete Chebyshev polynomials); the weights come from its eigenvectors' first components.
+    """
+    nodes = min(nodes, count)
+    k = np.arange(1, nodes)
+    beside = np.sqrt(k**2 * (count**2 - k**2) / (4 * (4 * k**2 - 1)))
+    values, vectors = np.linalg.eigh(np.diag(beside, 1) + np.diag(beside, -1))
+    return np.asarray(values), np.asarray(count * vectors[0] ** 2, dtype=np.float64)

@@ -5,23 +5,30 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Literal, get_args
 
 from venus3d.engine.calibration.corner_noise import RENDERED, NoiseModel
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.method import (
-    COSTS,
-    DEFAULT_COST,
-    DEFAULT_STRATEGY,
-    METHODS,
-    STRATEGIES,
-    Cost,
-    Method,
-    Start,
-    Strategy,
-)
+
+Method = Literal["random", "pose-selection", "venus", "global"]
+METHODS: tuple[Method, ...] = get_args(Method)
+Cost = Literal["projection-variance", "max-ere", "trace", "log-det", "sum-iod", "max-iod", "rms"]
+COSTS: tuple[Cost, ...] = get_args(Cost)
+Strategy = Literal["annealing", "global", "dual-annealing", "differential-evolution"]
+STRATEGIES: tuple[Strategy, ...] = get_args(Strategy)
+Start = Literal["generated", "random"]
+DEFAULT_COST: dict[Method, Cost] = {
+    "random": "projection-variance",
+    "pose-selection": "projection-variance",
+    "venus": "sum-iod",
+    "global": "projection-variance",
+}
+""""random" and "pose-selection" search nothing: theirs names the figure shown."""
+DEFAULT_STRATEGY: dict[Method, Strategy] = {"venus": "annealing", "global": "global"}
+"""A method's default search."""
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.planning.alternatives import nearly_equal
 from venus3d.engine.planning.costs import CostFunction, make_cost, with_surcharge
 from venus3d.engine.planning.heuristic_poses import (
     HeuristicPose,
@@ -28,17 +27,23 @@ from venus3d.engine.planning.heuristic_poses import (
     rojtberg_pose,
     weakest_parameter,
 )
-from venus3d.engine.planning.method import Method
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
-from venus3d.engine.planning.reasons import held_in_words, reason_for, served
-from venus3d.engine.planning.search import OnSearchStep, SearchResult, Stop, search
-from venus3d.engine.planning.settings import PlanningSettings
-from venus3d.engine.planning.target import Target
+from venus3d.engine.planning.search import search
+from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, Stop
+from venus3d.engine.planning.settings import Method, PlanningSettings
+from venus3d.engine.planning.target import Target, held_in_words, reason_for, served
 
 EFFORT = 0.02
 """Surcharge of a pose with all three angles at their ends over an upright one: poses within two per
 cent are equal for the camera, but not for the person's wrists."""
+AT_MOST = 3
+"""Number of alternatives besides the best pose."""
+DIFFERENT_DEG = 20.0
+DIFFERENT_FRACTION = 0.2
+NEARLY = 0.15
+"""How much worse an alternative may be, as a share of the best pose's gain plus the uncertainty it
+leaves; the latter for the first views, whose gains are large."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,3 +256,35 @@ def _generated(
             break
         state = made.state
     return made
+
+
+def clearly_different(one: Pose, other: Pose) -> bool:
+    """Whether two poses are obviously different to a person.
+    By 20 degrees of turn, or by a fifth of the nearer one's distance in any direction."""
+    nearer = min(float(np.linalg.norm(pose.t)) for pose in (one, other))
+    apart = one.distance_to(other) >= DIFFERENT_FRACTION * nearer
+    return apart or one.angle_to_deg(other) >= DIFFERENT_DEG
+
+
+def nearly_equal(posterior: Posterior, best: Array, elites: Array) -> list[Array]:
+    """The elites (K, 6) to offer besides the pose vector `best` (6,), best first (at most 3).
+
+    Ranked by the projection uncertainty they leave, which is what the page shows, whatever the cost
+    of the search. All are clearly different from `best` and from each other.
+    """
+    if not len(elites):
+        return []
+    uncertainties = np.array(
+        [projection_uncertainty_px(posterior.camera, C) for C in posterior.after(elites)]
+    )
+    least = projection_uncertainty_px(posterior.camera, posterior.after(best)[0])
+    allowed = least + NEARLY * min(max(posterior.uncertainty_px - least, 0.0), least)
+    chosen, poses = list[Array](), [Pose.from_vector(best)]
+    for i in np.argsort(uncertainties, kind="stable"):
+        if uncertainties[i] > allowed or len(chosen) == AT_MOST:
+            break
+        pose = Pose.from_vector(elites[i])
+        if all(clearly_different(pose, other) for other in poses):
+            chosen.append(elites[i])
+            poses.append(pose)
+    return chosen

@@ -19,13 +19,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.information import covariance_of, view_information
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import (
     projection_uncertainty_px,
     uncertainty_map,
 )
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.posterior import Posterior

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import viser
 
-from venus3d.engine.guidance.phase import Phase
+from venus3d.engine.guidance.prompts import Phase
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import (
     Capture,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.planning.method import Cost, Method
+from venus3d.engine.planning.settings import Cost, Method
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import viser
 
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.planning.method import DEFAULT_COST, Cost, Method
+from venus3d.engine.planning.settings import DEFAULT_COST, Cost, Method
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import ChangeMethod, Intent
 from venus3d.scene.web.buttons import ChoiceList

@@ -9,8 +9,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, arg
 
 from venus3d.engine.errors import VenusError
-from venus3d.engine.planning.method import Cost, Method, Strategy
-from venus3d.engine.planning.settings import PlanningSettings
+from venus3d.engine.planning.settings import Cost, Method, PlanningSettings, Strategy
 from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
 from venus3d.scene.web.monitor import audience_address
 

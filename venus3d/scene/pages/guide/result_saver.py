@@ -6,7 +6,7 @@ import logging
 import threading
 from collections.abc import Callable
 
-from venus3d.engine.calibration.result import Calibration
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import VenusError
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts

@@ -1,7 +1,7 @@
 """Texts of the guided calibration's page."""
 
 from venus3d.engine.calibration.diagnosis import DiagnosisKind
-from venus3d.engine.planning.method import Cost, Method
+from venus3d.engine.planning.settings import Cost, Method
 
 # -- what to do now --------------------------------------------------------------------------------
 

@@ -15,8 +15,7 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.pose_snapshot import pose_snapshot
-from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
 from venus3d.engine.planning.target import Target
 from venus3d.render.annotated_picture import (
     PICTURE_WIDTH,

@@ -13,8 +13,7 @@ from venus3d.engine.geometry.decomposition import Steps, decompose_vector, home_
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.geometry.rotation_orders import TurnSequence, is_near_gimbal_lock, turns
 from venus3d.engine.planning.focal_uncertainty import focal_sigma, focal_words
-from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.refusals import Refusal, refusals
+from venus3d.engine.planning.limits import Limits, Refusal, refusals
 from venus3d.lessons.lesson import Arrangement
 from venus3d.scene.pages.teach.state import Vector
 

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import viser
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.observation import View
-from venus3d.engine.calibration.result import Calibration
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.planning.reasons import held_in_words
+from venus3d.engine.planning.target import held_in_words
 from venus3d.engine.planning.uncertainty import Influence
 from venus3d.render.amounts import signed
 from venus3d.scene.pages.guide.uncertainty import texts
