@@ -90,7 +90,8 @@ class Posterior:
         """(N, 9, 9) covariances after one more view of the whole board under pose vectors (N, 6).
 
         A noise model weighs the view by the noise and the corners found. `rough` takes two dozen
-        points of the board instead of all corners (`board_nodes`): good to a fraction of a per cent.
+        points of the board instead of all corners (`board_nodes`): good to a fraction of a per
+        cent.
 
         The normal matrix of pose and intrinsics, with the information on the latter added, is `L
         L^T`. As the pose comes first, the lower right block of L is the root of the marginal
