@@ -25,6 +25,7 @@ from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search import search
+from venus3d.engine.planning.settings import Method
 from venus3d.study.runner import Row, run_trials
 from venus3d.study.simulated import (
     NOISE_PX,
