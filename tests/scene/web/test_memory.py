@@ -22,6 +22,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import HOLD_STILL
+from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target
 from venus3d.render.describe import SceneOptions, describe
@@ -53,6 +54,7 @@ def moments(
             targets.append(
                 Target(number, pose, steps, "global", "trace", (), "", nothing, np.nan, 1, 0.0)
             )
+        target = targets[number % _TARGETS]
         yield Snapshot(
             number,
             "guiding",
@@ -60,8 +62,9 @@ def moments(
             camera,
             Observation.nothing(camera.image_size),
             pose,
-            targets[number % _TARGETS],
+            target,
             None,
+            remaining_steps("guiding", target, None),
             None,
             None,
             (),

@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Axis
-from venus3d.engine.guidance.matching import Match
 from venus3d.engine.sentences import listed
 
 Phase = Literal["startup", "guiding", "captured", "converged", "finished"]
@@ -37,6 +36,10 @@ PARAMETER_DESCRIPTIONS = (
 where the optical axis meets the image."""
 
 
+Wording = Literal["holder", "camera"]
+"""Whose left and right are meant: the holder's, or those of the camera's image."""
+
+
 @dataclass(frozen=True)
 class Prompt:
     """One instruction in two wordings."""
@@ -45,6 +48,10 @@ class Prompt:
     """As seen in the camera's image."""
     holder: str
     """As seen by the person who holds the board and faces the camera."""
+
+    def text(self, wording: Wording) -> str:
+        """The sentence in this wording."""
+        return self.holder if wording == "holder" else self.camera
 
 
 def step_prompt(step: Step) -> Prompt:
@@ -97,7 +104,9 @@ def _both(text: str) -> Prompt:
     return Prompt(text, text)
 
 
-STEP_RIGHT = _both("This step is right; leave it.")
+STEP_DONE = _both("This step is done; leave it.")
+STEP_HEADLINE = "Step {number} of 4"
+HOLD_HEADLINE = "Hold still"
 HOLD_STILL = _both("Hold the board still.")
 NOT_SEEN = _both("The board is not seen: bring it back into the picture.")
 _NO_TARGET = _both(
@@ -125,12 +134,12 @@ _AFTER_CAPTURE: dict[Phase, tuple[str, Prompt]] = {
 
 
 def headline_and_prompt(
-    phase: Phase, match: Match | None, seen: bool, by_user: bool = True
+    phase: Phase, current: tuple[str, Prompt] | None, seen: bool, by_user: bool = True
 ) -> tuple[str, Prompt]:
     """Two or three words for the state, and the one instruction to follow now.
 
     Args:
-        match: None without a board or without a target.
+        current: `RemainingSteps.current`; None without a target.
         seen: whether the board is seen.
         by_user: whether the user ended the session.
     """
@@ -140,11 +149,7 @@ def headline_and_prompt(
         return _AFTER_CAPTURE[phase]
     if not seen:
         return "Board not seen", NOT_SEEN
-    if match is None:
-        return "No target", _NO_TARGET
-    if match.reached or all(match.within):
-        return "Hold still", HOLD_STILL
-    return f"Step {match.active_step} of 4", step_prompt(match.steps[match.active_step - 1])
+    return ("No target", _NO_TARGET) if current is None else current
 
 
 def startup_headline_and_prompt(seen: int, corners: int) -> tuple[str, Prompt]:

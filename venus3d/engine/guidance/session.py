@@ -23,6 +23,7 @@ from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
 from venus3d.engine.guidance.prompts import Phase, headline_and_prompt, startup_headline_and_prompt
+from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.startup import Startup
@@ -239,8 +240,9 @@ class Session:
     def snapshot(self) -> Snapshot:
         """The current state as frozen values."""
         tracker, known = self._tracker, self._outcome
+        remaining = remaining_steps(self._phase, self._target, tracker.match)
         headline, instruction = headline_and_prompt(
-            self._phase, tracker.match, tracker.pose is not None, self._ending
+            self._phase, remaining and remaining.current, tracker.pose is not None, self._ending
         )
         if self._phase == "startup" and not self._startup.determined and self._target is None:
             headline, instruction = startup_headline_and_prompt(
@@ -255,6 +257,7 @@ class Session:
             pose=tracker.pose,
             target=self._target,
             match=tracker.match,
+            remaining=remaining,
             calibration=self._calibration,
             convergence=self._convergence,
             history=self._history,

@@ -23,6 +23,7 @@ from venus3d.engine.guidance.prompts import (
     Prompt,
     headline_and_prompt,
 )
+from venus3d.engine.guidance.remaining import RemainingSteps, remaining_steps
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.engine.planning.search_trace import SearchTrace
 from venus3d.engine.planning.settings import Cost, Method
@@ -45,6 +46,9 @@ class Snapshot:
     """The board's current estimated pose; None while it is not seen."""
     target: Target | None
     match: Match | None
+    remaining: RemainingSteps | None
+    """What is to be done: the steps from the board as it is held now to the target. None without a
+    target, and in a phase in which nothing is to be done."""
     calibration: Calibration | None
     convergence: Convergence | None
     history: tuple[Progress, ...]
@@ -105,7 +109,10 @@ def pose_snapshot(
             before=None if before is None else before.observation,
             previous=before.match if before is not None and same else None,
         )
-    headline, instruction = headline_and_prompt("guiding", compared, pose is not None)
+    remaining = remaining_steps("guiding", aim, compared)
+    headline, instruction = headline_and_prompt(
+        "guiding", remaining and remaining.current, pose is not None
+    )
     if pose is not None and aim is None:
         headline, instruction = ONLY_SHOWN
     return Snapshot(
@@ -117,6 +124,7 @@ def pose_snapshot(
         pose=pose,
         target=aim,
         match=compared,
+        remaining=remaining,
         calibration=None,
         convergence=None,
         history=(),

@@ -7,7 +7,7 @@ from html import escape
 
 from venus3d.engine.geometry.decomposition import Steps
 from venus3d.engine.guidance.matching import Match
-from venus3d.engine.guidance.prompts import HOLD_STILL, STEP_RIGHT, step_prompt
+from venus3d.engine.guidance.prompts import HOLD_STILL, STEP_DONE, step_prompt
 from venus3d.render.amounts import degrees
 from venus3d.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web import step_texts as say
@@ -61,7 +61,7 @@ def step_card(match: Match, number: int, theme: Theme, note: str, foot: str = ""
     """One of the four steps. Without a `foot`, it gives the camera's view of the step if the
     holder's words differ."""
     done = match.within[number - 1]
-    words = STEP_RIGHT if done else step_prompt(match.steps[number - 1])
+    words = STEP_DONE if done else step_prompt(match.steps[number - 1])
     if not foot and words.camera != words.holder:
         seen = escape(say.IN_THE_PICTURE.format(words=words.camera))
         foot = f"<div class='v-picture'>{seen}</div>"
@@ -95,7 +95,7 @@ def step_chips(match: Match | None, steps: Steps | None, shown: int, theme: Them
         number, mark = style.number, " v-on" if style.number == shown else ""
         if match is not None:
             done = match.within[number - 1]
-            fact = say.RIGHT if done else remaining_text(match, number)
+            fact = say.DONE if done else remaining_text(match, number)
             mark += " v-done" if done else ""
         else:
             fact = _whole_text(steps, number)

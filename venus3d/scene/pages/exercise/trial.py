@@ -14,6 +14,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import headline_and_prompt
+from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.tracking import PoseTracker
@@ -138,7 +139,10 @@ class Trial(Exercise[TrialViewModel]):
         """What a guided calibration would report for the same frame."""
         seen = self._tracker
         phase = "finished" if self.stage == "over" else "guiding"
-        headline, instruction = headline_and_prompt(phase, seen.match, seen.pose is not None)
+        remaining = remaining_steps(phase, self._target, seen.match)
+        headline, instruction = headline_and_prompt(
+            phase, remaining and remaining.current, seen.pose is not None
+        )
         return Snapshot(
             number=self._number,
             phase=phase,
@@ -148,6 +152,7 @@ class Trial(Exercise[TrialViewModel]):
             pose=seen.pose,
             target=self._target,
             match=seen.match,
+            remaining=remaining,
             calibration=None,
             convergence=None,
             history=(),
