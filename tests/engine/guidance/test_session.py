@@ -236,6 +236,74 @@ def test_finishing_keeps_the_view_that_is_still_being_worked_on(rig: Rig) -> Non
     assert not rig.session.undo_view() and not rig.session.capture()
 
 
+@pytest.mark.parametrize("views", [1, 3])
+def test_a_view_taken_back_is_not_taken_again_before_the_board_has_left(
+    rig: Rig, views: int
+) -> None:
+    """The board stands still where the view was taken, and the new target is there as well: it
+    used to be captured again three frames later."""
+
+    def still(frames: int) -> Snapshot:
+        for _ in range(frames):
+            snapshot = rig.session.observe(rig.look())
+        return snapshot
+
+    while rig.session.pending is None or len(rig.session.pending.numbers) < views:
+        if rig.session.pending is not None:
+            rig.session.run_pending()
+        rig.follow(rig.session.observe(rig.look()))
+    taken_at = rig.pose
+    assert rig.session.undo_view()
+    rig.session.run_pending()
+    stays = still(12)
+    assert stays.match is not None and stays.match.reached, "the case is set up"
+    assert stays.taken_back and rig.session.pending is None
+    rig.pose = taken_at.moved([0, 0, 0.12])
+    assert not still(2).taken_back
+    rig.follow(rig.session.snapshot())
+    still(5)
+    assert rig.session.pending is not None and len(rig.session.pending.numbers) == views
+
+
+def test_the_key_captures_where_a_view_was_taken_back(rig: Rig) -> None:
+    rig.until_views(2)
+    assert rig.session.undo_view() and rig.session.snapshot().taken_back
+    rig.session.run_pending()
+    rig.session.observe(rig.look())
+    assert rig.session.capture() and not rig.session.snapshot().taken_back
+
+
+def test_an_end_is_taken_back_with_all_views(rig: Rig) -> None:
+    assert not rig.session.resume(), "nothing has ended"
+    rig.until_views(4)
+    rig.session.finish()
+    ended = rig.session.snapshot()
+    assert ended.phase == "finished" and ended.target is None
+    assert rig.session.resume() and not rig.session.resume()
+    on = rig.session.run_pending()
+    assert on.phase == "guiding" and on.target is not None
+    assert [view.number for view in on.views] == [1, 2, 3, 4]
+    assert [progress.views for progress in on.history] == [1, 2, 3, 4]
+    assert rig.until_views(20).phase == "converged", "the end that comes by itself still comes"
+    assert rig.session.resume() and rig.session.run_pending().phase == "guiding"
+
+
+def test_enough_views_can_become_more(paper_camera: Camera, default_board: Board) -> None:
+    rig = Rig(paper_camera, default_board, Settings(max_views=3))
+    assert rig.until_views(4).phase == "finished"
+    assert rig.session.resume() and rig.session.run_pending().phase == "guiding"
+    assert len(rig.until_views(4).views) == 4
+
+
+def test_a_new_calibration_begins_without_views(rig: Rig) -> None:
+    rig.until_views(3)
+    rig.session.finish()
+    rig.session.restart()
+    anew = rig.session.snapshot()
+    assert (anew.phase, anew.views, anew.history, anew.run) == ("startup", (), (), 2)
+    assert rig.until_views(2).views[-1].number == 2
+
+
 def test_dropping_a_bad_view_forgets_what_was_judged_with_it(rig: Rig) -> None:
     rig.until_views(5)
     assert rig.session.drop_view(2) and rig.session.pending is not None

@@ -30,6 +30,8 @@ _ODDS = {
     "fail": 0.5,
     "board": 0.5,
     "finish": 0.3,
+    "resume": 0.3,
+    "restart": 0.1,
 }
 
 
@@ -67,6 +69,9 @@ class User:
         elif action == "finish":
             session.finish()
             self.ended = True
+        elif action in ("resume", "restart"):
+            (session.resume if action == "resume" else session.restart)()
+            self.ended = False
         elif action == "capture":
             session.capture()
         elif action == "skip":

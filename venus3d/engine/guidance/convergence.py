@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.geometry.pose import Array
 
 Rule = Literal["repaired", "printed"]
@@ -32,6 +33,11 @@ class Convergence:
     def converged(self) -> bool:
         """Whether all parameters have converged."""
         return all(self.parameters)
+
+    @property
+    def unsettled(self) -> tuple[str, ...]:
+        """Names of the parameters that have not converged."""
+        return tuple(n for n, done in zip(PARAMETERS, self.parameters, strict=True) if not done)
 
 
 @dataclass(frozen=True, eq=False)

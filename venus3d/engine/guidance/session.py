@@ -1,7 +1,8 @@
 """Decides when a view is captured and what follows, as a state machine: `observe -> Snapshot`.
 
     startup --capture--> captured --outcome--> guiding --capture--> captured ... --> converged
-                                                                             `-----> finished
+                                                  ^                          `-----> finished
+                                                  `--resume-----------------------------'
 
 Live and replayed sessions run the same code. Slow work (calibrating, searching) is handed out as
 a frozen `Work` in `pending`. `run_pending` does it in place; to keep observing meanwhile, run it on
@@ -14,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
@@ -27,7 +29,7 @@ from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.startup import Startup
-from venus3d.engine.guidance.tracking import PoseTracker
+from venus3d.engine.guidance.tracking import PoseTracker, is_near
 from venus3d.engine.guidance.views import CapturedView, CapturedViews
 from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.engine.planning.heuristic_poses import HeuristicState
@@ -47,6 +49,8 @@ class Session:
         self._ending = False
         self._image_size = image_size
         self._board_diagnoses: tuple[Diagnosis, ...] = ()
+        self._taken_back: Observation | None = None
+        self._run = 1
         self._restart(board)
 
     def _restart(self, board: Board, captured: CapturedViews | None = None) -> None:
@@ -88,7 +92,9 @@ class Session:
             )
         self._tracker.observe(observation, self.camera, self._target)
         self._number += 1
-        if self.settings.auto_capture and self._phase in ("startup", "guiding"):
+        self._watch_taken_back()
+        may_capture = self.settings.auto_capture and self._taken_back is None
+        if may_capture and self._phase in ("startup", "guiding"):
             ready = self._phase == "guiding" or self._startup.determined
             if (
                 ready and self._tracker.held_frames >= self.settings.hold_frames
@@ -106,6 +112,7 @@ class Session:
         over = self._phase == "finished" or self._ending
         if tracker.pose is None or over or self._captured.has(tracker.observation):
             return False
+        self._taken_back = None
         at_target = tracker.is_at_target and self._phase == "guiding"
         self._captured.add(tracker.observation, self._target if at_target else None)
         self._keep_going = self._keep_going or self._phase == "converged"
@@ -151,9 +158,13 @@ class Session:
             self._recalibrate()
 
     def undo_view(self) -> bool:
-        """Discard the last captured view. False if there is none."""
-        views = self._captured.views
-        return bool(views) and self.drop_view(views[-1].number)
+        """Discard the last captured view. False if there is none, or the user ended it.
+        Its pose is captured by itself only after the board has left it."""
+        last = self._captured.views[-1] if self._captured.views else None
+        if last is None or not self.drop_view(last.number):
+            return False
+        self._taken_back = last.observation
+        return True
 
     def drop_view(self, number: int) -> bool:
         """Discard the view with this number. False if there is none, or the user ended it."""
@@ -173,6 +184,25 @@ class Session:
         if self.pending is None:
             self._phase = "finished"
             self._diagnose()
+
+    def resume(self) -> bool:
+        """Go on after the end, with all views. False if it has not ended.
+        After convergence, poses are asked for until the user ends it."""
+        if not (self._ending or self._phase in ("converged", "finished")):
+            return False
+        judged, views = self._convergence, len(self._captured.views)
+        self._ending = False
+        self._keep_going = self._keep_going or (judged is not None and judged.converged)
+        if views >= self.settings.max_views:
+            self.settings = replace(self.settings, max_views=views + self.settings.max_views)
+        self._go_on()
+        return True
+
+    def restart(self) -> None:
+        """Begin anew with the same camera and board, without any view."""
+        self._ending, self._taken_back = False, None
+        self._run += 1
+        self._restart(self.board)
 
     def apply(self, outcome: Outcome) -> Snapshot:
         """Apply the result of `pending`; the result of outdated work is ignored."""
@@ -270,6 +300,8 @@ class Session:
             cost=self.settings.search_cost,
             uncertainty=known and known.uncertainty,
             search_trace=known and known.search_trace,
+            taken_back=self._taken_back is not None,
+            run=self._run,
         )
 
     # -- within ------------------------------------------------------------------------------------
@@ -278,6 +310,16 @@ class Session:
         """Adopt a board with another layout; only before the first view."""
         if not (self._captured.views or self._ending) and board != self.board:
             self._restart(board)
+
+    def _watch_taken_back(self) -> None:
+        """Forget the view taken back once the board has left its pose."""
+        if self._taken_back is None or self._tracker.pose is None:
+            return
+        there = estimate_pose(self.camera, self.board, self._taken_back)
+        if there is None or not is_near(
+            self.camera, self.board, self._tracker.pose, there, self.settings
+        ):
+            self._taken_back = None
 
     def _is_useful(self) -> bool:
         """Whether the view lowers the uncertainty by `useful_drop`, at the target or not."""

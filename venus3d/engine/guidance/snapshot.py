@@ -69,6 +69,10 @@ class Snapshot:
     """Of the current calibration; None while not all nine parameters are estimated."""
     search_trace: SearchTrace | None = None
     """The search of the current target; None if there was none."""
+    taken_back: bool = False
+    """Whether the board is still where the last view was taken back: no capture by itself."""
+    run: int = 1
+    """Counts the calibrations of this session: each begins without views."""
 
     @property
     def views(self) -> tuple[View, ...]:

@@ -13,6 +13,14 @@ from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.target import Target
 
 
+def is_near(camera: Camera, board: Board, pose: Pose, other: Pose, settings: Settings) -> bool:
+    """Whether two poses count as the same, by the tolerances of the steps or by the silhouettes."""
+    compared = match(camera, board, pose, other, tolerance=settings.tolerance)
+    alike = compared.overlap > settings.overlap_needed
+    turn_deg = pose.angle_to_deg(other)
+    return all(compared.within) or (alike and turn_deg <= settings.tolerance.reached_deg)
+
+
 class PoseTracker:
     """One board's pose in each frame and its match with the target. Used by one thread."""
 
