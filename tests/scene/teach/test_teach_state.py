@@ -17,7 +17,7 @@ from venus3d.render.palette import ground
 from venus3d.render.shapes import LabelShape, MeshShape
 from venus3d.scene.pages.teach.actions import LookFrom, after_action
 from venus3d.scene.pages.teach.camera_pictures import TeachPictures
-from venus3d.scene.pages.teach.comparison_words import comparison_words
+from venus3d.scene.pages.teach.comparison import comparison_words
 from venus3d.scene.pages.teach.controls import HOTKEYS
 from venus3d.scene.pages.teach.scene_shapes import board_pose_at, camera_shapes_at, scene_shapes
 from venus3d.scene.pages.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,12 +11,6 @@ import viser
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import Lesson
-from venus3d.render.map_pictures import (
-    distortion_magnification,
-    distortion_picture,
-    largest_shift_px,
-)
-from venus3d.render.projections import Picture
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import Answer
 from venus3d.scene.pages.teach.controls import PAGE_ROW, Act, StateButtons
@@ -25,7 +18,7 @@ from venus3d.scene.pages.teach.lesson_html import (
     acceptance_html,
     comparison_html,
     focal_uncertainty_html,
-    lens_legend_html,
+    lens_picture,
     lesson_html,
     question_html,
 )
@@ -37,7 +30,6 @@ from venus3d.scene.web.theme import Theme
 
 _ANSWERS = 5
 _FREE = -1  # in the list of lessons
-_LENS_WIDTH = 640
 
 
 class LessonPanel:
@@ -129,7 +121,7 @@ class LessonPanel:
     def _show_lens(self, camera: Camera, dark: bool, shown: bool) -> None:
         self._lens.visible = self._lens_legend.visible = shown
         if shown and self._changed("lens", (camera, dark)):
-            self._lens.image, legend = _lens_picture(camera, dark)
+            self._lens.image, legend = lens_picture(camera, dark)
             self._lens_legend.content = legend
 
     def _put(self, handle: Any, content: str) -> None:
@@ -142,13 +134,6 @@ class LessonPanel:
             return False
         self._shown[name] = value
         return True
-
-
-@lru_cache(maxsize=2)
-def _lens_picture(camera: Camera, dark: bool) -> tuple[Picture, str]:
-    size = (_LENS_WIDTH, round(_LENS_WIDTH * camera.height / camera.width))
-    legend = lens_legend_html(distortion_magnification(camera), largest_shift_px(camera))
-    return distortion_picture(camera, size, dark), legend
 
 
 def _vector(values: Array) -> Vector:

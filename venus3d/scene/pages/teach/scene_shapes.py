@@ -10,8 +10,7 @@ import numpy as np
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
-from venus3d.engine.geometry.pose import Array, Axes, Pose
-from venus3d.engine.geometry.rotation_orders import TurnSequence
+from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.lessons.lesson import Arrangement
 from venus3d.render.amounts import degrees
 from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
@@ -23,11 +22,7 @@ from venus3d.render.step_shapes import instruction_shapes, pose_during
 from venus3d.render.strip import bounds_of, strip_shapes
 from venus3d.render.viewpoints import SceneCamera, view_abreast, view_from
 from venus3d.scene.pages.teach import texts
-from venus3d.scene.pages.teach.comparison_shapes import (
-    Side,
-    comparison_points,
-    turning_board_shapes,
-)
+from venus3d.scene.pages.teach.comparison import comparison_points, comparison_shapes
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
 
@@ -49,7 +44,7 @@ def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
     """All shapes of the 3D scene."""
     camera, board = taught.camera, taught.board
     if state.compares:
-        return tuple(_comparison(taught, state))
+        return tuple(comparison_shapes(taught, state))
     if state.arrangement == "strip":
         return tuple(
             strip_shapes(board, taught.steps, dark=state.dark, active=state.step, sweep=state.sweep)
@@ -113,36 +108,6 @@ def amount_text(step: Step, sweep: float) -> str:
     if step.axis is None:
         return f"{sweep * float(np.linalg.norm(step.translation)) * 1000:.0f} mm"
     return degrees(sweep * step.angle_deg)
-
-
-def _comparison(taught: TaughtPose, state: TeachState) -> list[Shape]:
-    progress = min(max(state.progress - 1.0, 0.0), 3.0)  # the move is not a turn
-    own = state.arrangement == "axes"
-    left, right = texts.COLUMNS[state.arrangement]
-    readings: tuple[tuple[TurnSequence, Axes, str], ...] = (
-        (taught.fixed, "fixed", left),
-        (
-            taught.others(state.arrangement),
-            "own" if own else "fixed",
-            right.format(order=_order_name(taught.order)),
-        ),
-    )
-    # Facing the camera swaps left and right, which the words name.
-    sides: tuple[Side, Side] = ("left", "right")
-    if state.viewpoint == "holder":
-        sides = ("right", "left")
-    return [
-        shape
-        for side, (turns, axes, title) in zip(sides, readings, strict=True)
-        for shape in turning_board_shapes(
-            taught.board, side, turns, progress, axes=axes, title=title, dark=state.dark
-        )
-    ]
-
-
-def _order_name(order: str) -> str:
-    one, two, three = order.upper()
-    return texts.ORDER_NAME.format(one=one, two=two, three=three)
 
 
 def camera_shapes_at(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:

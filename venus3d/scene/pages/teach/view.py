@@ -29,8 +29,8 @@ from venus3d.scene.pages.teach.controls import (
     StateButtons,
     make_commands,
 )
+from venus3d.scene.pages.teach.lesson_html import card_html
 from venus3d.scene.pages.teach.lesson_panel import LessonPanel
-from venus3d.scene.pages.teach.progress_card import card_html
 from venus3d.scene.pages.teach.state import TeachState, Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.web.buttons import ButtonRow

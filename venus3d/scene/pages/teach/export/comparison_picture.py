@@ -20,8 +20,7 @@ from venus3d.render.shapes import Colour, LabelShape, Shape
 from venus3d.render.strip import moved_shape
 from venus3d.render.text_drawing import font
 from venus3d.render.viewpoints import FOV_RAD, SceneCamera
-from venus3d.scene.pages.teach.comparison_shapes import Side, board_centre
-from venus3d.scene.pages.teach.comparison_words import comparison_words
+from venus3d.scene.pages.teach.comparison import Side, board_centre, comparison_words
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.scene_shapes import scene_shapes
 from venus3d.scene.pages.teach.state import TeachState

@@ -14,15 +14,11 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
+from pathlib import Path
 
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.lessons.lesson import Lesson, Question
-from venus3d.render.map_pictures import (
-    distortion_magnification,
-    distortion_picture,
-    largest_shift_px,
-)
 from venus3d.render.palette import hex_of, step_style, text_on
 from venus3d.render.projections import Picture
 from venus3d.scene.pages.teach import texts as teach_texts
@@ -34,13 +30,12 @@ from venus3d.scene.pages.teach.lesson_html import (
     acceptance_html,
     comparison_html,
     focal_uncertainty_html,
-    lens_legend_html,
+    lens_picture,
 )
 from venus3d.scene.web.lesson_text import lesson_text_html
 from venus3d.scene.web.projections_panel import encoded
 from venus3d.scene.web.theme import Theme, style_sheet
 
-_LENS_WIDTH = 640
 _PLAYER_BAR_PX = 32
 """Minimum height of the player's bar below the scene."""
 
@@ -66,7 +61,8 @@ def html_document(
     recordings = [content.recording for content in contents]
     places = f":root{{--aspect:{ASPECT};--player-bar:{_PLAYER_BAR_PX}px}}"
     given = _GIVEN.replace("DARK", json.dumps(dark))
-    script = _SCRIPT.replace("GIVEN", json.dumps(given))
+    script = (Path(__file__).parent / "document.js").read_text(encoding="utf-8")
+    script = script.replace("GIVEN", json.dumps(given))
     script = script.replace("STYLE", json.dumps(style_sheet("player")))
     players = player_scripts(player)
     policy = _policy((script, given, *players) if players else None)
@@ -133,16 +129,15 @@ def _page(content: PageContent, number: int, count: int, dark: bool) -> str:
 
 def _figures(page: ExportedPage, dark: bool) -> str:
     """Figures for the text: the two boards, the focal length, the lens."""
-    taught, camera = page.taught, page.taught.camera
+    taught = page.taught
     parts = [comparison_html(taught, page.state)]
     if "sigma" in page.page.show:
         parts.append(focal_uncertainty_html(taught))
     if "distortion" in page.page.show:
-        size = (_LENS_WIDTH, round(_LENS_WIDTH * camera.height / camera.width))
-        picture = encoded(distortion_picture(camera, size, dark))
-        legend = lens_legend_html(distortion_magnification(camera), largest_shift_px(camera))
+        picture, legend = lens_picture(taught.camera, dark)
         title = escape(teach_texts.LENS_TITLE)
-        parts.append(f"<h3>{title}</h3><img class='lens' alt=\"{title}\" src='{picture}'>{legend}")
+        image = f"<img class='lens' alt=\"{title}\" src='{encoded(picture)}'>"
+        parts.append(f"<h3>{title}</h3>{image}{legend}")
     return "".join(parts)
 
 
@@ -182,38 +177,3 @@ def _question(question: Question | None) -> str:
 _GIVEN = (
     "window.__VISER_EMBED_DATA__=parent.recording;window.__VISER_EMBED_CONFIG__={darkMode:DARK};"
 )
-_SCRIPT = """
-const read = id => JSON.parse(document.getElementById(id).textContent);
-const player = read('player'), recordings = read('recordings');
-const pages = [...document.querySelectorAll('article')], frame = document.getElementById('scene');
-let shown = -1;
-function show(page) {
-  if (page < 0 || page >= pages.length || page === shown) return;
-  shown = page;
-  pages.forEach((element, i) => { element.hidden = i !== page; });
-  window.recording = recordings[page];
-  const given = '<script>' + GIVEN + '<' + '/script><style>' + STYLE + '</style>';
-  const at = player.indexOf('</head>');
-  frame.srcdoc = player.slice(0, at) + given + player.slice(at);
-  document.querySelectorAll('button[data-go]').forEach(button => {
-    const to = page + Number(button.dataset.go);
-    button.disabled = to < 0 || to >= pages.length;
-  });
-}
-document.addEventListener('click', event => {
-  const button = event.target.closest('button');
-  if (!button) return;
-  if (button.dataset.go) { show(shown + Number(button.dataset.go)); scrollTo(0, 0); }
-  if (button.dataset.answer) {
-    const question = button.closest('.question');
-    question.querySelectorAll('[data-verdict]').forEach(verdict => {
-      verdict.hidden = verdict.dataset.verdict !== button.dataset.answer;
-    });
-  }
-});
-document.addEventListener('keydown', event => {
-  if (event.key === 'PageDown') { show(shown + 1); event.preventDefault(); }
-  if (event.key === 'PageUp') { show(shown - 1); event.preventDefault(); }
-});
-show(0);
-"""

@@ -1,4 +1,5 @@
-"""Two boards side by side with their axes: the same three numbers read in two ways.
+"""Two boards side by side with their axes, the same three numbers read in two ways: the shapes,
+and the words beside them.
 
 /compare/left/board, outline, goal, label, facts    the usual reading: fixed axes, X, Y, Z
 /compare/left/x, y, z and x_name, ...               the axes as they stand now
@@ -8,6 +9,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import ceil
 from typing import Literal
 
@@ -17,16 +19,13 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import AXES, Array, Axes, Pose
 from venus3d.engine.geometry.rotation_orders import Turn, TurnSequence
 from venus3d.render.amounts import degrees
-from venus3d.render.arrows import (
-    arc_arrow,
-    arc_point,
-    frame_along,
-    straight_arrow,
-    turn_frame,
-)
+from venus3d.render.arrows import arc_arrow, arc_point, frame_along, straight_arrow, turn_frame
 from venus3d.render.board_mesh import board_outline, board_shape
 from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import LabelShape, MeshShape, Shape
+from venus3d.scene.pages.teach import texts
+from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.view_model import TaughtPose
 
 Side = Literal["left", "right"]
 CENTRES: dict[Side, Array] = {
@@ -51,22 +50,82 @@ def comparison_points(board: Board) -> Array:
     return np.concatenate([board_centre(board, side) + box for side in CENTRES])
 
 
-def turning_board_shapes(
+@dataclass(frozen=True)
+class ComparisonWords:
+    """The comparison's texts at one moment."""
+
+    headline: str
+    amount: str
+    sentence: str
+    turn: int | None = None
+    """1 ... 3: the current turn; None before the first and after the last."""
+    axis: int = 0
+    """0 ... 2: axis of the left board's turn."""
+
+
+def comparison_words(taught: TaughtPose, state: TeachState) -> ComparisonWords:
+    """The texts for this moment."""
+    step, sweep = state.step_and_share
+    if step == 1:
+        return ComparisonWords(texts.COMPARE_START, "", texts.COMPARE_PROMPT)
+    if step == 4 and sweep == 1.0:
+        apart = taught.apart_deg(state.arrangement)
+        same = apart < 0.05
+        amount = texts.SAME if same else texts.APART.format(degrees=apart)
+        sentence = texts.SAME_LABEL if same else texts.APART_LABEL
+        return ComparisonWords(texts.COMPARE_END, amount, sentence.capitalize() + ".")
+    left, right = taught.fixed[step - 2], taught.others(state.arrangement)[step - 2]
+    names = {"left": left.axis.upper(), "right": right.axis.upper()}
+    alike = left.axis == right.axis
+    headline = texts.COMPARE_TURN if alike else texts.COMPARE_TURN_TWO
+    sentence = texts.COMPARE_SENTENCES[state.arrangement].format(
+        axis=names["left"],
+        left_axis=names["left"],
+        right_axis=names["right"],
+        left=degrees(left.angle_deg),
+        right=degrees(right.angle_deg),
+    )
+    return ComparisonWords(
+        headline.format(number=step - 1, **names),
+        degrees(sweep * left.angle_deg) if alike else "",
+        sentence,
+        step - 1,
+        AXES.index(left.axis),
+    )
+
+
+def comparison_shapes(taught: TaughtPose, state: TeachState) -> list[Shape]:
+    """Both boards of this moment."""
+    left, right = texts.COLUMNS[state.arrangement]
+    one, two, three = taught.order.upper()
+    order = texts.ORDER_NAME.format(one=one, two=two, three=three)
+    own = "own" if state.arrangement == "axes" else "fixed"
+    readings: tuple[tuple[TurnSequence, Axes, str], ...] = (
+        (taught.fixed, "fixed", left),
+        (taught.others(state.arrangement), own, right.format(order=order)),
+    )
+    # Facing the camera swaps left and right, which the words name.
+    sides: tuple[Side, Side] = ("left", "right")
+    if state.viewpoint == "holder":
+        sides = ("right", "left")
+    progress = min(max(state.progress - 1.0, 0.0), 3.0)  # the move is not a turn
+    return [
+        shape
+        for side, (turns, axes, title) in zip(sides, readings, strict=True)
+        for shape in _turning_board(taught.board, side, turns, progress, axes, title, state.dark)
+    ]
+
+
+def _turning_board(
     board: Board,
     side: Side,
     turns: TurnSequence,
     progress: float,
-    *,
     axes: Axes,
     title: str,
     dark: bool,
 ) -> list[Shape]:
-    """One board after `progress` (0 ... 3) of its three turns, with its axes.
-
-    Args:
-        axes: the axes to draw: the camera's, or the board's own.
-        title: text above the board.
-    """
+    """One board after `progress` (0 ... 3) of its three turns, under its title, with its `axes`."""
     name, centre, colours = f"/compare/{side}", board_centre(board, side), ground(dark)
     # A turn that has just ended is still the one described.
     index = min(max(ceil(progress - 1e-6) - 1, 0), 2)
