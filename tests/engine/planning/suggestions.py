@@ -11,10 +11,11 @@ from venus3d.engine.calibration.corner_noise import NoiseModel
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.settings import PlanningSettings
-from venus3d.engine.planning.suggest import NextTarget, next_target
+from venus3d.engine.planning.suggest import NextTarget, Planner
 
 
 def suggestion(
@@ -28,10 +29,11 @@ def suggestion(
     number: int,
     noise: NoiseModel | None = None,
     skipped: Iterable[Pose] = (),
+    state: HeuristicState | None = None,
     **others: Any,
 ) -> NextTarget:
-    """`next_target` after views of this information (9, 9)."""
+    """The planner's next target after views of this information (9, 9)."""
     settings = settings or PlanningSettings()
     posterior = Posterior.of(board, camera, information, sigma_px, noise)
     space = Space.of(posterior, settings, skipped)
-    return next_target(posterior, settings, space, rng, number=number, **others)
+    return Planner(posterior, settings, space, **others).next_target(number, rng, state)

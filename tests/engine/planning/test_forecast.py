@@ -18,7 +18,7 @@ from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.settings import METHODS, Cost, Method, PlanningSettings
-from venus3d.engine.planning.suggest import find_pose
+from venus3d.engine.planning.suggest import Planner
 
 SIGMA = 0.2
 SEEN = ([45, 0, 0, 0, 0, 0.4], [-20, 25, 0, 0.05, 0, 0.4])
@@ -42,16 +42,14 @@ def ask(
     stop: bool = False,
 ) -> Forecast | None:
     posterior = Posterior.of(board, camera, known, SIGMA)
+    space = Space(board, posterior.camera, Limits.for_board(board, posterior.camera))
     return forecast(
-        posterior,
-        PlanningSettings(method, cost),
-        Space(board, posterior.camera, Limits.for_board(board, posterior.camera)),
+        Planner(posterior, PlanningSettings(method, cost), space, stop=lambda: stop),
         np.random.default_rng(0),
         wanted_px=wanted_px,
         degrees=80 * views - 9 - 6 * views,
         first=first,
         ahead=ahead,
-        stop=lambda: stop,
     )
 
 
@@ -131,9 +129,8 @@ def test_another_cost_is_forecast_by_the_poses_that_it_asks_for(
     posterior, needed = Posterior.of(default_board, paper_camera, known, SIGMA), 0
     while posterior.uncertainty_px > 0.6:
         rng = np.random.default_rng([7, needed])
-        posterior = posterior.with_view(
-            find_pose(posterior, PlanningSettings("global", "max-iod"), space, rng)[0].vector
-        )
+        planner = Planner(posterior, PlanningSettings("global", "max-iod"), space)
+        posterior = posterior.with_view(planner.find_pose(rng)[0].vector)
         needed += 1
     now = ask(paper_camera, default_board, known, cost="max-iod", wanted_px=0.6)
     usual = ask(paper_camera, default_board, known, wanted_px=0.6)
@@ -150,30 +147,26 @@ def test_limits_that_leave_no_pose_are_told(
     narrow = Limits(max_tilt_deg=0.01, max_angle_deg=0.01, nearest=0.9, farthest=0.901)
     space = Space(default_board, paper_camera, narrow)
     with pytest.raises(VenusError, match="No pose of this board fits"):
-        forecast(
-            posterior,
-            PlanningSettings("global"),
-            space,
-            np.random.default_rng(0),
-            wanted_px=0.1,
-            degrees=99,
-        )
+        planner = Planner(posterior, PlanningSettings("global"), space)
+        forecast(planner, np.random.default_rng(0), wanted_px=0.1, degrees=99)
 
 
 def test_a_slow_search_does_not_keep_the_target_waiting(
     paper_camera: Camera, default_board: Board, known: Array, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     looked_at: list[int] = []
+    whole = Planner.find_pose
 
     def counted(*args: Any, **options: Any) -> Any:
-        found = find_pose(*args, **options)
+        found = whole(*args, **options)
         looked_at.append(found[0].evaluated)
         return found
 
-    monkeypatch.setattr("venus3d.engine.planning.forecast.find_pose", counted)
+    monkeypatch.setattr(Planner, "find_pose", counted)
     posterior = Posterior.of(default_board, paper_camera, known, SIGMA)
     space = Space(default_board, paper_camera, Limits.for_board(default_board, paper_camera))
     slow = PlanningSettings("venus", strategy="dual-annealing")
     rng = np.random.default_rng(0)
-    forecast(posterior, slow, space, rng, wanted_px=0.001, degrees=99, ahead=2)
+    planner = Planner(posterior, slow, space)
+    forecast(planner, rng, wanted_px=0.001, degrees=99, ahead=2)
     assert len(looked_at) == 2 and max(looked_at) <= 1100

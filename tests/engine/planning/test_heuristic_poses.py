@@ -21,7 +21,7 @@ from venus3d.engine.planning.heuristic_poses import (
     window_pose,
 )
 from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.pose_space import brought_within
+from venus3d.engine.planning.pose_space import Space, brought_within
 
 
 def test_eq_11_as_printed_and_where_it_degenerates() -> None:
@@ -47,22 +47,22 @@ def test_eq_10_turns_about_the_axis_of_the_parameter(
     wide = Limits(max_tilt_deg=80, max_depth_ratio=9, min_square_px=1, nearest=0.05)
     state = HeuristicState()
     for expected in (-70, 70, 0, 35):
-        made = paper_pose(default_board, paper_camera, wide, "fx", state)
+        made = paper_pose(Space(default_board, paper_camera, wide), "fx", state)
         np.testing.assert_allclose(made.vector[:5], [0, expected, 22.5, 0, 0], atol=1e-12)
         assert made.note == "" and wide.accepts(paper_camera, default_board, made.vector)[0]
         nearer = made.vector * [1, 1, 1, 1, 1, 0.96]
         assert not wide.accepts(paper_camera, default_board, nearer)[0], "as near as it goes"
         state = made.state
     # u0 shares alpha's sequence; beta has its own.
-    assert paper_pose(default_board, paper_camera, wide, "cx", state).vector[1] == 17.5
-    assert paper_pose(default_board, paper_camera, wide, "fy", state).vector[0] == -70
+    assert paper_pose(Space(default_board, paper_camera, wide), "cx", state).vector[1] == 17.5
+    assert paper_pose(Space(default_board, paper_camera, wide), "fy", state).vector[0] == -70
 
 
 def test_a_pose_beyond_the_limits_is_brought_back_and_it_is_said(
     paper_camera: Camera, default_board: Board
 ) -> None:
     limits = Limits()
-    made = paper_pose(default_board, paper_camera, limits, "fy", HeuristicState())
+    made = paper_pose(Space(default_board, paper_camera, limits), "fy", HeuristicState())
     assert limits.accepts(paper_camera, default_board, made.vector)[0]
     assert -55.01 < made.vector[0] < -50 and made.vector[2] == 22.5
     assert "tilted by 70°" in made.note and "beyond 55°" in made.note
@@ -146,19 +146,19 @@ def test_the_board_fills_its_window_parallel_to_the_image(
 
 def test_rojtbergs_poses(paper_camera: Camera, default_board: Board) -> None:
     limits = Limits()
-    first = rojtberg_pose(default_board, paper_camera, limits, "fy", HeuristicState())
+    first = rojtberg_pose(Space(default_board, paper_camera, limits), "fy", HeuristicState())
     np.testing.assert_array_equal(first.vector[:5], 0)
     assert first.vector[5] < 0.3, "frontal and filling the image"
     signs: list[float] = []
     state = first.state
     for _ in range(4):
-        made = rojtberg_pose(default_board, paper_camera, limits, "cy", state)
+        made = rojtberg_pose(Space(default_board, paper_camera, limits), "cy", state)
         assert made.vector[1] == 0 and made.vector[2] == 22.5
         assert abs(made.vector[0]) > 10
         signs.append(float(np.sign(made.vector[4])))
         state = made.state
     assert signs == [1, -1, 1, -1]
-    window = rojtberg_pose(default_board, paper_camera, limits, "k1", state)
+    window = rojtberg_pose(Space(default_board, paper_camera, limits), "k1", state)
     np.testing.assert_array_equal(window.vector[:3], 0)
     assert len(window.state.windows) == 1 and window.state.count("cy") == 4
 

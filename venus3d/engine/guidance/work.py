@@ -22,7 +22,7 @@ from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.pose_space import Space
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search_trace import OnSearchStep, SearchRecorder, SearchTrace, Stop
-from venus3d.engine.planning.suggest import NextTarget, next_target
+from venus3d.engine.planning.suggest import NextTarget, Planner
 from venus3d.engine.planning.target import Target
 from venus3d.engine.planning.uncertainty import ProjectionUncertainty, projection_uncertainty
 
@@ -79,29 +79,20 @@ class Work:
         """Do the work. `stop` ends the search early with the best pose; `on_step` observes it.
         Raises `CalibrationError` if the views determine no camera at all."""
         calibration, warnings = self._calibrated()
-        posterior = Posterior.of_calibration(calibration, self.settings.noise)
-        space = Space.of(posterior, self.settings, self.skipped)
+        settings = self.settings
+        posterior = Posterior.of_calibration(calibration, settings.noise)
         history = (*self.history, self._progress(calibration))
-        convergence = check_convergence(
-            history, epsilon=self.settings.epsilon, rule=self.settings.rule
-        )
-        enough = len(self.observations) >= self.settings.max_views
+        convergence = check_convergence(history, epsilon=settings.epsilon, rule=settings.rule)
+        enough = len(self.observations) >= settings.max_views
         is_over = enough or (convergence.converged and not self.keep_going)
         suggestion, recorder = None, SearchRecorder(on_step)
+        space = Space.of(posterior, settings, self.skipped)
+        planner = Planner(posterior, settings, space, calibration.views, stop, recorder)
         if not is_over:
             try:
                 # Seeded by the target's number: a replayed session gives the same poses.
-                suggestion = next_target(
-                    posterior,
-                    self.settings,
-                    space,
-                    np.random.default_rng([self.settings.seed, self.target_number]),
-                    number=self.target_number,
-                    state=self.heuristic_state,
-                    views=calibration.views,
-                    stop=stop,
-                    on_step=recorder,
-                )
+                rng = np.random.default_rng([settings.seed, self.target_number])
+                suggestion = planner.next_target(self.target_number, rng, self.heuristic_state)
             except VenusError as error:
                 warnings = (*warnings, str(error))  # the views stay; more can be captured manually
         if suggestion is not None and suggestion.note:
@@ -116,7 +107,7 @@ class Work:
             suggestion,
             is_over,
             warnings,
-            self._forecast(calibration, posterior, space, suggestion, stop),
+            self._forecast(planner, calibration, suggestion),
             projection_uncertainty(calibration, posterior, target),
             None if target is None else recorder.trace(target.pose.vector()),
         )
@@ -152,32 +143,24 @@ class Work:
             )
 
     def _forecast(
-        self,
-        calibration: Calibration,
-        posterior: Posterior,
-        space: Space,
-        suggestion: NextTarget | None,
-        stop: Stop | None,
+        self, planner: Planner, calibration: Calibration, suggestion: NextTarget | None
     ) -> Forecast | None:
         """None before the first full calibration, when stopped, and for the cost "rms", which is
         too slow to plan with."""
-        settings = self.settings
-        if settings.wanted_uncertainty_px is None or settings.cost == "rms":
+        wanted_px = self.settings.wanted_uncertainty_px
+        if wanted_px is None or self.settings.cost == "rms":
             return None
-        if not all(calibration.free) or not posterior.settled:
+        if not all(calibration.free) or not planner.posterior.settled:
             return None
         residuals = 2 * sum(view.observation.count for view in calibration.views)
         try:
             return forecast(
-                posterior,
-                settings,
-                space,
-                np.random.default_rng([settings.seed, self.target_number, 1]),
-                wanted_px=settings.wanted_uncertainty_px,
+                planner,
+                np.random.default_rng([self.settings.seed, self.target_number, 1]),
+                wanted_px=wanted_px,
                 degrees=residuals - len(PARAMETERS) - 6 * len(calibration.views),
                 state=self.heuristic_state if suggestion is None else suggestion.state,
                 first=None if suggestion is None else suggestion.target.pose.vector(),
-                stop=stop,
             )
         except VenusError:
             return None  # no pose fits the limits: already reported by the suggestion

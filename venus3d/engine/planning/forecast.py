@@ -7,7 +7,7 @@ for counting; the targets come from `suggest`, as each view changes the posterio
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2
@@ -18,9 +18,7 @@ from venus3d.engine.geometry.pose import Array, rotations_of
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.pose_space import Space, nothing_fits
 from venus3d.engine.planning.posterior import Posterior
-from venus3d.engine.planning.search_trace import Stop
-from venus3d.engine.planning.settings import PlanningSettings
-from venus3d.engine.planning.suggest import find_pose
+from venus3d.engine.planning.suggest import Planner
 
 AHEAD = 10
 """Largest number of views planned ahead."""
@@ -54,9 +52,7 @@ class Forecast:
 
 
 def forecast(
-    posterior: Posterior,
-    settings: PlanningSettings,
-    space: Space,
+    planner: Planner,
     rng: np.random.Generator,
     *,
     wanted_px: float,
@@ -64,25 +60,24 @@ def forecast(
     state: HeuristicState | None = None,
     first: Array | None = None,
     ahead: int = AHEAD,
-    stop: Stop | None = None,
 ) -> Forecast | None:
     """Views needed until the projection uncertainty over the image is `wanted_px` or less.
 
     Args:
-        degrees: degrees of freedom of the residuals behind `posterior.sigma_px`.
+        planner: its `stop` is polled before each view.
+        degrees: degrees of freedom of the residuals behind the posterior's `sigma_px`.
         state: of the rule, for methods that have one.
         first: (6,) the target already found; the plan begins with it.
-        stop: polled before each view.
 
     Returns None when stopped. Raises `VenusError` if no pose fits the limits.
     """
     best, worst = spread_of(degrees)
-    uncertainties = [posterior.uncertainty_px]
+    uncertainties = [planner.posterior.uncertainty_px]
     if uncertainties[0] <= wanted_px:
         return Forecast(wanted_px, 0, 0, 0, 0)
-    plan = _plan(posterior, settings, space, rng, state, first)
+    plan = _plan(replace(planner, views=(), stop=None, on_step=None), rng, state, first)
     while len(uncertainties) <= ahead and uncertainties[-1] * worst > wanted_px:
-        if stop is not None and stop():
+        if planner.stop is not None and planner.stop():
             return None
         uncertainties.append(next(plan))
     views, low, high = (_reached(uncertainties, factor, wanted_px) for factor in (1.0, best, worst))
@@ -105,17 +100,13 @@ def _reached(uncertainties: list[float], factor: float, wanted_px: float) -> int
 
 
 def _plan(
-    posterior: Posterior,
-    settings: PlanningSettings,
-    space: Space,
-    rng: np.random.Generator,
-    state: HeuristicState | None,
-    first: Array | None,
+    planner: Planner, rng: np.random.Generator, state: HeuristicState | None, first: Array | None
 ) -> Iterator[float]:
     """The uncertainties after one more view, after two, and so on."""
+    settings, posterior = planner.settings, planner.posterior
     # The quick search minimises the projection variance; another cost leads to other poses.
     quick = settings.method == "global" and settings.search_cost == "projection-variance"
-    poses = _Poses(posterior, space, rng) if quick else None
+    poses = _Poses(posterior, planner.space, rng) if quick else None
     behind, budget = 1.0, None if settings.search_strategy in (None, "annealing") else _BUDGET
     while True:
         if first is not None:
@@ -123,7 +114,7 @@ def _plan(
         elif poses is not None:
             vector, behind = poses.best(posterior), _BEHIND
         else:
-            found, _, state = find_pose(posterior, settings, space, rng, state=state, budget=budget)
+            found, _, state = replace(planner, posterior=posterior).find_pose(rng, state, budget)
             vector = found.vector
         posterior = posterior.with_view(vector)
         yield posterior.uncertainty_px / behind

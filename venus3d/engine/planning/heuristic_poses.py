@@ -7,7 +7,7 @@ Rojtberg et al. 2018 bisect the range breadth first. The state is a frozen `Heur
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,8 +17,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.costs import index_of_dispersion
-from venus3d.engine.planning.limits import Limits
-from venus3d.engine.planning.pose_space import brought_within
+from venus3d.engine.planning.pose_space import Space, brought_within
 
 ROLL_DEG = 22.5
 """pi/8 of eq. (10): keeps the board's rows from being parallel to the image's."""
@@ -127,41 +126,30 @@ def bisection_angle_deg(i: int, half_range_deg: float = 70.0) -> float:
     return -half_range_deg + 2 * half_range_deg * (i - first + 0.5) / level
 
 
-def paper_pose(
-    board: Board, camera: Camera, limits: Limits, parameter: str, state: HeuristicState
-) -> HeuristicPose:
+def paper_pose(space: Space, parameter: str, state: HeuristicState) -> HeuristicPose:
     """The paper's pose for `parameter`: eqs (10), (11), or the distortion window."""
     if parameter not in _ABOUT_X + _ABOUT_Y:
-        return _distortion_pose(board, camera, limits, parameter, state)
-    about_y = parameter in _ABOUT_Y
-    angle = paper_angle_deg(1 + state.count(*(_ABOUT_Y if about_y else _ABOUT_X)))
-    angles = [0.0, angle, ROLL_DEG] if about_y else [angle, 0.0, ROLL_DEG]
+        return _distortion_pose(space, parameter, state)
     # z is not given: use the nearest at which the whole board is seen, which is the most
     # informative.
-    wanted = _nearest_visible(board, camera, limits, np.array([*angles, 0.0, 0.0, 1.0]))
-    return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
+    wanted = _nearest_visible(space, _turned(parameter, state, paper_angle_deg))
+    return _finished(space, wanted, parameter, state.after(parameter))
 
 
-def rojtberg_pose(
-    board: Board, camera: Camera, limits: Limits, parameter: str, state: HeuristicState
-) -> HeuristicPose:
+def rojtberg_pose(space: Space, parameter: str, state: HeuristicState) -> HeuristicPose:
     """Rojtberg's pose for `parameter`; the first one is frontal and fills the image."""
     if not any(state.counts):
-        wanted = _nearest_visible(board, camera, limits, np.array([0.0, 0, 0, 0, 0, 1]))
-        return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
+        wanted = _nearest_visible(space, np.array([0.0, 0, 0, 0, 0, 1]))
+        return _finished(space, wanted, parameter, state.after(parameter))
     if parameter not in _ABOUT_X + _ABOUT_Y:
-        return _distortion_pose(board, camera, limits, parameter, state)
-    about_y = parameter in _ABOUT_Y
-    angle = bisection_angle_deg(1 + state.count(*(_ABOUT_Y if about_y else _ABOUT_X)))
-    angles = [0.0, angle, ROLL_DEG] if about_y else [angle, 0.0, ROLL_DEG]
-    z = _ORBIT_WIDTHS * board.width
-    x = y = 0.0
+        return _distortion_pose(space, parameter, state)
+    wanted = _turned(parameter, state, bisection_angle_deg)
+    wanted[5] = z = _ORBIT_WIDTHS * space.board.width
     if parameter in ("cx", "cy"):
         sign = 1 if state.count(parameter) % 2 == 0 else -1
-        x = sign * _SHIFT * camera.width / camera.fx * z
-        y = sign * _SHIFT * camera.height / camera.fy * z
-    wanted = np.array([*angles, x, y, z])
-    return _finished(board, camera, limits, wanted, parameter, state.after(parameter))
+        wanted[3] = sign * _SHIFT * space.camera.width / space.camera.fx * z
+        wanted[4] = sign * _SHIFT * space.camera.height / space.camera.fy * z
+    return _finished(space, wanted, parameter, state.after(parameter))
 
 
 def distortion_map(camera: Camera, cell_px: int = CELL_PX) -> Array:
@@ -212,36 +200,35 @@ def window_pose(board: Board, camera: Camera, window: Window) -> Pose:
     return Pose(np.eye(3), np.array([ray[0] * z, ray[1] * z, z]))
 
 
-def _finished(
-    board: Board,
-    camera: Camera,
-    limits: Limits,
-    wanted: Array,
-    parameter: str,
-    state: HeuristicState,
-) -> HeuristicPose:
-    vector, note = brought_within(board, camera, limits, wanted)
+def _turned(parameter: str, state: HeuristicState, angle_deg: Callable[[int], float]) -> Array:
+    """(6,) the parameter's next turn, eq. (10), on the optical axis one metre away."""
+    about_y = parameter in _ABOUT_Y
+    angle = angle_deg(1 + state.count(*(_ABOUT_Y if about_y else _ABOUT_X)))
+    return np.array([*((0.0, angle) if about_y else (angle, 0.0)), ROLL_DEG, 0.0, 0.0, 1.0])
+
+
+def _finished(space: Space, wanted: Array, parameter: str, state: HeuristicState) -> HeuristicPose:
+    vector, note = brought_within(space.board, space.camera, space.limits, wanted)
     return HeuristicPose(vector, parameter, state, note)
 
 
-def _distortion_pose(
-    board: Board, camera: Camera, limits: Limits, parameter: str, state: HeuristicState
-) -> HeuristicPose:
-    window, again = distortion_window(board, camera, state.windows)
+def _distortion_pose(space: Space, parameter: str, state: HeuristicState) -> HeuristicPose:
+    window, again = distortion_window(space.board, space.camera, state.windows)
     begun = replace(state, windows=()) if again else state
-    wanted = window_pose(board, camera, window).vector()
-    return _finished(board, camera, limits, wanted, parameter, begun.after(parameter, window))
+    wanted = window_pose(space.board, space.camera, window).vector()
+    return _finished(space, wanted, parameter, begun.after(parameter, window))
 
 
-def _nearest_visible(board: Board, camera: Camera, limits: Limits, vector: Array) -> Array:
+def _nearest_visible(space: Space, vector: Array) -> Array:
     """The vector at the smallest distance at which the limits hold. If the tilt alone breaks them,
     only the image's border counts; the rest is for `brought_within`."""
+    limits = space.limits
     distances = np.geomspace(limits.nearest, limits.farthest, 121)
     candidates = np.tile(vector, (distances.size, 1))
     candidates[:, 5] = distances
     seen_only = replace(limits, max_tilt_deg=90.0, max_depth_ratio=np.inf, min_square_px=0.0)
     for bounds in (limits, seen_only):
-        good = np.flatnonzero(bounds.accepts(camera, board, candidates))
+        good = np.flatnonzero(bounds.accepts(space.camera, space.board, candidates))
         if good.size:
             return candidates[good[0]]
     return candidates[distances.size // 2]

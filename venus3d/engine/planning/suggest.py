@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search import search
 from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, Stop
-from venus3d.engine.planning.settings import Method, PlanningSettings
+from venus3d.engine.planning.settings import PlanningSettings
 from venus3d.engine.planning.target import Target, held_in_words, reason_for, served
 
 EFFORT = 0.02
@@ -74,188 +74,137 @@ def suggest(
         number: the target's number; None: one more than there are views.
         skipped: poses not to be offered again within 15 degrees and a tenth of the distance.
         rng: None: seeded with 0 and the number, as in a session with the seed 0.
-        state, stop, on_step: see `next_target`.
+        state: of the rule, for methods that have one.
+        stop, on_step: see `search`.
 
     Raises `VenusError` for limits that leave no pose.
     """
     settings = settings or PlanningSettings()
     count = len(calibration.views) + 1 if number is None else number
     posterior = Posterior.of_calibration(calibration, settings.noise)
-    return next_target(
-        posterior,
-        settings,
-        Space.of(posterior, settings, skipped),
-        np.random.default_rng([0, count]) if rng is None else rng,
-        number=count,
-        state=state,
-        views=calibration.views,
-        stop=stop,
-        on_step=on_step,
-    ).target
+    space = Space.of(posterior, settings, skipped)
+    planner = Planner(posterior, settings, space, calibration.views, stop, on_step)
+    rng = np.random.default_rng([0, count]) if rng is None else rng
+    return planner.next_target(count, rng, state).target
 
 
-def next_target(
-    posterior: Posterior,
-    settings: PlanningSettings,
-    space: Space,
-    rng: np.random.Generator,
-    *,
-    number: int,
-    state: HeuristicState | None = None,
-    views: Sequence[View] = (),
-    stop: Stop | None = None,
-    on_step: OnSearchStep | None = None,
-) -> NextTarget:
-    """The next target in the `space`, with the rule's state after it.
+@dataclass(frozen=True, eq=False)
+class Planner:
+    """Finds the pose after the views of a posterior. Raises `VenusError` where none is allowed."""
 
-    Args:
-        number: the target's number.
-        state: of the rule, for methods that have one.
-        views: captured so far; only the cost "rms" needs their observations.
-        stop, on_step: see `search`.
+    posterior: Posterior
+    settings: PlanningSettings
+    space: Space
+    views: Sequence[View] = ()
+    """Captured so far; only the cost "rms" needs their observations."""
+    stop: Stop | None = None
+    on_step: OnSearchStep | None = None
+    """Both: see `search`."""
 
-    Raises `VenusError` for limits that leave no pose.
-    """
-    began = time.perf_counter()
-    found, generated, ended = find_pose(
-        posterior, settings, space, rng, state=state, views=views, stop=stop, on_step=on_step
-    )
-    by_rule = settings.method == "pose-selection" and generated is not None
-    others = tuple(
-        target_at(posterior, settings, vector, number, evaluated=found.evaluated)
-        for vector in nearly_equal(posterior, found.vector, found.elites)
-    )
-    target = target_at(
-        posterior,
-        settings,
-        found.vector,
-        number,
-        aimed_at=generated.parameter if by_rule and generated else None,
-        alternatives=others,
-        evaluated=found.evaluated,
-        began=began,
-    )
-    return NextTarget(target, ended, "" if generated is None else generated.note)
+    def next_target(
+        self, number: int, rng: np.random.Generator, state: HeuristicState | None = None
+    ) -> NextTarget:
+        """The target with this number, from the rule's `state` and with the one after it."""
+        began = time.perf_counter()
+        found, made, ended = self.find_pose(rng, state)
+        by_rule = made is not None and self.settings.method == "pose-selection"
+        aimed_at = made.parameter if made is not None and by_rule else None
+        others = nearly_equal(self.posterior, found.vector, found.elites)
+        target = replace(
+            self.target_at(found.vector, number, found.evaluated, aimed_at),
+            alternatives=tuple(self.target_at(v, number, found.evaluated) for v in others),
+            search_s=time.perf_counter() - began,
+        )
+        return NextTarget(target, ended, "" if made is None else made.note)
 
+    def find_pose(
+        self,
+        rng: np.random.Generator,
+        state: HeuristicState | None = None,
+        budget: int | None = None,
+    ) -> tuple[SearchResult, HeuristicPose | None, HeuristicState]:
+        """The pose itself; what the method's rule made, if it was used; the rule's state after it.
 
-def find_pose(
-    posterior: Posterior,
-    settings: PlanningSettings,
-    space: Space,
-    rng: np.random.Generator,
-    *,
-    state: HeuristicState | None = None,
-    views: Sequence[View] = (),
-    budget: int | None = None,
-    stop: Stop | None = None,
-    on_step: OnSearchStep | None = None,
-) -> tuple[SearchResult, HeuristicPose | None, HeuristicState]:
-    """The pose itself; what the method's rule made, if it was used; the rule's state after it.
+        `budget`: approximate number of poses to evaluate; None: the search's default.
+        """
+        settings, space, strategy = self.settings, self.space, self.settings.search_strategy
+        ended = (state or HeuristicState()).observed(np.sqrt(np.diag(self.posterior.covariance)))
+        made: HeuristicPose | None = None
+        # Only the annealing needs a start, and so a rule.
+        if strategy is None or (strategy == "annealing" and settings.start == "generated"):
+            made = self._generated(ended)
+            ended = ended if made is None else made.state
+        if strategy is None:
+            vector = random_pose(space, rng) if made is None else made.vector
+            return SearchResult(vector, float("nan"), 0, False), made, ended
+        begin = None
+        if strategy == "annealing":
+            if made is not None and not space.accepts(made.vector)[0]:
+                made = None
+            begin = random_pose(space, rng) if made is None else made.vector
+        found = search(
+            strategy,
+            space,
+            self._cost(rng),
+            rng,
+            start=begin,
+            budget=budget,
+            stop=self.stop,
+            on_step=self.on_step,
+            keep_best=settings.keep_best,
+        )
+        return found, made, ended
 
-    `budget`: approximate number of poses to evaluate; None: the search's default. Others as
-    `next_target`.
-    """
-    strategy = settings.search_strategy
-    begun = (state or HeuristicState()).observed(np.sqrt(np.diag(posterior.covariance)))
-    # Only the annealing needs a start, and so a rule.
-    ruled = strategy is None or (strategy == "annealing" and settings.start == "generated")
-    made = _generated(settings.method, space, posterior.covariance, begun) if ruled else None
-    ended = begun if made is None else made.state
-    if strategy is None:
-        vector = random_pose(space, rng) if made is None else made.vector
-        return SearchResult(vector, float("nan"), 0, False), made, ended
-    begin = None
-    if strategy == "annealing":
-        if made is not None and not space.accepts(made.vector)[0]:
-            made = None
-        begin = random_pose(space, rng) if made is None else made.vector
-    found = search(
-        strategy,
-        space,
-        _search_cost(settings, posterior, space, views, rng),
-        rng,
-        start=begin,
-        budget=budget,
-        stop=stop,
-        on_step=on_step,
-        keep_best=settings.keep_best,
-    )
-    return found, made, ended
+    def target_at(
+        self, vector: Array, number: int, evaluated: int = 0, aimed_at: str | None = None
+    ) -> Target:
+        """The complete target at a pose vector (6,), found among `evaluated` poses.
+        The parameter that a rule `aimed_at` is listed first whatever it gains."""
+        posterior, camera, board = self.posterior, self.posterior.camera, self.posterior.board
+        after = posterior.after(vector)[0]
+        pose, serves = Pose.from_vector(vector), served(posterior.covariance, after, aimed_at)
+        return Target(
+            number=number,
+            pose=pose,
+            steps=decompose(pose, camera, board),
+            method=self.settings.method,
+            cost=self.settings.search_cost,
+            serves=serves,
+            reason=reason_for(serves, pose, camera, board),
+            predicted_sigma=np.sqrt(np.diag(after)),
+            predicted_uncertainty_px=projection_uncertainty_px(camera, after),
+            evaluated=evaluated,
+            search_s=0.0,
+            uncertainty_px=posterior.uncertainty_px if posterior.settled else float("nan"),
+            held=held_in_words(pose, camera),
+        )
 
+    def _cost(self, rng: np.random.Generator) -> CostFunction:
+        """The cost; for the method global with a small surcharge for turns (see `EFFORT`)."""
+        seen = [view.observation for view in self.views]
+        cost = make_cost(self.settings.search_cost, self.posterior, observations=seen, rng=rng)
+        if self.settings.method != "global":
+            return cost
 
-def target_at(
-    posterior: Posterior,
-    settings: PlanningSettings,
-    vector: Array,
-    number: int,
-    *,
-    aimed_at: str | None = None,
-    alternatives: tuple[Target, ...] = (),
-    evaluated: int = 0,
-    began: float | None = None,
-) -> Target:
-    """The complete target at a pose vector (6,).
+        def effort(vectors: Array) -> Array:
+            return EFFORT * np.abs(vectors[:, :3]).mean(axis=1) / self.space.limits.max_angle_deg
 
-    Args:
-        aimed_at: the parameter that a rule aimed at; listed first whatever it gains.
-        evaluated: number of poses evaluated.
-        began: `time.perf_counter` when the search began.
-    """
-    camera, board = posterior.camera, posterior.board
-    after = posterior.after(vector)[0]
-    pose, serves = Pose.from_vector(vector), served(posterior.covariance, after, aimed_at)
-    return Target(
-        number=number,
-        pose=pose,
-        steps=decompose(pose, camera, board),
-        method=settings.method,
-        cost=settings.search_cost,
-        serves=serves,
-        reason=reason_for(serves, pose, camera, board),
-        predicted_sigma=np.sqrt(np.diag(after)),
-        predicted_uncertainty_px=projection_uncertainty_px(camera, after),
-        evaluated=evaluated,
-        search_s=0.0 if began is None else time.perf_counter() - began,
-        uncertainty_px=posterior.uncertainty_px if posterior.settled else float("nan"),
-        alternatives=alternatives,
-        held=held_in_words(pose, camera),
-    )
+        return with_surcharge(cost, effort)
 
-
-def _search_cost(
-    settings: PlanningSettings,
-    posterior: Posterior,
-    space: Space,
-    views: Sequence[View],
-    rng: np.random.Generator,
-) -> CostFunction:
-    """The cost; for the method global with a small surcharge for turns (see `EFFORT`)."""
-    observations = [view.observation for view in views]
-    cost = make_cost(settings.search_cost, posterior, observations=observations, rng=rng)
-    if settings.method != "global":
-        return cost
-
-    def effort(vectors: Array) -> Array:
-        return EFFORT * np.abs(vectors[:, :3]).mean(axis=1) / space.limits.max_angle_deg
-
-    return with_surcharge(cost, effort)
-
-
-def _generated(
-    method: Method, space: Space, covariance: Array, state: HeuristicState
-) -> HeuristicPose | None:
-    """The rule's next pose that was not skipped, or the eighth; None for methods without a rule."""
-    if method not in ("venus", "pose-selection"):
-        return None
-    generate = paper_pose if method == "venus" else rojtberg_pose
-    worst = weakest_parameter(space.camera, covariance, state.settled)
-    made: HeuristicPose | None = None
-    for _ in range(8):
-        made = generate(space.board, space.camera, space.limits, worst, state)
-        if space.accepts(made.vector)[0]:
-            break
-        state = made.state
-    return made
+    def _generated(self, state: HeuristicState) -> HeuristicPose | None:
+        """The rule's next pose that was not skipped, or the eighth; None if there is no rule."""
+        if self.settings.method not in ("venus", "pose-selection"):
+            return None
+        generate = paper_pose if self.settings.method == "venus" else rojtberg_pose
+        covariance = self.posterior.covariance
+        worst = weakest_parameter(self.space.camera, covariance, state.settled)
+        made: HeuristicPose | None = None
+        for _ in range(8):
+            made = generate(self.space, worst, state)
+            if self.space.accepts(made.vector)[0]:
+                break
+            state = made.state
+        return made
 
 
 def clearly_different(one: Pose, other: Pose) -> bool:
