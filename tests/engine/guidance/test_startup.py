@@ -21,8 +21,7 @@ def startup(default_board: Board) -> Startup:
 
 def test_before_any_view_there_is_a_guess(startup: Startup) -> None:
     assert startup.camera == Camera.guess(SIZE)
-    assert not startup.determined and startup.distance is None
-    assert startup.rms_px == float("inf")
+    assert startup.best is None and startup.distance is None
     np.testing.assert_allclose(startup.target.vector()[:5], [45, 0, 0, 0, 0], atol=1e-9)
 
 
@@ -38,14 +37,14 @@ def test_a_frontal_view_fits_any_focal_length_and_is_not_believed(
         for tilt in (0, 3):
             seen = observe(paper_camera, default_board, [tilt, 0, 10, 0, 0, z], rng, noise)
             assert not startup.observe(seen)
-    assert not startup.determined and startup.camera == Camera.guess(SIZE)
+    assert startup.best is None and startup.camera == Camera.guess(SIZE)
 
 
 def test_a_tilted_view_shows_the_focal_length(
     startup: Startup, paper_camera: Camera, default_board: Board, rng: np.random.Generator
 ) -> None:
     assert startup.observe(observe(paper_camera, default_board, [45, 0, 0, 0, 0, 0.4], rng, 0.1))
-    assert startup.determined and 0 < startup.rms_px < 2
+    assert startup.best is not None and 0 < startup.best.rms_px < 2
     assert startup.camera.fx == pytest.approx(1070, rel=0.05)
     assert startup.camera.fx == startup.camera.fy
 
@@ -64,7 +63,7 @@ def test_the_estimate_gets_better_while_the_board_is_moved_about(
             vector = [*turn, *rng.normal(0, 0.03, 2), 0.25 + 0.006 * k]
             if startup.observe(observe(paper_camera, default_board, vector, rng, 0.1)):
                 shares.append(startup.camera.fx)
-        assert startup.determined
+        assert startup.best is not None
         ends.append(startup.camera.fx)
     errors = np.abs(np.array(ends) - 1070)
     assert errors.mean() < 15 and errors.max() < 40
@@ -119,4 +118,4 @@ def test_garbage_changes_nothing(startup: Startup, rng: np.random.Generator) -> 
         *(Observation(np.arange(40), rng.uniform(0, 700, (40, 2)), SIZE) for _ in range(30)),
     ):
         assert not startup.observe(seen)
-    assert not startup.determined
+    assert startup.best is None

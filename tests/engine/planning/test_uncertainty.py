@@ -24,7 +24,7 @@ from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Work
-from venus3d.engine.planning.posterior import Posterior, information_of
+from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search_trace import SearchRecorder, SearchStep
 from venus3d.engine.planning.uncertainty import (
     MAP,
@@ -261,7 +261,7 @@ def test_watching_changes_no_target(
 def test_no_maps_are_promised_while_the_views_alone_do_not_say_enough(
     known: Calibration, default_board: Board
 ) -> None:
-    information = 1e-9 * information_of(known)
+    information = 1e-9 * np.linalg.inv(known.covariance / known.residual_sigma_px**2)
     posterior = Posterior.of(default_board, known.camera, information, known.residual_sigma_px)
     assert not posterior.settled
     knows = projection_uncertainty(known, posterior, None)

@@ -13,18 +13,13 @@ from typing import Any, Literal
 import cv2
 import numpy as np
 
-from venus3d.engine.calibration.information import covariance_of, view_information
-from venus3d.engine.calibration.observation import Observation, View
+from venus3d.engine.calibration.information import covariance_of, information_of
+from venus3d.engine.calibration.observation import Observation, View, reprojection_errors
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
-
-
-def rms_distance(errors: Array) -> float:
-    """Root mean square length of vectors (N, 2)."""
-    return float(np.sqrt((errors**2).sum(axis=1).mean()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,15 +111,14 @@ def calibrate(
         )
     points = [board.points_of(o.ids) for o in observations]
     camera, poses = _optimum(points, observations, size, model, start)
-    residuals = [
-        o.corners - camera.project(pose.apply(p))
-        for o, pose, p in zip(observations, poses, points, strict=True)
-    ]
+    located = list(zip(observations, poses, strict=True))
+    residuals = [reprojection_errors(camera, board, o, pose) for o, pose in located]
     squares = [float(np.sum(r * r)) for r in residuals]
     if not np.isfinite(sum(squares)):
         raise CalibrationError(_UNTIED.format(why="the estimate folded up"))
     sigma = float(np.sqrt(sum(squares) / degrees_of_freedom))
-    covariance = _covariance(camera, points, poses, sigma, model)
+    information = np.sum([information_of(camera, board, o, p) for o, p in located], axis=0)
+    covariance = _covariance(camera, information, sigma, model)
     numbered = range(1, len(observations) + 1) if numbers is None else numbers
     views = tuple(
         View(number, o, pose, float(np.sqrt(square / o.count)), r)
@@ -227,14 +221,9 @@ def _start(
     return K, np.zeros(5)
 
 
-def _covariance(
-    camera: Camera, points: list[Array], poses: list[Pose], sigma: float, model: Model
-) -> Array:
-    """(9, 9) covariance of the parameters for corner noise `sigma`, from the Schur complements."""
-    total = np.zeros((9, 9))
+def _covariance(camera: Camera, total: Array, sigma: float, model: Model) -> Array:
+    """(9, 9) covariance of the parameters for corner noise `sigma` and the views' information."""
     try:
-        for p, pose in zip(points, poses, strict=True):
-            total += view_information(camera, p, pose.R[None], pose.t[None])[0]
         if model == "full":
             covariance = covariance_of(total, 1.0)
         else:

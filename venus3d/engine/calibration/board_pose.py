@@ -5,11 +5,14 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import rms_distance
-from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.observation import (
+    Observation,
+    reprojection_errors,
+    rms_distance,
+)
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.geometry.pose import Pose
 
 _FEWEST_CORNERS = 6
 # A larger reprojection error, as a share of the image width, is not a pose of this board.
@@ -39,7 +42,7 @@ def estimate_pose(
             points[seen], rays[seen], np.eye(3), np.zeros(5), flags=cv2.SOLVEPNP_IPPE
         )
         candidates = [Pose.from_rvec_tvec(r, t) for r, t in zip(rvecs, tvecs, strict=True)]
-        refined = [_refined(camera, points, observation, pose) for pose in candidates]
+        refined = [_refined(camera, board, observation, pose) for pose in candidates]
     except cv2.error:
         return None
     poses = [(pose, error) for pose, error in refined if pose.t[2] > 0 and np.isfinite(error)]
@@ -55,10 +58,10 @@ def estimate_pose(
 
 
 def _refined(
-    camera: Camera, points: Array, observation: Observation, start: Pose
+    camera: Camera, board: Board, observation: Observation, start: Pose
 ) -> tuple[Pose, float]:
     rvec, tvec = cv2.solvePnPRefineLM(
-        points,
+        board.points_of(observation.ids),
         observation.corners,
         camera.K,
         camera.distortion,
@@ -66,5 +69,4 @@ def _refined(
         start.t.reshape(3, 1).copy(),
     )
     pose = Pose.from_rvec_tvec(rvec, tvec)
-    error = observation.corners - camera.project(pose.apply(points))
-    return pose, rms_distance(error)
+    return pose, rms_distance(reprojection_errors(camera, board, observation, pose))

@@ -15,8 +15,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.pose import Array
+from venus3d.engine.geometry.pose import Array, Pose
 
 
 def view_information(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
@@ -29,6 +31,11 @@ def view_information(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLi
     cross = gram[:, :6, 6:] * scale[:, :, None]
     marginal = gram[:, 6:, 6:] - np.swapaxes(cross, 1, 2) @ np.linalg.solve(pose_gram, cross)
     return 0.5 * (marginal + np.swapaxes(marginal, 1, 2))
+
+
+def information_of(camera: Camera, board: Board, seen: Observation, pose: Pose) -> Array:
+    """Information (9, 9) of one observation under its pose."""
+    return view_information(camera, board.points_of(seen.ids), pose.R[None], pose.t[None])[0]
 
 
 def normal_matrices(

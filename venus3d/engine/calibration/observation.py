@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 
 
@@ -64,3 +65,13 @@ class View:
     """Root mean square of the corners' reprojection distance, pixels."""
     errors: Array = field(repr=False)
     """(N, 2) observed minus projected corners, pixels."""
+
+
+def rms_distance(errors: Array) -> float:
+    """Root mean square length of vectors (N, 2)."""
+    return float(np.sqrt((errors**2).sum(axis=1).mean()))
+
+
+def reprojection_errors(camera: Camera, board: Board, seen: Observation, pose: Pose) -> Array:
+    """(N, 2) observed minus projected corners under a pose, pixels."""
+    return seen.corners - camera.project(pose.apply(board.points_of(seen.ids)))

@@ -11,10 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate, determines_homography, rms_distance
+from venus3d.engine.calibration.adjustment import calibrate, determines_homography
 from venus3d.engine.calibration.board_pose import estimate_pose
-from venus3d.engine.calibration.information import prior_information, view_information
-from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.information import information_of, prior_information
+from venus3d.engine.calibration.observation import (
+    Observation,
+    reprojection_errors,
+    rms_distance,
+)
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -89,10 +93,8 @@ def _candidates(
         pose = estimate_pose(camera, board, observation)
         if pose is None:
             continue
-        points = board.points_of(observation.ids)
-        error = observation.corners - camera.project(pose.apply(points))
-        rms = rms_distance(error)
-        information = view_information(camera, points, pose.R[None], pose.t[None])[0]
+        rms = rms_distance(reprojection_errors(camera, board, observation, pose))
+        information = information_of(camera, board, observation, pose)
         if np.isfinite(rms) and np.isfinite(information).all():
             found.append(_Candidate(index, observation, information, rms))
     if not found:

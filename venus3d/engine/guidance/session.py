@@ -95,7 +95,7 @@ class Session:
         self._watch_taken_back()
         may_capture = self.settings.auto_capture and self._taken_back is None
         if may_capture and self._phase in ("startup", "guiding"):
-            ready = self._phase == "guiding" or self._startup.determined
+            ready = self._phase == "guiding" or self._startup.best is not None
             if (
                 ready and self._tracker.held_frames >= self.settings.hold_frames
             ) or self._is_useful():
@@ -274,7 +274,7 @@ class Session:
         headline, instruction = headline_and_prompt(
             self._phase, remaining and remaining.current, tracker.pose is not None, self._ending
         )
-        if self._phase == "startup" and not self._startup.determined and self._target is None:
+        if self._phase == "startup" and self._startup.best is None and self._target is None:
             headline, instruction = startup_headline_and_prompt(
                 tracker.observation.count, self.board.corner_count
             )

@@ -37,41 +37,23 @@ class Startup:
 
     def __init__(self, board: Board, image_size: tuple[int, int]) -> None:
         """No estimate yet: `camera` is a guess for images of `image_size` (width, height)."""
-        self._board = board
-        self._image_size = image_size
-        self._camera = Camera.guess(image_size)
-        self._best: Calibration | None = None
-        self._complete: Observation | None = None
-        self._distance: float | None = None
-
-    @property
-    def camera(self) -> Camera:
+        self._board, self._image_size = board, image_size
+        self.camera = Camera.guess(image_size)
         """The best estimate so far; `Camera.guess` before the first."""
-        return self._camera
-
-    @property
-    def determined(self) -> bool:
-        """Whether a view has determined the focal length."""
-        return self._best is not None
-
-    @property
-    def rms_px(self) -> float:
-        """Reprojection error of the best view, pixels; inf before the first."""
-        return float("inf") if self._best is None else self._best.rms_px
-
-    @property
-    def distance(self) -> float | None:
+        self.best: Calibration | None = None
+        """Of the best view so far; None before one has determined the focal length."""
+        self._complete: Observation | None = None
+        self.distance: float | None = None
         """z of the board's centre when it was first seen whole, metres, under `camera`.
         None until then."""
-        return self._distance
 
     @property
     def target(self) -> Pose:
         """[45, 0, 0, 0, 0, z]: the whole board in the image with a margin, near `distance`."""
         nearest = self._nearest_fit()
         z = nearest
-        if self._distance is not None:
-            z = float(np.clip(self._distance, nearest, _FARTHER * nearest))
+        if self.distance is not None:
+            z = float(np.clip(self.distance, nearest, _FARTHER * nearest))
         return Pose.from_vector([TILT_DEG, 0, 0, 0, 0, z])
 
     def updated_target(
@@ -86,7 +68,7 @@ class Startup:
         return unpredicted_target(
             number,
             pose,
-            self._camera,
+            self.camera,
             self._board,
             reason=STARTUP_REASON,
             method=method,
@@ -111,8 +93,8 @@ class Startup:
             self._complete = observation
         if self._complete is not None and (first or better):
             # A longer focal length puts the same image farther away.
-            pose = estimate_pose(self._camera, self._board, self._complete)
-            self._distance = None if pose is None else float(pose.t[2])
+            pose = estimate_pose(self.camera, self._board, self._complete)
+            self.distance = None if pose is None else float(pose.t[2])
         return better
 
     def _improve(self, observation: Observation) -> bool:
@@ -128,9 +110,9 @@ class Startup:
         # small, far and nearly frontal boards, which fit well whatever f is. So views are compared
         # by sigma_f = residual sigma x geometry: over 30 simulated walks of 60 frames f ends 6 px
         # off instead of 17 px.
-        if self._best is not None and _share(found) >= _share(self._best):
+        if self.best is not None and _share(found) >= _share(self.best):
             return False
-        self._best, self._camera = found, found.camera
+        self.best, self.camera = found, found.camera
         return True
 
     def _shows_f(self, found: Calibration) -> bool:
@@ -147,7 +129,7 @@ class Startup:
     def _nearest_fit(self) -> float:
         """The smallest z at which the tilted board fits the image with the margin, metres."""
         turned = Pose.from_vector([TILT_DEG, 0, 0, 0, 0, 0]).apply(self._board.outline)
-        camera = self._camera
+        camera = self.camera
         width, height = self._image_size
         room = (0.5 - _MARGIN) * np.array([width, height])
         # f |x| / (z + dz) <= room, solved for z; the start-up camera has its principal point at the

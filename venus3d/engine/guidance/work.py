@@ -8,9 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration, calibrate, rms_distance
+from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
-from venus3d.engine.calibration.observation import Observation, View
+from venus3d.engine.calibration.observation import (
+    Observation,
+    View,
+    reprojection_errors,
+    rms_distance,
+)
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
@@ -177,7 +182,7 @@ def provisional(
             raise CalibrationError(
                 f"View {number} shows no pose of this board; check the board's options."
             )
-        errors = observation.corners - camera.project(pose.apply(board.points_of(observation.ids)))
+        errors = reprojection_errors(camera, board, observation, pose)
         views.append(View(number, observation, pose, rms_distance(errors), errors))
     residuals = np.concatenate([view.errors for view in views])
     nothing = (False,) * len(PARAMETERS)

@@ -14,9 +14,9 @@ from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.corner_noise import RENDERED, NoiseModel
 from venus3d.engine.calibration.information import (
     covariance_of,
+    information_of,
     normal_matrices,
     prior_information,
-    view_information,
 )
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
@@ -74,7 +74,8 @@ class Posterior:
             vectors = np.array([view.pose.vector() for view in c.views])
             noise = noise.relative_to(c.camera, c.board, vectors)
         sigma = max(c.residual_sigma_px, LEAST_SIGMA_PX)
-        return cls.of(c.board, c.camera, information_of(c), sigma, noise)
+        seen = [information_of(c.camera, c.board, v.observation, v.pose) for v in c.views]
+        return cls.of(c.board, c.camera, np.sum(seen, axis=0), sigma, noise)
 
     @cached_property
     def covariance(self) -> Array:
@@ -120,19 +121,8 @@ class Posterior:
 
     def with_observation(self, observation: Observation, pose: Pose) -> Posterior:
         """The posterior after this observation is taken as a view, under its pose."""
-        points = self.board.points_of(observation.ids)
-        added = view_information(self.camera, points, pose.R[None], pose.t[None])[0]
+        added = information_of(self.camera, self.board, observation, pose)
         return replace(self, information=self.information + added)
-
-
-def information_of(calibration: Calibration) -> Array:
-    """(9, 9) information of a calibration's views at its optimum, for corner noise of one pixel."""
-    total = np.zeros((9, 9))
-    for view in calibration.views:
-        points = calibration.board.points_of(view.observation.ids)
-        R, t = view.pose.R[None], view.pose.t[None]
-        total += view_information(calibration.camera, points, R, t)[0]
-    return total
 
 
 def _settled(information: Array, prior: Array, sigma_px: float) -> bool:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import Calibration
-from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.information import covariance_of, information_of
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import (
     projection_uncertainty_px,
@@ -104,22 +104,21 @@ def projection_uncertainty(
 
 def influences(calibration: Calibration) -> tuple[Influence, ...]:
     """A full calibration without each of its views, in order."""
-    camera, views = calibration.camera, calibration.views
-    parts = [_information_and_pull(calibration, view) for view in views]
-    total = np.sum([information for information, _ in parts], axis=0)
+    camera, board, views = calibration.camera, calibration.board, calibration.views
+    parts = [information_of(camera, board, view.observation, view.pose) for view in views]
+    total = np.sum(parts, axis=0)
     return tuple(
-        _without(camera, views, view, total - information, gradient)
-        for view, (information, gradient) in zip(views, parts, strict=True)
+        _without(camera, views, view, total - part, _pull(calibration, view))
+        for view, part in zip(views, parts, strict=True)
     )
 
 
-def _information_and_pull(calibration: Calibration, view: View) -> tuple[Array, Array]:
-    """The view's information (9, 9) and its gradient by the parameters, g (9,); unit noise."""
-    camera, points = calibration.camera, calibration.board.points_of(view.observation.ids)
+def _pull(calibration: Calibration, view: View) -> Array:
+    """(9,) the gradient of a view's squares by the parameters, g; for unit noise."""
+    points = calibration.board.points_of(view.observation.ids)
     R, t = view.pose.R[None], view.pose.t[None]
-    _, intrinsic, _ = camera.project_with_jacobians(points, R, t)
-    gradient = intrinsic.reshape(-1, len(PARAMETERS)).T @ view.errors.reshape(-1)
-    return view_information(camera, points, R, t)[0], gradient
+    _, intrinsic, _ = calibration.camera.project_with_jacobians(points, R, t)
+    return intrinsic.reshape(-1, len(PARAMETERS)).T @ view.errors.reshape(-1)
 
 
 def _without(
