@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from tests.waiting import wait_until
-from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.scene.pages.guide import intents
@@ -50,12 +49,12 @@ def test_page_shows_state_scene_projections_and_progress(
     viewer.show_picture(picture)
     page = open_page()
     page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
-    assert guiding.match is not None and guiding.target is not None
-    assert page.locator(".v-sentence").inner_text() == step_prompt(guiding.match.steps[2]).holder
-    assert f"{guiding.match.remaining_deg[1]:+.0f}".replace("-", "−") in page.inner_text(
-        ".v-amount"
-    )
-    page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
+    assert guiding.remaining is not None and guiding.target is not None
+    step = guiding.remaining.step(3)
+    assert page.locator(".v-sentence").inner_text() == step.prompt.holder
+    assert f"{step.step.angle_deg:+.0f}".replace("-", "−") in page.inner_text(".v-amount")
+    assert step.prompt.holder in page.locator(".v-tile").nth(2).inner_text()
+    page.wait_for_function("document.querySelectorAll('.v-tile .v-shot').length === 4")
     assert marked_tile(page) == "3"
     assert guiding.target.reason in page.inner_text(".v-reason")
     page.get_by_role("tab", name=PARAMETERS_TAB).click()
@@ -83,12 +82,14 @@ def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snap
     page = open_page()
     page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
     assert "/steps/3/arrow" in viewer.scene_names
-    page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
-    page.evaluate("document.querySelectorAll('.v-tile').forEach(e => e.kept = true)")
+    page.wait_for_function("document.querySelectorAll('.v-tile .v-shot').length === 4")
+    styles = "[...document.querySelectorAll('style')]"
+    sheet = f"{styles}.find(e => e.textContent.includes('.v-steps-4{{'))"
+    page.evaluate(f"{sheet}.kept = true")
     press(page, "n")
     page.wait_for_selector(".v-title:has-text('Step 4 of 4')")
     page.wait_for_selector("[data-marked='4']", state="attached")
-    assert page.evaluate("[...document.querySelectorAll('.v-tile')].every(e => e.kept)")
+    assert page.evaluate(f"{sheet}.kept")
     borders = page.evaluate(
         "[...document.querySelectorAll('.v-tile')].map(e => getComputedStyle(e).borderTopColor)"
     )
@@ -151,7 +152,7 @@ def test_reload_and_second_tab_see_the_same(
     for page in (first, second):
         page.wait_for_selector(".v-title:has-text('Step 4 of 4')")
         page.wait_for_selector("[data-marked='4']")
-        page.wait_for_function("document.querySelectorAll('.v-tile img').length === 4")
+        page.wait_for_function("document.querySelectorAll('.v-tile .v-shot').length === 4")
         page.wait_for_selector("[data-mantine-color-scheme='light']", state="attached")
     assert first.inner_text(".v-sentence") == second.inner_text(".v-sentence")
 

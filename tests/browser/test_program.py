@@ -99,7 +99,7 @@ def test_a_real_video_is_guided_and_captured_on_the_key(
     page.goto(program.url)
     page.wait_for_selector(".v-title:has-text('Step')", timeout=_PATIENCE_MS)
     page.wait_for_function(
-        "document.querySelectorAll('.v-tile img').length === 4", timeout=_PATIENCE_MS
+        "document.querySelectorAll('.v-tile .v-shot').length === 4", timeout=_PATIENCE_MS
     )
     assert views_on(page) == 0
     page.keyboard.press("c")
@@ -125,8 +125,8 @@ def test_another_pose_and_another_method_are_chosen_while_running(
     page.keyboard.press("c")
     page.get_by_text("nearly as good").wait_for()
     # The pictures tell one pose from another; the reasons of two may be the same words.
-    first = "document.querySelector('.v-tile img')?.src"
-    page.wait_for_selector(".v-tile img")
+    first = "getComputedStyle(document.querySelector('.v-shot')).backgroundImage"
+    page.wait_for_selector(".v-shot")
     before = page.evaluate(first)
     page.keyboard.press("j")
     page.wait_for_function(f"old => {first} && {first} !== old", arg=before)

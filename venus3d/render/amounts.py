@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from venus3d.engine.geometry.decomposition import Step
+
 
 def signed(value: float) -> str:
     """A whole number with its sign, with a true minus; zero has none."""
@@ -12,3 +16,10 @@ def signed(value: float) -> str:
 def degrees(angle: float) -> str:
     """An angle in whole degrees, with the direction of its turn: "+25°"."""
     return f"{signed(angle)}°"
+
+
+def step_amount(step: Step) -> str:
+    """The amount of a step: "120 mm" or "−31°"."""
+    if step.axis is None:
+        return f"{float(np.linalg.norm(step.translation)) * 1000:.0f} mm"
+    return degrees(step.angle_deg)

@@ -51,14 +51,14 @@ def annotate(
     `step` (solid, in the step's colour), and the detected corners, in pixels of the observation's
     own image size."""
     camera = snapshot.camera.scaled((rgb.shape[1], rgb.shape[0]))
-    if snapshot.target is not None and snapshot.phase in ("startup", "guiding"):
-        target = outline_of(camera, snapshot.board, snapshot.target.pose)
-        steps = snapshot.target.steps if snapshot.match is None else snapshot.match.steps
+    remaining = snapshot.remaining
+    if remaining is not None:
+        target = outline_of(camera, snapshot.board, remaining.steps[3].after)
         draw_dashes(rgb, target, _TARGET_COLOUR, 2)
-        if snapshot.match is not None:
-            after = outline_of(camera, snapshot.board, steps[step - 1].after)
-            draw_line(rgb, after, colour, 4, closed=True)
-            mark_top(rgb, camera, snapshot.board, steps[step - 1].after, colour)
+        if not remaining.from_upright:
+            end = remaining.steps[step - 1].after
+            draw_line(rgb, outline_of(camera, snapshot.board, end), colour, 4, closed=True)
+            mark_top(rgb, camera, snapshot.board, end, colour)
     seen = snapshot.observation if observation is None else observation
     if seen.count:
         scale = np.array([rgb.shape[1], rgb.shape[0]]) / np.asarray(seen.image_size)

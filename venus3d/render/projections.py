@@ -1,5 +1,5 @@
-"""The four steps of a target as the camera would see them, each under its instruction. Rendered on
-the first request for a target and camera, then cached (the paper's lazy loading)."""
+"""Four steps as the camera would see them. Rendered on the first request for these steps and this
+camera, then cached (the paper's lazy loading)."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.decomposition import Step
+from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.guidance.prompts import step_prompt
-from venus3d.engine.planning.target import Target
 from venus3d.render.describe import describe_step
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground, picture_background, step_style, text_on
-from venus3d.render.shapes import Colour
+from venus3d.render.shapes import Colour, LabelShape, Shape
 from venus3d.render.text_drawing import fitting_font, font, wrapped_lines
 from venus3d.render.texts import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
 
 Picture = NDArray[np.uint8]
 Pictures = tuple[Future[Picture], Future[Picture], Future[Picture], Future[Picture]]
-KEPT_TARGETS = 6
+KEPT = 6
+"""Sets of four pictures that are kept."""
 HEADER_SHARE = 0.26
 """Height of a picture's header, in heights of the picture."""
 
 
 class Projections:
-    """The pictures of the steps, by target; thread-safe."""
+    """The pictures of the steps; thread-safe."""
 
     def __init__(self, offscreen: Offscreen) -> None:
         """`offscreen` renders the pictures."""
@@ -47,26 +47,37 @@ class Projections:
 
     def of(
         self,
-        target: Target,
+        steps: Steps,
         camera: Camera,
         board: Board,
         *,
+        done: tuple[bool, ...] = (False,) * 4,
         size: tuple[int, int] = (480, 270),
         dark: bool = True,
         header: bool = True,
+        amounts: bool = True,
     ) -> Pictures:
         """Futures of the RGB pictures of steps 1 ... 4, each of `size` plus a `header` above;
-        returns at once."""
-        key = (target, camera, board, size, dark, header)
+        returns at once. The arguments are those of `of_step`."""
+        key = (steps, camera, board, done, size, dark, header, amounts)
         with self._lock:
             if key not in self._kept:
                 one, two, three, four = (
-                    self.of_step(step, camera, board, size=size, dark=dark, header=header)
-                    for step in target.steps
+                    self.of_step(
+                        step,
+                        camera,
+                        board,
+                        done=is_done,
+                        size=size,
+                        dark=dark,
+                        header=header,
+                        amounts=amounts,
+                    )
+                    for step, is_done in zip(steps, done, strict=True)
                 )
                 self._kept[key] = (one, two, three, four)
             self._kept.move_to_end(key)
-            while len(self._kept) > KEPT_TARGETS:
+            while len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
             return self._kept[key]
 
@@ -76,15 +87,28 @@ class Projections:
         camera: Camera,
         board: Board,
         *,
+        done: bool = False,
         size: tuple[int, int] = (480, 270),
         dark: bool = True,
         supersample: int = 2,
         header: bool = True,
+        amounts: bool = True,
     ) -> Future[Picture]:
-        """The picture of one step; not cached. Drawn `supersample` times as large and shrunk."""
+        """The picture of one step; not cached. Drawn `supersample` times as large and shrunk.
+
+        Args:
+            done: no arrow, since nothing is to be done.
+            header: the step's number, title and words above.
+            amounts: the amount beside the arrow; without, the picture stays true while it falls.
+        """
+
+        def shapes() -> tuple[Shape, ...]:
+            described = describe_step(board, camera, step, dark=dark, instruct=not done)
+            return described if amounts else tuple(s for s in described if not _is_amount(s))
+
         return self._offscreen.submit(
             camera,
-            lambda: describe_step(board, camera, step, dark=dark),
+            shapes,
             background=picture_background(dark),
             size=size,
             supersample=supersample,
@@ -92,6 +116,10 @@ class Projections:
                 picture, step, dark
             ),
         )
+
+
+def _is_amount(shape: Shape) -> bool:
+    return isinstance(shape, LabelShape) and shape.name.endswith("/label")
 
 
 def with_step_header(picture: Picture, step: Step, dark: bool) -> Picture:

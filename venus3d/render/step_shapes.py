@@ -12,7 +12,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import AXES, Array, Pose, interpolate
-from venus3d.render.amounts import degrees
+from venus3d.render.amounts import step_amount
 from venus3d.render.arrows import (
     arc_arrow,
     arc_point,
@@ -90,7 +90,7 @@ def _move_shapes(board: Board, step: Step, name: str, dark: bool) -> list[Shape]
             _move_arrow(f"{name}/trail_{i}", length, 0.4 * shaft, along.moved(corner), colour)
             for i, corner in enumerate(corners, start=1)
         ),
-        LabelShape(f"{name}/label", f"{length * 1000:.0f} mm", middle, colour),
+        LabelShape(f"{name}/label", step_amount(step), middle, colour),
     ]
 
 
@@ -147,7 +147,7 @@ def _turn_shapes(
         MeshShape(f"{name}/sector", done, place.frame, colour, 0.4),
         LineShape(f"{name}/axis", place.axis_ends[None], Pose.identity(), colour, 2.0, seen),
         LabelShape(f"{name}/axis_label", step.axis.upper(), letter_at, colour, seen),
-        LabelShape(f"{name}/label", degrees(step.angle_deg), degrees_at, colour),
+        LabelShape(f"{name}/label", step_amount(step), degrees_at, colour),
     ]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.render.amounts import degrees
+from venus3d.render.amounts import step_amount
 from venus3d.render.board_mesh import board_outline, board_shape
 from venus3d.render.palette import ground, step_colour, step_style
 from venus3d.render.shapes import (
@@ -23,6 +23,7 @@ from venus3d.render.shapes import (
     Shape,
 )
 from venus3d.render.step_shapes import instruction_shapes, pose_during
+from venus3d.render.texts import DONE
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres; above everything drawn in place."""
@@ -31,10 +32,20 @@ _GAP = 0.5
 
 
 def strip_shapes(
-    board: Board, steps: Sequence[Step], *, dark: bool, active: int, sweep: float
+    board: Board,
+    steps: Sequence[Step],
+    *,
+    dark: bool,
+    active: int,
+    sweep: float,
+    done: Sequence[bool] = (False,) * 4,
 ) -> list[Shape]:
-    """The four steps spread along x about `STRIP_CENTRE`, none touching another."""
-    cells = [_cell(board, s, dark, sweep if s.number == active else 1.0) for s in steps]
+    """The four steps spread along x about `STRIP_CENTRE`, none touching another; one that is `done`
+    has no arrow."""
+    cells = [
+        _cell(board, s, dark, sweep if s.number == active else 1.0, instruct=not is_done)
+        for s, is_done in zip(steps, done, strict=True)
+    ]
     boxes = [bounds_of(cell) for cell in cells]
     gap = _GAP * board.width
     total = sum(box[1, 0] - box[0, 0] for box in boxes) + gap * (len(boxes) - 1)
@@ -42,36 +53,38 @@ def strip_shapes(
     heights = [step.after.t[1] - box[0, 1] for step, box in zip(steps, boxes, strict=True)]
     caption_y = STRIP_CENTRE[1] - max(heights) - 0.25 * board.width
     shapes: list[Shape] = []
-    for step, cell, box in zip(steps, cells, boxes, strict=True):
+    for step, is_done, cell, box in zip(steps, done, cells, boxes, strict=True):
         width = box[1, 0] - box[0, 0]
         offset = np.array([left - box[0, 0], *(np.array(STRIP_CENTRE) - step.after.t)[1:]])
         shapes += [moved_shape(shape, Pose(np.eye(3), offset)) for shape in cell]
         at = np.array([left + width / 2, caption_y, STRIP_CENTRE[2]])
         colour = step_colour(step.number, dark)
-        shapes.append(LabelShape(f"/strip/{step.number}/caption", caption(step), at, colour))
+        shapes.append(
+            LabelShape(f"/strip/{step.number}/caption", caption(step, is_done), at, colour)
+        )
         left += width + gap
     return shapes
 
 
-def caption(step: Step) -> str:
+def caption(step: Step, done: bool = False) -> str:
     """Number, word and amount: "2 Tilt about X +30°"."""
-    amount = f" {degrees(step.angle_deg)}"
-    if step.axis is None:
-        amount = f" {np.linalg.norm(step.translation) * 1000:.0f} mm"
-    return f"{step.number} {step_style(step.number).title}{'' if step.is_idle else amount}"
+    amount = DONE if done else "" if step.is_idle else step_amount(step)
+    return f"{step.number} {step_style(step.number).title} {amount}".rstrip()
 
 
-def _cell(board: Board, step: Step, dark: bool, sweep: float) -> list[Shape]:
+def _cell(board: Board, step: Step, dark: bool, sweep: float, *, instruct: bool) -> list[Shape]:
     name = f"/strip/{step.number}"
     colour = step_colour(step.number, dark)
-    return [
+    cell: list[Shape] = [
         board_shape(board, pose_during(step, sweep), f"{name}/board"),
         board_outline(board, step.after, f"{name}/outline", colour, 3.0),
         board_outline(board, step.before, f"{name}/before", ground(dark).ghost, 2.0),
-        *instruction_shapes(
-            board, None, step, dark=dark, prefix="/strip", for_camera=True, sweep=sweep
-        ),
     ]
+    if instruct:
+        cell += instruction_shapes(
+            board, None, step, dark=dark, prefix="/strip", for_camera=True, sweep=sweep
+        )
+    return cell
 
 
 def bounds_of(shapes: Sequence[Shape]) -> Array:

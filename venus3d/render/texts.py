@@ -3,7 +3,7 @@
 STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
 STEP_SHORT_TITLES = ("Move", "Tilt", "Swing", "Rotate")
 TARGET_LABEL = "Target"
-IN_ALL = "{length} in all"
+DONE = "✓ done"
 ONE_CORNER_OUTSIDE = "1 corner leaves the image in this step"
 CORNERS_OUTSIDE = "{count} corners leave the image in this step"
 NO_OPENGL = (

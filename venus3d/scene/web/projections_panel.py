@@ -1,10 +1,14 @@
-"""The four steps as the camera would see them, two by two, with the current one marked."""
+"""The four steps as the camera would see them, two by two, with the current one marked.
+
+Words and amounts are this moment's and change with every frame; a picture stays until another one
+is drawn. So they are separate pieces: the pictures are a style sheet's, and the tiles name them.
+"""
 
 from __future__ import annotations
 
 import base64
+from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass
 from html import escape
 
 import cv2
@@ -12,85 +16,119 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from venus3d.engine.geometry.decomposition import Step, Steps
-from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.engine.guidance.prompts import Wording
+from venus3d.engine.guidance.remaining import RemainingSteps
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.amounts import step_amount
 from venus3d.render.palette import step_style
-from venus3d.scene.web import texts as say
+from venus3d.render.projections import Projections
+from venus3d.render.redrawing import still_shows
+from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.drawing import Failures
 from venus3d.scene.web.texts import STEPS_FAILED
 from venus3d.scene.web.theme import Theme
 
 Picture = NDArray[np.uint8]
+Sources = tuple[str, ...]
+"""Sources of the four images: empty while being drawn, `FAILED` if they could not be."""
 FAILED = "failed"
 
 
-@dataclass(frozen=True)
-class ShownSteps:
-    """Four steps and their pictures, replaced together."""
-
-    steps: Steps
-    sources: tuple[str, ...]
-    """Sources of the four images: empty while being drawn, `FAILED` if they could not be."""
-
-
 class ProjectionsPanel:
-    """The four tiles of one server. Pictures and mark are separate pieces, so that changing the
-    step resends no picture."""
+    """The four tiles of one page."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
         """An empty panel inside the current one."""
-        self._head, self._tiles = gui.add_html(""), gui.add_html("")
+        self._pictures, self._tiles = gui.add_html(""), gui.add_html("")
 
     @property
     def visible(self) -> bool:
         """Whether anything is shown."""
-        return bool(self._head.visible)
+        return bool(self._tiles.visible)
 
     @visible.setter
     def visible(self, on: bool) -> None:
-        self._head.visible = self._tiles.visible = on
+        self._tiles.visible = self._pictures.visible = on
 
-    def show(self, shown: ShownSteps | None, step: int, theme: Theme, note: str = "") -> None:
-        """Show these pictures with their words, and `step` marked; None: no target."""
-        if shown is None:
-            self._head.content, self._tiles.content = _EMPTY, ""
+    def show(
+        self,
+        remaining: RemainingSteps | None,
+        sources: Sources | None,
+        step: int,
+        theme: Theme,
+        note: str = "",
+        wording: Wording = "holder",
+    ) -> None:
+        """Show these steps with these pictures, and `step` marked.
+
+        Args:
+            remaining: None while nothing is to be done; the pictures then stay without words.
+            sources: None without a target.
+        """
+        self._pictures.content = "" if sources is None else pictures_html("steps", sources)
+        if sources is None:
+            self._tiles.content = f"<div class='v-steps'><h3>{say.TILES_EMPTY}</h3></div>"
             return
-        self._head.content = mark_html(step)
-        self._tiles.content = tiles_html(shown, theme, note)
+        upright = remaining is not None and remaining.from_upright
+        title = say.TILES_FROM_UPRIGHT if upright else say.TILES_TITLE
+        tiles = "".join(
+            _tile(number, source, remaining, number == step, theme, wording)
+            for number, source in enumerate(sources, start=1)
+        )
+        foot = f"<div class='v-legend'>{escape(note)}</div>" if note else ""
+        self._tiles.content = (
+            f"<div class='v-steps' data-marked='{step}'><h3 title='{escape(say.TILES_HINT)}'>"
+            f"{title}</h3><div class='v-legend'>{say.READERS[wording]}</div>"
+            f"<div class='v-grid'>{tiles}</div>{foot}</div>"
+        )
 
 
-_EMPTY = f"<div class='v-steps'><h3>{say.TILES_EMPTY}</h3></div>"
+def _tile(
+    number: int,
+    source: str,
+    remaining: RemainingSteps | None,
+    is_on: bool,
+    theme: Theme,
+    wording: Wording,
+) -> str:
+    fact = words = ""
+    if remaining is not None:
+        step = remaining.step(number)
+        left = say.DONE if step.done else f"{step_amount(step.step)} {say.TO_GO}"
+        fact, words = say.TILE_FACT.format(number=number, fact=left), step.prompt.text(wording)
+    return tile_html("steps", number, source, fact, words, theme, is_on=is_on)
 
 
-def mark_html(step: int) -> str:
-    """The heading; the style sheet marks the tile of the step in it."""
-    title = f"<h3 title='{escape(say.TILES_HINT)}'>{say.TILES_TITLE}</h3>"
-    return f"<div class='v-steps' data-marked='{step}'>{title}</div>"
-
-
-def tiles_html(shown: ShownSteps, theme: Theme, note: str = "") -> str:
-    """The tiles, each with number, title, words and picture; a note below."""
-    pairs = zip(shown.steps, shown.sources, strict=True)
-    tiles = "".join(_tile(step, source, theme) for step, source in pairs)
-    foot = f"<div class='v-legend'>{escape(note)}</div>" if note else ""
-    return f"<div class='v-steps'><div class='v-grid'>{tiles}</div>{foot}</div>"
-
-
-def _tile(step: Step, source: str, theme: Theme) -> str:
-    words, title = escape(step_prompt(step).camera), step_style(step.number).title
+def tile_html(
+    name: str, number: int, source: str, fact: str, words: str, theme: Theme, *, is_on: bool = False
+) -> str:
+    """One step's tile: number, title, a fact, words, and its picture in the set of this name."""
+    mark = " v-on" if is_on else ""
     return (
-        f"<div class='v-tile' data-step='{step.number}' title='{words}' "
-        f"style='--step:{theme.steps[step.number - 1]}'><div class='v-told'><b>{step.number}</b>"
-        f"<strong>{title}</strong><span>{words}</span></div>{_inside(step.number, source)}</div>"
+        f"<div class='v-tile{mark}' style='--step:{theme.steps[number - 1]}'>"
+        f"<div class='v-told'><b>{number}</b><strong>{step_style(number).title}"
+        f"<small>{escape(fact)}</small></strong><span>{escape(words)}</span></div>"
+        f"{_inside(name, number, source)}</div>"
     )
 
 
-def _inside(number: int, source: str) -> str:
+def _inside(name: str, number: int, source: str) -> str:
     if source == FAILED:
         return f"<div class='v-wait'>{say.TILE_FAILED}</div>"
     if not source:
         return f"<div class='v-wait'>{say.TILE_WAITING.format(number=number)}</div>"
-    return f"<img alt='{say.TILE_ALT.format(number=number)}' src='{source}'>"
+    alt = say.TILE_ALT.format(number=number)
+    return f"<div class='v-shot v-{name}-{number}' role='img' aria-label='{alt}'></div>"
+
+
+def pictures_html(name: str, sources: Sources) -> str:
+    """A style sheet with a set of pictures, for its tiles."""
+    rules = (
+        f".v-{name}-{number}{{background-image:url({source})}}"
+        for number, source in enumerate(sources, start=1)
+        if source not in ("", FAILED)
+    )
+    return f"<style>{''.join(rules)}</style>"
 
 
 def encoded(picture: Picture) -> str:
@@ -101,37 +139,81 @@ def encoded(picture: Picture) -> str:
 
 
 class Tiles:
-    """The pictures of one target, as they are finished."""
+    """Four pictures of steps, as they are finished."""
 
     def __init__(self) -> None:
         """No pictures yet."""
         self._failures = Failures()
         self.key: object = None
-        self._coming: tuple[Steps, tuple[Future[Picture], ...]] | None = None
-        self._shown: ShownSteps | None = None
+        """What the pictures are of."""
+        self._coming: tuple[Future[Picture], ...] = ()
+        self._sources: Sources | None = None
 
-    def expect(self, key: object, steps: Steps, futures: tuple[Future[Picture], ...]) -> None:
+    @property
+    def is_waiting(self) -> bool:
+        """Whether pictures are being drawn."""
+        return bool(self._coming)
+
+    def expect(self, key: object, futures: tuple[Future[Picture], ...]) -> None:
         """Wait for these four pictures; the old ones stay until then."""
-        self.key, self._coming = key, (steps, futures)
-        if self._shown is None or not all(self._shown.sources):
-            self._shown = ShownSteps(steps, ("",) * len(futures))
+        self.key, self._coming = key, futures
+        if self._sources is None or not all(self._sources):
+            self._sources = ("",) * len(futures)
 
     def forget(self) -> None:
-        """Drop the pictures: there is no target."""
-        self.key = self._coming = self._shown = None
+        """Drop the pictures: there is nothing to show."""
+        self.key, self._coming, self._sources = None, (), None
 
-    def shown(self) -> ShownSteps | None:
+    def shown(self) -> Sources | None:
         """What can be shown now; never waits."""
-        if self._coming is not None:
-            steps, futures = self._coming
-            if all(future.done() for future in futures):
-                self._shown, self._coming = ShownSteps(steps, self._sources(futures)), None
-        return self._shown
+        if self._coming and all(future.done() for future in self._coming):
+            self._sources, self._coming = self._encoded(self._coming), ()
+        return self._sources
 
-    def _sources(self, futures: tuple[Future[Picture], ...]) -> tuple[str, ...]:
+    def _encoded(self, futures: tuple[Future[Picture], ...]) -> Sources:
         try:
             return tuple(encoded(future.result()) for future in futures)
         except Exception as error:
-            # Our error, in these pictures only: the next target gets its own.
+            # Our error, in these pictures only: the next ones may come.
             self._failures.tell(error, STEPS_FAILED)
             return (FAILED,) * len(futures)
+
+
+class RemainingTiles(Tiles):
+    """The pictures of the remaining steps, drawn again only when they no longer show what is to be
+    done."""
+
+    def __init__(self, projections: Projections | None, wake: Callable[[], None]) -> None:
+        """`wake` is called on another thread when pictures are ready; without `projections` there
+        are none."""
+        super().__init__()
+        self._projections, self._wake = projections, wake
+        self._drawn: RemainingSteps | None = None
+
+    def order(self, snapshot: Snapshot, *, dark: bool) -> None:
+        """Have the pictures drawn, if those that there are do not fit this moment. One set at a
+        time is drawn for a target."""
+        remaining = snapshot.remaining
+        if self._projections is None or remaining is None:
+            return
+        target, key = remaining.steps[3].after, (dark, snapshot.camera)
+        if self._drawn is not None and target is self._drawn.steps[3].after:
+            fits = key == self.key and still_shows(self._drawn, remaining)
+            if fits or self.is_waiting:
+                return
+        pictures = self._projections.of(
+            remaining.steps,
+            snapshot.camera,
+            snapshot.board,
+            done=remaining.done,
+            dark=dark,
+            header=False,
+            amounts=False,
+        )
+        self._drawn = remaining
+        self.expect(key, pictures)
+        pictures[-1].add_done_callback(lambda _: self._wake())
+
+    def forget(self) -> None:
+        super().forget()
+        self._drawn = None

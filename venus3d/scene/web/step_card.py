@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from html import escape
 
-from venus3d.engine.geometry.decomposition import Steps
-from venus3d.engine.guidance.matching import Match
-from venus3d.engine.guidance.prompts import HOLD_STILL, STEP_DONE, step_prompt
-from venus3d.render.amounts import degrees
+from venus3d.engine.guidance.prompts import HOLD_HEADLINE, HOLD_STILL, Wording
+from venus3d.engine.guidance.remaining import RemainingSteps
+from venus3d.render.amounts import step_amount
 from venus3d.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.theme import Theme
@@ -51,66 +50,54 @@ def second_line(text: str) -> str:
     return f"<div class='v-second'>{escape(text)}</div>" if text else ""
 
 
-def hold_card(theme: Theme, below: str, note: str) -> str:
+def hold_card(theme: Theme, remaining: RemainingSteps, shown: int, note: str) -> str:
     """The card for a board at its target that must be held still."""
-    sentence = HOLD_STILL.holder
-    return guide_card(theme.reached, "✓", say.HOLD_HEADLINE, sentence, below=below, note=note)
+    below = step_chips(remaining, shown, theme)
+    return guide_card(theme.reached, "✓", HOLD_HEADLINE, HOLD_STILL.holder, below=below, note=note)
 
 
-def step_card(match: Match, number: int, theme: Theme, note: str, foot: str = "") -> str:
-    """One of the four steps. Without a `foot`, it gives the camera's view of the step if the
-    holder's words differ."""
-    done = match.within[number - 1]
-    words = STEP_DONE if done else step_prompt(match.steps[number - 1])
-    if not foot and words.camera != words.holder:
-        seen = escape(say.IN_THE_PICTURE.format(words=words.camera))
+def step_card(
+    remaining: RemainingSteps,
+    number: int,
+    theme: Theme,
+    note: str,
+    foot: str = "",
+    wording: Wording = "holder",
+) -> str:
+    """One of the four steps. Without a `foot`, it gives the step in the other wording, if that
+    differs."""
+    step = remaining.step(number)
+    other = step.prompt.text("camera" if wording == "holder" else "holder")
+    if not foot and other != step.prompt.text(wording):
+        seen = escape(say.OTHER_WORDING[wording].format(words=other))
         foot = f"<div class='v-picture'>{seen}</div>"
     return guide_card(
         theme.steps[number - 1],
         str(number),
         step_style(number).title,
-        words.holder,
-        amount="" if done else remaining_text(match, number),
-        below=step_chips(match, None, number, theme),
+        step.prompt.text(wording),
+        amount="" if step.done else step_amount(step.step),
+        below=step_chips(remaining, number, theme),
         note=note,
         foot=foot,
         eyebrow=say.STEP_OF_FOUR.format(number=number),
     )
 
 
-def remaining_text(match: Match, step: int) -> str:
-    """What is left of one step, with unit: "+31°" or "120 mm"."""
-    if step == 1:
-        return f"{float((match.remaining_mm**2).sum()) ** 0.5:.0f} mm"
-    return degrees(match.remaining_deg[step - 2])
-
-
-def step_chips(match: Match | None, steps: Steps | None, shown: int, theme: Theme) -> str:
+def step_chips(remaining: RemainingSteps | None, shown: int, theme: Theme) -> str:
     """The four steps in a row, each with number, word, remaining amount and whether it is done;
-    without a match, the whole amounts of the target's `steps`; without both, nothing."""
-    if match is None and steps is None:
+    nothing without them."""
+    if remaining is None:
         return ""
     cells: list[str] = []
-    for style in STEP_STYLES:
-        number, mark = style.number, " v-on" if style.number == shown else ""
-        if match is not None:
-            done = match.within[number - 1]
-            fact = say.DONE if done else remaining_text(match, number)
-            mark += " v-done" if done else ""
-        else:
-            fact = _whole_text(steps, number)
-        hint = escape(say.CHIP_HINT.format(number=number, title=style.title, fact=fact))
+    for style, step in zip(STEP_STYLES, remaining.each, strict=True):
+        mark = " v-on" if step.number == shown else ""
+        mark += " v-done" if step.done else ""
+        fact = say.DONE if step.done else step_amount(step.step)
+        hint = escape(say.CHIP_HINT.format(number=step.number, title=style.title, fact=fact))
         cells.append(
-            f"<div class='v-chip{mark}' style='--step:{theme.steps[number - 1]}' title='{hint}'>"
-            f"<b>{number}</b><span>{style.short_title}</span><i>{escape(fact)}</i></div>"
+            f"<div class='v-chip{mark}' style='--step:{theme.steps[step.number - 1]}' "
+            f"title='{hint}'><b>{step.number}</b><span>{style.short_title}</span>"
+            f"<i>{escape(fact)}</i></div>"
         )
     return f"<div class='v-chips'>{''.join(cells)}</div>"
-
-
-def _whole_text(steps: Steps | None, number: int) -> str:
-    if steps is None:
-        return ""
-    step = steps[number - 1]
-    if number == 1:
-        return f"{float((step.translation**2).sum()) ** 0.5 * 1000:.0f} mm"
-    return degrees(step.angle_deg)

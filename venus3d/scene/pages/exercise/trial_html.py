@@ -16,7 +16,8 @@ from venus3d.render.palette import hex_of
 from venus3d.scene.pages.exercise import trial_texts as say
 from venus3d.scene.pages.exercise.trial_plan import HelpTimes, times_of
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, TrialViewModel
-from venus3d.scene.web.step_card import guide_card, hold_card, step_card, step_chips
+from venus3d.scene.web.step_card import guide_card, hold_card, second_line, step_card, step_chips
+from venus3d.scene.web.step_texts import FROM_UPRIGHT
 from venus3d.scene.web.theme import Theme
 
 _HELP_COLOURS: dict[str, int] = {"steps": 3, "axes": 2, "outline": 4}
@@ -93,15 +94,15 @@ def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
 
 def steps_html(view: TrialViewModel, theme: Theme) -> str:
     """The large text of the steps, as in a guided calibration."""
-    match, snapshot, target = view.match, view.snapshot, view.snapshot.target
-    chips = step_chips(match, None if target is None else target.steps, view.step, theme)
-    if match is None:
-        sentence = snapshot.instruction.holder
-        text = guide_card(theme.info, "?", snapshot.headline, sentence, below=chips, note=view.note)
-    elif match.reached or all(match.within):
-        text = hold_card(theme, chips, view.note)
+    snapshot, remaining = view.snapshot, view.snapshot.remaining
+    if remaining is None or remaining.from_upright:
+        sentence, chips = snapshot.instruction.holder, step_chips(remaining, view.step, theme)
+        below = f"{chips}{second_line(FROM_UPRIGHT)}" if chips else ""
+        text = guide_card(theme.info, "?", snapshot.headline, sentence, below=below, note=view.note)
+    elif remaining.is_over:
+        text = hold_card(theme, remaining, view.step, view.note)
     else:
-        text = step_card(match, view.step, theme, view.note)
+        text = step_card(remaining, view.step, theme, view.note)
     return f"<div class='v-wide'>{text}</div>"
 
 

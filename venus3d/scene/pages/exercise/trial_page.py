@@ -20,6 +20,7 @@ from typing import Literal
 import numpy as np
 import viser
 
+from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.render.annotated_picture import (
     PICTURE_WIDTH,
     LivePicture,
@@ -28,6 +29,7 @@ from venus3d.render.annotated_picture import (
 )
 from venus3d.render.describe import SceneOptions, describe
 from venus3d.render.overlay import draw_axes, draw_outline
+from venus3d.render.redrawing import looks_alike
 from venus3d.render.shapes import Shape
 from venus3d.render.viewpoints import guiding_view, steps_back, view_kept_wide
 from venus3d.scene.pages.exercise import trial_html as html
@@ -38,7 +40,7 @@ from venus3d.scene.pages.exercise.trial_plan import times_of
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press, Request, TrialViewModel
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.panels import fit_width
-from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
+from venus3d.scene.web.projections_panel import ProjectionsPanel, Sources
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
 
@@ -69,7 +71,7 @@ class TrialPage(ExercisePage[TrialViewModel]):
         view: TrialViewModel,
         *,
         simulated: bool,
-        shown_steps: Callable[[], ShownSteps | None],
+        shown_steps: Callable[[], Sources | None],
         drawn_by: Callable[[], str],
     ) -> None:
         """
@@ -79,6 +81,7 @@ class TrialPage(ExercisePage[TrialViewModel]):
             drawn_by: the renderer's note, if any.
         """
         self._simulated, self._shown_steps, self._drawn_by = simulated, shown_steps, drawn_by
+        self._drawn: RemainingSteps | None = None
         super().__init__(client, ask, view)
 
     def show_picture(self, rgb: Picture, drawn: Picture) -> None:
@@ -91,7 +94,9 @@ class TrialPage(ExercisePage[TrialViewModel]):
         if layout_of(view) != self._layout:
             self._arrange(layout_of(view))
         steps, result = self._layout == "steps", self._layout == "result"
-        self._scene.draw(_shapes(view, self._layout), dark=view.dark)
+        if not looks_alike(self._drawn, view.snapshot.remaining):
+            self._drawn = view.snapshot.remaining
+        self._scene.draw(_shapes(view, self._layout, self._drawn), dark=view.dark)
         if self._gizmo is not None:
             self._gizmo.follow(view.pose, shown=not view.autopilot)
         self._side.content = html.side_html(view)
@@ -104,7 +109,8 @@ class TrialPage(ExercisePage[TrialViewModel]):
         self._steps_legend.visible = self._projections.visible = steps
         if steps:
             self._guidance.content = html.steps_html(view, theme)
-            self._projections.show(self._shown_steps(), view.step, theme, self._drawn_by())
+            remaining, pictures = view.snapshot.remaining, self._shown_steps()
+            self._projections.show(remaining, pictures, view.step, theme, self._drawn_by())
         if result:
             self._put_result(view, theme)
         if before is None or before.dark != view.dark:
@@ -223,10 +229,12 @@ def live_picture(image: LivePicture, view: TrialViewModel) -> tuple[Picture, Pic
     return rgb, drawn
 
 
-def _shapes(view: TrialViewModel, layout: Layout) -> tuple[Shape, ...]:
+def _shapes(
+    view: TrialViewModel, layout: Layout, drawn: RemainingSteps | None
+) -> tuple[Shape, ...]:
     if layout == "steps":
-        return describe(view.snapshot, SceneOptions(step=view.step, dark=view.dark))
-    bare = replace(view.snapshot, target=None, match=None)
+        return describe(view.snapshot, SceneOptions(step=view.step, dark=view.dark), drawn)
+    bare = replace(view.snapshot, target=None, match=None, remaining=None)
     return describe(bare, SceneOptions(dark=view.dark))
 
 

@@ -28,7 +28,7 @@ from venus3d.scene.pages.exercise.trial_plan import Plan, plan_of, targets_of
 from venus3d.scene.pages.exercise.trial_texts import DRAG_HINT, SERVING, TAB
 from venus3d.scene.pages.exercise.view_model import MoveBoard, Request, TrialViewModel
 from venus3d.scene.web.page import announce_page
-from venus3d.scene.web.projections_panel import Tiles
+from venus3d.scene.web.projections_panel import RemainingTiles
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
@@ -80,7 +80,7 @@ class TrialServer(ExerciseServer[TrialViewModel]):
         """
         super().__init__(server)
         self._trial, self._projections, self._simulation = trial, projections, simulation
-        self._tiles = Tiles()
+        self._tiles = RemainingTiles(projections, lambda: None)  # every frame looks for them
         self._view = trial.view()
         self._image: LivePicture | None = None
         self._drawn: tuple[object, object, tuple[Picture, Picture]] | None = None
@@ -167,13 +167,8 @@ class TrialServer(ExerciseServer[TrialViewModel]):
         view, target = self._view, self._view.snapshot.target
         if layout_of(view) != "steps" or target is None:
             self._tiles.forget()
-        elif self._projections is not None:
-            key = (id(target), view.dark)
-            if key != self._tiles.key:
-                pictures = self._projections.of(
-                    target, view.camera, view.board, dark=view.dark, header=False
-                )
-                self._tiles.expect(key, target.steps, pictures)
+        else:
+            self._tiles.order(view.snapshot, dark=view.dark)
 
 
 def run_trial(options: TrialOptions) -> TrialResult:

@@ -35,6 +35,8 @@ CONTROLS: dict[str, tuple[Intent, str | None]] = {
     "strip": (Toggle("strip"), "T"),
     "follow": (Toggle("follow"), "F"),
     "theme": (Toggle("dark"), "B"),
+    "words": (Toggle("camera_words"), "X"),
+    "built": (Toggle("built"), None),
     "pause": (Toggle("paused"), "space"),
     "finish": (Finish(), None),
     "autopilot": (Toggle("autopilot"), "O"),
@@ -43,9 +45,12 @@ _ROWS: dict[str, tuple[str, ...]] = {
     "view": ("skip", "undo", "finish"),
     "step": ("previous", "play", "next"),
     "show": ("follow", "strip", "theme"),
+    "words": ("words", "built"),
     "run": ("pause", "autopilot"),
 }
-_WITH_A_TARGET = frozenset(("skip", "previous", "play", "next", "follow", "strip"))
+_WITH_A_TARGET = frozenset(
+    ("skip", "previous", "play", "next", "follow", "strip", "words", "built")
+)
 _TO_END = frozenset(("capture", "undo", "finish"))
 
 
@@ -105,8 +110,18 @@ def _command_texts(name: str, key: str | None) -> tuple[str, str | None, str]:
 
 def _label(name: str, state: ViewState) -> str:
     names = say.BUTTONS[name]
-    other = {"play": state.playing, "theme": not state.dark, "pause": state.paused}
+    other = {
+        "play": state.playing,
+        "theme": not state.dark,
+        "pause": state.paused,
+        "words": state.camera_words,
+    }
     if name in other:
         return names[1] if other[name] else names[0]
-    on = {"follow": state.follow, "strip": state.strip, "autopilot": state.autopilot}
+    on = {
+        "follow": state.follow,
+        "strip": state.strip,
+        "autopilot": state.autopilot,
+        "built": state.built,
+    }
     return SWITCHED_ON.format(label=names[0]) if on.get(name) else names[0]

@@ -13,6 +13,7 @@ from venus3d.scene.web.step_card import (
     step_card,
     step_chips,
 )
+from venus3d.scene.web.step_texts import FROM_UPRIGHT
 from venus3d.scene.web.theme import Theme
 
 _HEADLINES = {"captured": say.CAPTURED, "converged": say.CONVERGED, "finished": say.FINISHED}
@@ -24,23 +25,23 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
     if snapshot is None:
         return guide_card(theme.info, "…", say.STARTING, say.STARTING_SENTENCE, note=note)
     if snapshot.phase in ("captured", "converged", "finished"):
-        return _state_card(snapshot, theme, note)
-    match = snapshot.match
-    chips = _chips(snapshot, state, theme)
+        return _state_card(snapshot, state, theme, note)
+    remaining = snapshot.remaining
+    chips = step_chips(remaining, state.step, theme)
     if state.paused:
         sentence = say.PAUSED_SENTENCE
         return guide_card(theme.quiet, "II", say.PAUSED, sentence, below=chips, note=note)
-    if match is None or snapshot.pose is None:
-        return _unseen_card(snapshot, theme, chips, note)
-    if match.reached or (all(match.within) and state.follow):
-        return hold_card(theme, chips, note)
+    if remaining is None or remaining.match is None:
+        return _unseen_card(snapshot, state, theme, chips, note)
+    if remaining.match.reached or (remaining.is_over and state.follow):
+        return hold_card(theme, remaining, state.step, note)
     foot = ""
-    if not state.playing and state.step != match.active_step:
-        foot = say.LOOKING_ELSEWHERE.format(shown=state.step, active=match.active_step)
-    return step_card(match, state.step, theme, note, second_line(foot))
+    if not state.playing and state.step != remaining.active:
+        foot = say.LOOKING_ELSEWHERE.format(shown=state.step, active=remaining.active)
+    return step_card(remaining, state.step, theme, note, second_line(foot), state.wording)
 
 
-def _state_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
+def _state_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: str) -> str:
     against = doubt(snapshot)
     if snapshot.phase == "converged" and against is not None:
         # The sigmas have settled, but the views are not informative enough.
@@ -48,23 +49,17 @@ def _state_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
         return guide_card(theme.info, "!", say.DOUBTFUL, against.cure, below=second, note=note)
     busy = snapshot.phase == "captured"
     colour, mark = (theme.info, "…") if busy else (theme.reached, "✓")
-    sentence = snapshot.instruction.holder
+    sentence = snapshot.instruction.text(state.wording)
     second = second_line(_NEXT.get(snapshot.phase, ""))
     return guide_card(colour, mark, _HEADLINES[snapshot.phase], sentence, below=second, note=note)
 
 
-def _unseen_card(snapshot: Snapshot, theme: Theme, chips: str, note: str) -> str:
+def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, chips: str, note: str) -> str:
     other = another_board(snapshot)
     if other is not None:
         return guide_card(theme.info, "✕", say.ANOTHER_BOARD, other.cure, note=note)
     startup = snapshot.phase == "startup" and snapshot.target is None
     headline = say.SHOW_BOARD if startup else snapshot.headline
-    below = "" if startup else chips
-    return guide_card(
-        theme.info, "?", headline, snapshot.instruction.holder, below=below, note=note
-    )
-
-
-def _chips(snapshot: Snapshot, state: ViewState, theme: Theme) -> str:
-    steps = None if snapshot.target is None else snapshot.target.steps
-    return step_chips(snapshot.match, steps, state.step, theme)
+    sentence = snapshot.instruction.text(state.wording)
+    below = f"{chips}{second_line(FROM_UPRIGHT)}" if chips else ""
+    return guide_card(theme.info, "?", headline, sentence, below=below, note=note)

@@ -58,7 +58,9 @@ class Finish:
     """End the calibration and keep the result."""
 
 
-Option = Literal["playing", "follow", "strip", "dark", "paused", "autopilot"]
+Option = Literal[
+    "playing", "follow", "strip", "dark", "paused", "autopilot", "camera_words", "built"
+]
 """What can be switched, as in `ViewState`."""
 
 

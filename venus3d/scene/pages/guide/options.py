@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, arg
 
 from venus3d.engine.errors import VenusError
+from venus3d.engine.guidance.prompts import Wording
 from venus3d.engine.planning.settings import Cost, Method, PlanningSettings, Strategy
 from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
 from venus3d.scene.web.monitor import audience_address
@@ -50,6 +51,8 @@ class GuideOptions:
     """Let a simulated hand walk the board through the four steps (sim only)."""
     speed: float = 1.0
     """How fast the simulated hand moves; 1 is a calm person."""
+    wording: Wording = "holder"
+    """Whose left and right the page means: the holder's, or the camera's (X changes it)."""
     headless: Switch = False
     """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
     host: str = "127.0.0.1"

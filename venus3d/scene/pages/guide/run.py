@@ -97,6 +97,7 @@ def run_guide(
                     draggable_board=truth is not None,
                     autopilot=options.autopilot,
                     tour=options.tour,
+                    wording=options.wording,
                 )
             )
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from venus3d.engine.guidance.prompts import Wording
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.intents import (
     ChooseAlternative,
@@ -35,6 +36,15 @@ class ViewState:
     autopilot: bool = True
     target: int = 0
     """Number of the step's target."""
+    camera_words: bool = False
+    """Whether the page speaks of the camera's left and right, not of the holder's."""
+    built: bool = False
+    """Whether it is shown how the pose is built from the upright board."""
+
+    @property
+    def wording(self) -> Wording:
+        """Whose left and right are meant, on the whole page."""
+        return "camera" if self.camera_words else "holder"
 
     def seeing(self, snapshot: Snapshot) -> ViewState:
         """The state for this snapshot: a new target follows the board again."""
@@ -42,8 +52,8 @@ class ViewState:
         number = 0 if snapshot.target is None else snapshot.target.number
         if number != self.target:
             state = replace(state, target=number, step=1, follow=True, playing=False, sweep=1.0)
-        if state.follow and not state.playing and snapshot.match is not None:
-            state = replace(state, step=snapshot.match.active_step)
+        if state.follow and not state.playing and snapshot.remaining is not None:
+            state = replace(state, step=snapshot.remaining.active)
         return state
 
     def turned_to(self, step: int) -> ViewState:

@@ -38,6 +38,11 @@ ROWS = {
         "Show",
         "Follow the step that the board is on; spread the steps out; a light or a dark page.",
     ),
+    "words": (
+        "Words",
+        "Left and right of whoever holds the board, or of the camera's picture; and the same pose, "
+        "built step by step from an upright board.",
+    ),
     "run": ("Run", "Stop taking pictures and go on."),
     "page": ("Page", "The keys and what they do; what stands where on this page."),
 }
@@ -53,6 +58,8 @@ BUTTONS: dict[str, tuple[str, ...]] = {
     "follow": ("Follow F",),
     "strip": ("Spread T",),
     "theme": ("Light B", "Dark B"),
+    "words": ("The camera's X", "The holder's X"),
+    "built": ("How it is built",),
     "pause": ("Pause ␣", "Go on ␣"),
     "autopilot": ("Autopilot O",),
     "help": ("Keys H",),
@@ -69,10 +76,19 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "strip": ("Steps side by side", "Spread the four steps out, or put them back"),
     "follow": ("Follow the board's step", "Show the step that the board is on"),
     "theme": ("Light or dark", "Change the page's brightness"),
+    "words": ("Holder's or camera's words", "Whose left and right the whole page means"),
+    "built": ("How this pose is built", "Show the target's four steps from an upright board"),
     "pause": ("Pause", "Stop taking pictures, or go on"),
     "finish": ("Finish", "End the calibration and keep the result"),
     "autopilot": ("Autopilot", "Let the simulated hand move the board, or take it yourself"),
 }
+
+BUILT_TITLE = "How this pose is built"
+BUILT_INTRO = (
+    "Pose {number} in four steps from an upright board that faces the camera, 50 cm away. What to "
+    "do now counts from where the board is held and stands above."
+)
+BUILT_FACT = "Step {number} of 4 · {amount} in all"
 
 # -- other targets ---------------------------------------------------------------------------------
 

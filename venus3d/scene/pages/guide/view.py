@@ -3,7 +3,8 @@
 left    what to do now, in large letters; below it the progress (views, purpose of the next pose,
 its alternatives) and, in its own tab, the camera's parameters
 middle  the 3D scene
-right   live picture, the four steps as the camera sees them, controls, how poses are found
+right   live picture, the four steps as the camera sees them, controls, how this pose is built and
+        how poses are found
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.alternatives_panel import AlternativesPanel
+from venus3d.scene.pages.guide.built_panel import BuiltPanel
 from venus3d.scene.pages.guide.control_panel import ControlPanel
 from venus3d.scene.pages.guide.diagnosis_panel import diagnoses_html
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
@@ -30,7 +32,7 @@ from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.panels import PanelStyle, fit_width
-from venus3d.scene.web.projections_panel import ProjectionsPanel, ShownSteps
+from venus3d.scene.web.projections_panel import ProjectionsPanel, Sources
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
@@ -81,11 +83,18 @@ class GuideView:
         self,
         snapshot: Snapshot | None,
         state: ViewState,
-        tiles: ShownSteps | None,
+        tiles: Sources | None,
+        built: Sources | None,
         note: str,
         drawn_by: str,
     ) -> None:
-        """Show one moment; `drawn_by` is the renderer's note, if any."""
+        """Show one moment.
+
+        Args:
+            tiles: pictures of the steps from here; None without a target.
+            built: pictures of the steps from upright; None unless asked for.
+            drawn_by: the renderer's note, if any.
+        """
         theme = Theme(state.dark)
         self._set_theme(theme)
         text = guidance_html(snapshot, state, theme, note)
@@ -94,7 +103,11 @@ class GuideView:
         self.diagnoses.visible = bool(self.diagnoses.content)
         self.progress.content = progress_html(snapshot)
         self.alternatives.show(snapshot)
-        self.projections.show(tiles, state.step, theme, drawn_by)
+        remaining, target = (
+            (None, None) if snapshot is None else (snapshot.remaining, snapshot.target)
+        )
+        self.projections.show(remaining, tiles, state.step, theme, drawn_by, state.wording)
+        self.built.show(target, built, theme, state.wording)
         phase = "startup" if snapshot is None else snapshot.phase
         # After the end no target follows, so none is announced or drawn.
         ended = phase in ("converged", "finished")
@@ -148,6 +161,7 @@ class GuideView:
         title, hint = say.ROWS["page"]
         labels = {name: say.BUTTONS[name][0] for name in ("help", "tour")}
         ButtonRow(gui, title, labels, self._asked_about_page, hint=hint)
+        self.built = BuiltPanel(gui)
         self.method = MethodPanel(gui, self._ask)
 
     def _make_commands(self, tour: bool) -> None:

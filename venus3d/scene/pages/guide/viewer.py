@@ -15,6 +15,8 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.prompts import Wording
+from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
 from venus3d.engine.planning.target import Target
 from venus3d.render.annotated_picture import (
@@ -26,6 +28,7 @@ from venus3d.render.annotated_picture import (
 from venus3d.render.describe import SceneOptions, describe
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
+from venus3d.render.redrawing import looks_alike, still_shows
 from venus3d.render.shapes import Shape
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.state import ViewState
@@ -38,7 +41,7 @@ from venus3d.scene.web.help import Command
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.page import Page
 from venus3d.scene.web.picture_feed import PictureFeed, SeenPicture
-from venus3d.scene.web.projections_panel import Tiles
+from venus3d.scene.web.projections_panel import RemainingTiles, Tiles
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.theme import Theme
@@ -62,6 +65,7 @@ class Viewer(Page[ViewState]):
         draggable_board: bool = False,
         autopilot: bool = False,
         tour: bool = False,
+        wording: Wording = "holder",
     ) -> None:
         """Serve the page.
 
@@ -73,17 +77,22 @@ class Viewer(Page[ViewState]):
             draggable_board: put a gizmo on the board; for the simulation.
             autopilot: whether the simulation's autopilot is on at the start.
             tour: show new browsers around.
+            wording: whose left and right the page means at the start.
 
         Raises `AddressError` if the address cannot be bound.
         """
-        super().__init__(*start_server(host, port), state=ViewState(dark=dark, autopilot=autopilot))
+        state = ViewState(dark=dark, autopilot=autopilot, camera_words=wording == "camera")
+        super().__init__(*start_server(host, port), state=state)
         self._intents: queue.SimpleQueue[intents.Intent] = queue.SimpleQueue()
         self._snapshot: Snapshot | None = None
         self._moved = False
         self._note, self._note_until, self._saved = "", 0.0, ""
         self._offscreen = Offscreen() if step_pictures and projections is None else None
         own = None if self._offscreen is None else Projections(self._offscreen)
-        self._projections, self._tiles = projections or own, Tiles()
+        self._projections = projections or own
+        self._tiles = RemainingTiles(self._projections, self.wake)
+        self._built = Tiles()
+        self._drawn: RemainingSteps | None = None
         self._additions: list[Addition] = []
         self._draggable, self._tour = draggable_board, tour
         self.layers: tuple[Layer, ...] = (
@@ -226,13 +235,15 @@ class Viewer(Page[ViewState]):
     def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is None or snapshot.target is None:
             self._tiles.forget()
-        tiles, theme = self._tiles.shown(), Theme(state.dark)
+        self._order_built(snapshot, state)
+        theme = Theme(state.dark)
         drawn_by = "" if self._projections is None else self._projections.note
         with self.server.atomic():
             if snapshot is not None:
                 self._draw_scene(snapshot, state)
                 note = note or self._standing_note(snapshot)
-            self.view.show(snapshot, state, tiles, note, drawn_by)
+            tiles, built = self._tiles.shown(), self._built.shown()
+            self.view.show(snapshot, state, tiles, built, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
                 self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
             if snapshot is not None:
@@ -243,7 +254,7 @@ class Viewer(Page[ViewState]):
             # Only now: the moved board comes before maps and pictures of a target.
             for layer in self.layers:
                 layer.show_late(snapshot, theme)
-            self._order_steps(snapshot, state)
+            self._tiles.order(snapshot, dark=state.dark)
 
     def _draw_scene(self, snapshot: Snapshot, state: ViewState) -> None:
         options = SceneOptions(
@@ -253,7 +264,11 @@ class Viewer(Page[ViewState]):
             sweep=state.sweep,
             show_live=not state.playing,
         )
-        shapes = with_layers = describe(snapshot, options)
+        # An arrow stays while the board only trembles, and the strip while its pictures would.
+        stays = still_shows if state.strip else looks_alike
+        if not stays(self._drawn, snapshot.remaining):
+            self._drawn = snapshot.remaining
+        shapes = with_layers = describe(snapshot, options, self._drawn)
         for layer in self.layers:
             with_layers = layer.put(snapshot, with_layers, Theme(state.dark))
         self._scene.draw(with_layers, dark=state.dark)
@@ -277,16 +292,19 @@ class Viewer(Page[ViewState]):
             self._looking_at = looking_at
             self._rig.go(view, at_once=True)
 
-    def _order_steps(self, snapshot: Snapshot, state: ViewState) -> None:
-        """Request the pictures of the target's four steps, unless they are drawn."""
-        if snapshot.target is None or self._projections is None:
+    def _order_built(self, snapshot: Snapshot | None, state: ViewState) -> None:
+        """Have the target's steps from upright drawn, if they are asked for and not drawn."""
+        target = None if snapshot is None else snapshot.target
+        if snapshot is None or target is None or not state.built or self._projections is None:
+            self._built.forget()
             return
-        target, key = snapshot.target, (id(snapshot.target), state.dark)
-        if key != self._tiles.key:
+        key = (target, state.dark)
+        if key != self._built.key:
+            camera, board = snapshot.camera, snapshot.board
             pictures = self._projections.of(
-                target, snapshot.camera, snapshot.board, dark=state.dark, header=False
+                target.steps, camera, board, dark=state.dark, header=False
             )
-            self._tiles.expect(key, target.steps, pictures)
+            self._built.expect(key, pictures)
             pictures[-1].add_done_callback(lambda _: self.wake())
 
     def _draw_picture(self, newest: SeenPicture) -> None:
