@@ -52,7 +52,7 @@ def test_what_is_no_address_is_said_with_an_example(text: str) -> None:
         (GuideOptions(audience="8080"), "a port of its own"),
         (GuideOptions(audience="0.0.0.0:8080"), "a port of its own"),
         (GuideOptions(audience="8090", headless=True), "--headless"),
-        (GuideOptions(audience_mirror=True), "--audience"),
+        (GuideOptions(audience_mirror=False), "--audience"),
         (GuideOptions(audience_view="lens"), "--audience"),
     ],
 )

@@ -130,7 +130,7 @@ def test_a_read_only_server_hears_nothing_whatever_is_on_it() -> None:
 def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() -> None:
     """All of it at a real audience page beside a real operator's page."""
     viewer = Viewer(port=free_port(), draggable_board=True)
-    audience = Audience("127.0.0.1", free_port(), AudienceState(mirror=True))
+    audience = Audience("127.0.0.1", free_port(), AudienceState(mirror=False))
     try:
         AudienceControls(viewer.server, audience)
         with RawClient(audience.port) as other, RawClient(viewer.port) as operator:
@@ -142,7 +142,7 @@ def test_the_second_monitor_hears_nothing_and_the_operator_is_not_disturbed() ->
             # With the names of the operator's entities, too: nobody says that they are secret.
             say_everything(audience.port, audience.server.get_clients, operator=viewer.port)
             assert (buffer_of(audience.server), buffer_of(viewer.server)) == before
-            assert viewer.drain_intents() == [] and audience.state == AudienceState(mirror=True)
+            assert viewer.drain_intents() == [] and audience.state == AudienceState(mirror=False)
             for client in (other, operator):
                 with pytest.raises(TimeoutError):
                     client.window(timeout=0.3)

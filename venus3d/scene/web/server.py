@@ -22,6 +22,7 @@ from websockets.http11 import Request, Response
 from venus3d.engine.errors import VenusError
 from venus3d.scene.web.handshake import RefusedError, check
 from venus3d.scene.web.incoming import is_heard, is_point_of_view
+from venus3d.scene.web.page_script import with_script
 from venus3d.scene.web.texts import PORT_TAKEN
 from venus3d.scene.web.viser_private import (
     allow_late_message,
@@ -58,6 +59,9 @@ class LocalServer(viser.ViserServer):
     (`incoming`).
     - Any thread may change the page while any number of browsers come and go.
     """
+
+    script = ""
+    """Name of the script that is added to the page (`page_script`)."""
 
     def __init__(self, host: str, port: int, **options: Any) -> None:
         """Serve on this address; `options` are viser's."""
@@ -124,7 +128,8 @@ class LocalServer(viser.ViserServer):
                 check(request.headers, host)
             except RefusedError as refused:
                 return connection.respond(403, f"{refused}\n")
-            return None if answer is None else answer(connection, request)
+            response = None if answer is None else answer(connection, request)
+            return with_script(response, self.script) if response and self.script else response
 
         def connection(*given: Any, **more: Any) -> _Connection:
             return _Connection(self._hears, *given, **more)
@@ -141,6 +146,8 @@ class LocalServer(viser.ViserServer):
 class ReadOnlyServer(LocalServer):
     """A server that shows but accepts nothing: no message from a browser reaches a callback,
     whatever is on the page. It only tracks each browser's own viewpoint."""
+
+    script = "audience"
 
     def _hears(self, raw: bytes, client_id: int) -> bool:
         return is_point_of_view(raw)

@@ -16,6 +16,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.annotated_picture import LivePicture, annotate, small_picture
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.lens import LensOverlay, plain_plane, undistortion
+from venus3d.scene.pages.audience.sound import Speaker
 from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view import AudienceView
 from venus3d.scene.pages.audience.view_model import (
@@ -56,6 +57,7 @@ class Audience(Page[AudienceState]):
         self._achieved: tuple[Cue, AudienceViewModel] | None = None
         self._praise: tuple[AudienceViewModel, float] | None = None  # the message, until when
         self._paused = False
+        self._shown, self._speaker = view_model_of(None), Speaker()
         self._overlay = LensOverlay()
         self._pictures = PictureFeed(self._draw_picture, lambda: self._paced(PICTURE_PERIOD_S))
         self._open(audience_picture=self._pictures.loop)
@@ -120,14 +122,14 @@ class Audience(Page[AudienceState]):
                 self._dressed = choices
             if news is not None:
                 self._praise = news[1], time.monotonic() + _SHOWN_S[news[0]]
-                if choices.sound:
-                    self._view.play(news[0])
-            elif self._praise is None:
-                self._view.play(None)
+                self._view.play(news[0])
             if changed or over or news is not None:
-                shown = self._praise[0] if self._praise else view_model_of(snapshot, self._paused)
-                self._view.show(shown, snapshot, dark=not choices.light)
+                now = view_model_of(snapshot, self._paused)
+                self._shown = self._praise[0] if self._praise else now
+                self._view.show(self._shown, snapshot, dark=not choices.light)
                 self._scene.draw(self._overlay.shapes(snapshot, choices), dark=True)
+            if sentence := self._speaker.due(self._shown, time.monotonic()):
+                self._view.speak(sentence)
         self._view.fit()
 
     def _draw_picture(self, newest: SeenPicture) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, get_args
 
 import viser
 
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
+from venus3d.scene.pages.audience.state import Sound
+from venus3d.scene.web.buttons import ChoiceList
 from venus3d.scene.web.help import Command, add_commands
 
 
@@ -26,10 +28,20 @@ class AudienceControls:
                 box = server.gui.add_checkbox(said, getattr(audience.state, name), hint=hint)
                 box.on_update(partial(self._ticked, name))
                 self._boxes[name] = box
+            self._sound = ChoiceList[Sound](
+                server.gui,
+                texts.SOUND_LABEL,
+                texts.SOUND_OPTIONS,
+                self._hear,
+                chosen=audience.state.sound,
+                hint=texts.SOUND_CHOICE_HINT,
+            )
         self.commands = tuple(
             Command(f"{texts.PANEL}: {label}", key, hint, partial(self._toggle, name))
             for name, label, key, hint in texts.CONTROLS
         )
+        sounds = f"{texts.PANEL}: {texts.SOUND_COMMAND}"
+        self.commands += (Command(sounds, None, texts.SOUND_COMMAND_HINT, self._next_sound),)
         """Commands, already in the palette; for the page's help."""
         add_commands(server, self.commands)
 
@@ -41,3 +53,11 @@ class AudienceControls:
     def _toggle(self, name: str) -> None:
         look = self._audience.change(lambda look: replace(look, **{name: not getattr(look, name)}))
         self._boxes[name].value = getattr(look, name)
+
+    def _hear(self, sound: Sound) -> None:
+        self._audience.change(lambda look: replace(look, sound=sound))
+
+    def _next_sound(self) -> None:
+        sounds = get_args(Sound)
+        self._hear(sounds[(sounds.index(self._audience.state.sound) + 1) % len(sounds)])
+        self._sound.show(texts.SOUND_OPTIONS, self._audience.state.sound, again=True)

@@ -26,6 +26,13 @@ def share(value: float, largest: float) -> float:
     return float(np.sign(value) * np.sqrt(min(abs(value) / largest, 1.0)))
 
 
+def share_left(match: Match, step: int) -> float:
+    """What is left of a step, 1 ... 4, on its scale: 0 ... 1."""
+    if step == 1:
+        return share(float(np.linalg.norm(match.remaining_mm)), LARGEST_MM)
+    return abs(share(float(match.remaining_deg[step - 2]), LARGEST_DEG))
+
+
 def dial_html(match: Match, step: int) -> str:
     """The dial of a step, 1 ... 4. CSS sets its colours: --step, --done, --text, --soft, --line."""
     return _move(match) if step == 1 else _turn(match, step)

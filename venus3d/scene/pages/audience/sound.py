@@ -1,56 +1,78 @@
-"""Two short tones as HTML, played by an `<audio autoplay>` that is put into the page. Browsers stay
-silent until the page has been clicked once, so the page asks for a click while sounds are on."""
+"""What the second monitor says aloud, and when; audience.js plays it.
+
+A sentence is due when what is to be done changes, and again while somebody hesitates; never more
+often than every `GAP_S` seconds, since nobody can follow that.
+"""
 
 from __future__ import annotations
 
-import base64
-import io
-import wave
-from functools import lru_cache
+import math
 from html import escape
 
-import numpy as np
-
-from venus3d.engine.geometry.pose import Array
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.pages.audience.view_model import Cue
+from venus3d.scene.pages.audience.state import Sound
+from venus3d.scene.pages.audience.view_model import AudienceViewModel, Cue
 
-_RATE = 16000
-_NOTES: dict[Cue, tuple[tuple[float, float], ...]] = {
-    "reached": ((784.0, 0.16),),
-    "captured": ((784.0, 0.13), (1175.0, 0.30)),
-}
-"""Hertz and seconds of each note."""
-
-
-@lru_cache(maxsize=2)
-def tone_wav(cue: Cue) -> bytes:
-    """A WAV file, mono, 16 bit."""
-    waves: list[Array] = []
-    for hertz, seconds in _NOTES[cue]:
-        t = np.arange(round(_RATE * seconds)) / _RATE
-        # Fade in and out within hundredths of a second: a hard edge would click.
-        envelope = np.minimum(1, t / 0.01) * np.minimum(1, (seconds - t) / 0.05)
-        waves.append(0.4 * envelope * np.sin(2 * np.pi * hertz * t))
-    samples = np.round(np.concatenate(waves) * 32767).astype("<i2")
-    file = io.BytesIO()
-    with wave.open(file, "wb") as out:
-        out.setnchannels(1)
-        out.setsampwidth(2)
-        out.setframerate(_RATE)
-        out.writeframes(samples.tobytes())
-    return file.getvalue()
+GAP_S = 4.0
+"""Shortest time between two sentences."""
+HESITATION_S = 7.0
+"""Seconds without progress after which the sentence is repeated."""
+_PROGRESS = 0.04
+"""Fall of the remaining distance (0 ... 1, as on the dial) that is progress."""
 
 
-def tone_html(cue: Cue, number: int) -> str:
-    """Plays once when added to a page; `number` makes it differ from the last."""
-    sound = base64.b64encode(tone_wav(cue)).decode("ascii")
-    return f"<audio autoplay data-number='{number}' src='data:audio/wav;base64,{sound}'></audio>"
+class Speaker:
+    """Chooses the sentences to be spoken. Used by one thread."""
+
+    def __init__(self) -> None:
+        self._about: tuple[str, str, int] | None = None
+        self._spoken_s = self._progress_s = -math.inf
+        self._nearest = 1.0
+
+    def due(self, moment: AudienceViewModel, now_s: float) -> str:
+        """The sentence to speak at this moment, `now_s` on a monotonic clock; empty for none."""
+        if moment.kind == "good" and moment.step:
+            return ""  # a tone says that a step is done; the next sentence is more useful
+        about = (moment.kind, moment.title, moment.step)
+        if about != self._about or moment.left < self._nearest - _PROGRESS:
+            self._nearest, self._progress_s = moment.left, now_s
+        since = now_s - self._spoken_s
+        hesitates = (
+            moment.kind in ("step", "unseen")
+            and min(since, now_s - self._progress_s) >= HESITATION_S
+        )
+        if since < GAP_S or (about == self._about and not hesitates):
+            return ""
+        self._about, self._spoken_s = about, now_s
+        return spoken(moment.sentence)
 
 
-def hint_html() -> str:
-    """Asks for the click and vanishes after it; handled by the browser alone."""
+def spoken(sentence: str) -> str:
+    """A sentence with its units as words."""
+    for unit, word in texts.SPOKEN_UNITS:
+        sentence = sentence.replace(unit, word)
+    return sentence
+
+
+def speech_html(sentence: str, number: int) -> str:
+    """The newest sentence to be spoken, and how many there were."""
+    attributes = f"class='v-speech' lang='{texts.LANGUAGE}' data-number='{number}'"
+    return f"<div {attributes}>{escape(sentence)}</div>"
+
+
+def cue_html(cue: Cue | None, number: int) -> str:
+    """The newest achievement, and how many there were."""
+    return f"<div class='v-cue' data-cue='{cue or ''}' data-number='{number}'></div>"
+
+
+def switches_html(sound: Sound) -> str:
+    """The browser's own switches, and what the operator has switched on."""
+    buttons = "".join(
+        f"<button data-sound='{kind}' title='{escape(hint)}'>{escape(label)}</button>"
+        for kind, label, hint in texts.SOUNDS
+    )
+    on = " ".join(kind for kind, _, _ in texts.SOUNDS if sound in (kind, "both"))
     return (
-        "<label class='v-hint'><input type='checkbox'>"
-        f"<span>♪ {escape(texts.SOUND_HINT)}</span></label>"
+        f"<div class='v-sound' data-on='{on}'>{buttons}"
+        f"<span class='v-ask'>{escape(texts.SOUND_HINT)}</span></div>"
     )

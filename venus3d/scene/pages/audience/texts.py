@@ -1,8 +1,10 @@
 """Texts of the second monitor, and of its controls on the operator's page. One sentence at a time,
 addressed to the board's holder. How to move the board is said by `engine/guidance/prompts.py`."""
 
+from venus3d.scene.pages.audience.state import Sound
+
 STARTING = ("…", "Starting", "Waiting for the first picture.")
-LOST = "No connection. This is an old picture."
+LOST = "No connection since {since}. The picture is old; this page goes on by itself."
 PAUSED = ("II", "Paused", "Paused. You may rest your arms.")
 SHOW_BOARD = ("?", "Show the board")
 NOT_SEEN = ("?", "Board not seen")
@@ -33,7 +35,14 @@ MOVE_PARTS = (
 """Amount towards the first and the second end of each scale; no arrow shows depth."""
 
 DIAL_LABEL = "{amount} to go; right within {limit}"
-SOUND_HINT = "Click here once: browsers stay silent until somebody has clicked."
+SOUNDS = (
+    ("tones", "♪ Tones", "Tones that quicken as the board comes nearer, in this browser"),
+    ("voice", "Voice", "The sentence spoken aloud, in this browser"),
+)
+"""Name, label and hint of this browser's switches."""
+SOUND_HINT = "Click once anywhere: browsers stay silent until then."
+LANGUAGE = "en"
+SPOKEN_UNITS = ((" mm", " millimetres"), ("°", " degrees"))
 
 PANEL = "Second monitor"
 CONTROLS = (
@@ -45,9 +54,20 @@ CONTROLS = (
         "Through the glass: the 3D steps, standing in the live picture",
     ),
     ("light", "Bright room", None, "Dark letters on a light ground"),
-    ("sound", "Sounds", None, "A short tone when a step is right, two when a view is captured"),
 )
-"""Field, label, key and hint of each option."""
+"""Field, label, key and hint of each switch."""
+SOUND_LABEL = "Sound"
+SOUND_OPTIONS: dict[Sound, str] = {
+    "off": "Off",
+    "tones": "Tones",
+    "voice": "Voice",
+    "both": "Tones and voice",
+}
+SOUND_CHOICE_HINT = (
+    "Tones quicken as the board comes nearer; the voice speaks the sentence. Whoever looks can "
+    "switch both for themselves."
+)
+SOUND_COMMAND, SOUND_COMMAND_HINT = "next sound", "Off, tones, voice, or both"
 
 ANNOUNCED = "Second monitor: {url}   (it only shows; {open_to})"
 THIS_MACHINE = "for this machine"

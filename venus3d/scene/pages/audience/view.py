@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience.glance import glance_html, sheet
 from venus3d.scene.pages.audience.lens import Plane, plain_plane
-from venus3d.scene.pages.audience.sound import hint_html, tone_html
+from venus3d.scene.pages.audience.sound import cue_html, speech_html, switches_html
 from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view_model import AudienceViewModel, Cue
 from venus3d.scene.web.server import LocalServer
@@ -44,8 +44,10 @@ class AudienceView:
         camera.fov = self._plane.fov_rad(_USUAL_ASPECT)
         gui = server.gui
         self._sheet, self._glance = gui.add_html(""), gui.add_html("")
-        self._hint, self._tone = gui.add_html("", visible=False), gui.add_html("")
-        self._tones = 0
+        self._sounds, self._cue, self._speech = (gui.add_html("") for _ in range(3))
+        self._played = self._spoken = 0
+        self.play(None)
+        self.speak("")
         self.dress(AudienceState())
 
         def connected(client: viser.ClientHandle) -> None:
@@ -66,17 +68,21 @@ class AudienceView:
         )
         self._look = look
         self._sheet.content = sheet(look, self._aspect)
-        self._hint.content = hint_html() if look.sound else ""
-        self._hint.visible = look.sound
+        self._sounds.content = switches_html(look.sound)
 
     def show(self, moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: bool) -> None:
         """Show this moment's texts."""
         self._glance.content = glance_html(moment, snapshot, dark=dark)
 
     def play(self, cue: Cue | None) -> None:
-        """Play a tone; None removes the last one, so that no later visitor hears it."""
-        self._tones += cue is not None
-        self._tone.content = "" if cue is None else tone_html(cue, self._tones)
+        """Play the tones of an achievement in browsers with tones on."""
+        self._played += cue is not None
+        self._cue.content = cue_html(cue, self._played)
+
+    def speak(self, sentence: str) -> None:
+        """Speak this in browsers with the voice on; nothing if it is empty."""
+        self._spoken += bool(sentence)
+        self._speech.content = speech_html(sentence, self._spoken)
 
     def show_picture(self, rgb: NDArray[np.uint8], plane: Plane) -> None:
         """Show this picture (H, W, 3) RGB on this plane."""

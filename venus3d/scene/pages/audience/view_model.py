@@ -10,6 +10,7 @@ from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.texts import STEP_SHORT_TITLES
 from venus3d.scene.pages.audience import texts
+from venus3d.scene.pages.audience.dial import share_left
 from venus3d.scene.web.diagnoses import another_board, doubt
 
 Kind = Literal["wait", "unseen", "step", "good"]
@@ -30,6 +31,8 @@ class AudienceViewModel:
     """1 ... 4: the active step, or the one just done; 0 for none."""
     match: Match | None = None
     """The board's distance from its target, where it matters."""
+    left: float = 1.0
+    """0 ... 1: what is left of the step, as on the dial."""
     fresh: bool = False
     """Whether a view was captured that does not count yet."""
 
@@ -56,7 +59,13 @@ def view_model_of(snapshot: Snapshot | None, paused: bool = False) -> AudienceVi
     step = match.active_step
     words = step_prompt(match.steps[step - 1])
     return AudienceViewModel(
-        "step", str(step), STEP_SHORT_TITLES[step - 1], words.holder, step, match
+        "step",
+        str(step),
+        STEP_SHORT_TITLES[step - 1],
+        words.holder,
+        step,
+        match,
+        share_left(match, step),
     )
 
 

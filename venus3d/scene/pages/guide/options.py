@@ -67,12 +67,12 @@ class GuideOptions:
     """A second, read-only page for a monitor or a class; with 0.0.0.0:PORT for other machines."""
     audience_view: Literal["picture", "lens"] = "picture"
     """The second page shows the picture with outlines, or the 3D steps through the lens."""
-    audience_mirror: Switch = False
+    audience_mirror: bool = True
     """The second page's picture as in a mirror, for whoever faces the camera."""
     audience_light: Switch = False
     """The second page in light colours, for a bright room."""
-    audience_sound: Switch = False
-    """The second page plays a tone when a step is right, two when a view is captured."""
+    audience_sound: Literal["off", "tones", "voice", "both"] = "off"
+    """The second page's sounds: tones that quicken near the target, sentences spoken, or both."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
     """Folder for camera.yaml and result.json, written after every view, earlier ones kept; with the
     viewer, venus3d-result if none is named."""
@@ -95,9 +95,8 @@ class GuideOptions:
 
     def _check_audience(self) -> None:
         if self.audience is None:
-            if self.audience_view != "picture" or any(
-                (self.audience_mirror, self.audience_light, self.audience_sound)
-            ):
+            chosen = (not self.audience_mirror, self.audience_light, self.audience_sound != "off")
+            if self.audience_view != "picture" or any(chosen):
                 raise VenusError("This choice is about the second page; open it with --audience.")
             return
         if self.headless:

@@ -1,0 +1,33 @@
+"""Adds a script of this folder to viser's page as it is served; viser has no option for one."""
+
+from __future__ import annotations
+
+import gzip
+from functools import cache, lru_cache
+from pathlib import Path
+
+from websockets.http11 import Response
+
+
+def with_script(response: Response, name: str) -> Response:
+    """The response, with the script of this name (`audience` for audience.js) if it is the page."""
+    headers = response.headers
+    if response.status_code != 200 or not headers.get("Content-Type", "").startswith("text/html"):
+        return response
+    body = _page_with(bytes(response.body), name, headers.get("Content-Encoding") == "gzip")
+    del headers["Content-Length"]
+    headers["Content-Length"] = str(len(body))
+    return Response(response.status_code, response.reason_phrase, headers, body)
+
+
+@lru_cache(maxsize=4)
+def _page_with(body: bytes, name: str, zipped: bool) -> bytes:
+    page = gzip.decompress(body) if zipped else body
+    before, end, after = page.rpartition(b"</body>")
+    page = before + b"<script>" + _script(name) + b"</script>" + end + after
+    return gzip.compress(page) if zipped else page
+
+
+@cache
+def _script(name: str) -> bytes:
+    return (Path(__file__).parent / f"{name}.js").read_bytes()
