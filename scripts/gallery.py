@@ -165,9 +165,9 @@ SHOTS: tuple[Shot, ...] = (
         address=_SECOND,
     ),
     Shot(
-        "audience-mirrored",
-        "The second monitor, mirrored",
-        (*_AUDIENCE, "--audience-mirror"),
+        "audience-unmirrored",
+        "The second monitor for a class: the picture as the camera sees it",
+        (*_AUDIENCE, "--no-audience-mirror"),
         later,
         ready="to go",
         address=_SECOND,

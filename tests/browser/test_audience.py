@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
+from tests.browser.conftest import Program
 from tests.ports import free_port
+from tests.scene.guided import matched
 from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.guidance.matching import match
 from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.texts import STEP_SHORT_TITLES
@@ -112,8 +116,9 @@ def test_what_is_drawn_in_3d_lies_on_what_the_camera_saw(
 ) -> None:
     """A wrong field of view, centre, aspect or map would shift the marks off the corners: within
     1.5 px on a picture of 1280 px, for windows of any shape, and after the window has changed."""
-    audience.change(lambda look: replace(look, lens=True))
-    audience.show(replace(guiding, camera=paper_camera, target=None, match=None, phase="guiding"))
+    audience.change(lambda look: replace(look, lens=True, mirror=False))
+    known = replace(guiding, camera=paper_camera, target=None, phase="guiding")
+    audience.show(matched(known, None))
     page = opened(chromium, audience.url, *_WIDE)
     corners: list[tuple[dict[int, Array], int]] = []
     for size in (_WIDE, _TALL):
@@ -135,7 +140,7 @@ def test_what_is_drawn_in_3d_lies_on_what_the_camera_saw(
     page.close()
 
 
-def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
+def test_it_is_read_at_two_metres_and_there_is_nothing_to_press_but_sounds(
     chromium: Any, audience: Audience, frame: Array, guiding: Snapshot
 ) -> None:
     """Letters of a twentieth of the screen, half of it the picture; step, hold still, captured."""
@@ -152,20 +157,21 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
     _, width = settled(page, lambda rgb: rgb.ravel() if rgb.std() > 20 else (), 1)
     assert width * width * 9 / 16 >= 0.5 * 1280 * 720
     pressed = "button, input, a, select, textarea, [role=slider]"
-    assert not [e for e in page.query_selector_all(pressed) if e.is_visible()]
+    visible = [e for e in page.query_selector_all(pressed) if e.is_visible()]
+    assert [e.inner_text() for e in visible] == [label for _, label, _ in texts.SOUNDS]
 
     # A mirror turns the picture and no letters; a bright room has dark letters.
-    audience.change(lambda look: replace(look, mirror=True, light=True))
-    page.wait_for_function(
-        "getComputedStyle(document.querySelector('canvas')).transform.startsWith('matrix(-1,')"
-    )
+    turned = "getComputedStyle(document.querySelector('canvas')).transform.startsWith('matrix(-1,')"
+    assert page.evaluate(turned), "whoever faces the camera has left and right as in a mirror"
+    audience.change(lambda look: replace(look, mirror=False, light=True))
+    page.wait_for_function(f"!{turned}")
     assert page.evaluate("getComputedStyle(document.querySelector('.v-say')).transform") == "none"
     page.wait_for_function(
         "getComputedStyle(document.querySelector('.v-say')).color === 'rgb(22, 25, 30)'"
     )
 
     there = replace(guiding.match, within=(True,) * 4, reached=True)
-    audience.show(replace(guiding, match=there))
+    audience.show(matched(guiding, there))
     wait_for_sentence(page, texts.STEP_DONE.format(title=STEP_SHORT_TITLES[2]))
     wait_for_sentence(page, texts.HOLD_STILL[2])
     audience.show(replace(guiding, phase="captured"))
@@ -193,8 +199,7 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press(
 def test_the_operator_chooses_for_all_who_look(
     chromium: Any, audience: Audience, guiding: Snapshot
 ) -> None:
-    """A key on the operator's page changes the other page, and a sound comes when a step is right;
-    keys and clicks on the other page change nothing."""
+    """A key on the operator's page changes the other page; keys and clicks there change nothing."""
     viewer = Viewer(port=free_port())
     try:
         AudienceControls(viewer.server, audience)
@@ -211,15 +216,112 @@ def test_the_operator_chooses_for_all_who_look(
         wait_until(lambda: audience.state.lens, "the operator's choice")
         assert audience.state == AudienceState(lens=True)
 
-        audience.change(lambda look: replace(look, sound=True))
-        looking.get_by_text(texts.SOUND_HINT).click()
-        looking.get_by_text(texts.SOUND_HINT).wait_for(state="hidden")
-        looking.evaluate(
-            "document.addEventListener('playing', () => { window.heard = true }, true)"
-        )
-        assert guiding.match is not None
-        audience.show(replace(guiding, match=replace(guiding.match, within=(True,) * 4)))
-        looking.wait_for_function("window.heard === true")
         looking.close(), acting.close()
     finally:
         viewer.close()
+
+
+LISTEN = """
+    window.spoken = []; window.tones = [];
+    speechSynthesis.speak = u => spoken.push([performance.now() / 1000, u.text, u.lang]);
+    const start = OscillatorNode.prototype.start;
+    OscillatorNode.prototype.start = function (at) {
+        tones.push([performance.now() / 1000, this.frequency.value]); start.call(this, at);
+    };
+    // What playwright asks of a page counts as a click; only the mouse's counts here.
+    let clicked = false;
+    addEventListener('pointerdown', () => { clicked = true }, true);
+    Object.defineProperty(navigator, 'userActivation', { get: () => ({ hasBeenActive: clicked }) });
+"""
+
+
+@pytest.fixture
+def listening(chromium: Any, audience: Audience) -> Iterator[Any]:
+    """A page that records what is spoken and played."""
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page.set_default_timeout(60_000)
+    page.add_init_script(LISTEN)
+    page.goto(audience.url)
+    page.wait_for_selector(".v-say")
+    yield page
+    page.close()
+
+
+def turned_by(snapshot: Snapshot, deg: float) -> Snapshot:
+    """The board on step 3, so far from its end."""
+    assert snapshot.target is not None
+    target = snapshot.target.pose
+    pose = target.turned("z", -30).turned("y", -deg)
+    found = match(snapshot.camera, snapshot.board, pose, target)
+    return matched(replace(snapshot, pose=pose), found)
+
+
+def test_a_click_on_the_page_has_it_speak_at_most_every_four_seconds(
+    listening: Any, audience: Audience, guiding: Snapshot
+) -> None:
+    """The holder's sentence at the click, the next one when the step has changed; silent before."""
+    swing, rotate = turned_by(guiding, 20), turned_by(guiding, 0)
+    for step, number in ((swing, 3), (rotate, 4)):
+        assert step.remaining is not None and step.remaining.active == number
+    audience.show(swing)
+    wait_for_sentence(listening, "Swing")
+    assert listening.evaluate("spoken") == []
+    listening.get_by_role("button", name="Voice").click()
+    audience.show(rotate)
+    listening.wait_for_function("spoken.length === 2")
+    (first, said, language), (second, then, _) = listening.evaluate("spoken")
+    assert "Swing" in said and "Rotate" in then and "degrees" in then and language == "en"
+    assert second - first >= 4
+    listening.get_by_role("button", name="Voice").click()
+    audience.show(swing)
+    listening.wait_for_timeout(4500)
+    assert len(listening.evaluate("spoken")) == 2 and listening.evaluate("tones") == []
+
+
+def test_tones_close_in_and_the_page_asks_for_the_click_that_browsers_want(
+    listening: Any, audience: Audience, guiding: Snapshot
+) -> None:
+    """The operator switches them on; nothing is played before the click, twice as often near."""
+    audience.show(turned_by(guiding, 80))
+    wait_for_sentence(listening, "Swing")
+    audience.change(lambda look: replace(look, sound="tones"))
+    listening.get_by_text(texts.SOUND_HINT).wait_for(state="visible")
+    assert listening.evaluate("tones") == []
+    listening.mouse.click(300, 300)
+    listening.get_by_text(texts.SOUND_HINT).wait_for(state="hidden")
+
+    def pause_s(deg: float) -> float:
+        audience.show(turned_by(guiding, deg))
+        wait_for_sentence(listening, f"{deg:.0f}°")
+        listening.evaluate("tones.length = 0")
+        listening.wait_for_function("tones.length >= 4")
+        return float(np.median(np.diff([at for at, _ in listening.evaluate("tones")])))
+
+    assert pause_s(5) < 0.6 * pause_s(80)
+    audience.show(turned_by(guiding, 0))
+    listening.wait_for_function("tones.some(([, hertz]) => hertz === 784)")
+    assert listening.evaluate("spoken") == []
+
+
+def test_it_goes_on_by_itself_after_the_program_was_started_again(
+    chromium: Any, start: Callable[..., Program], tmp_path: Path
+) -> None:
+    """The program dies: that is said large. On the same port again: the page shows its moment."""
+    port = free_port()
+    command = f"guide sim --no-tour --port {free_port()} --audience {port} --output {tmp_path}"
+    program = start(*command.split())
+    page = opened(chromium, f"http://127.0.0.1:{port}", 1280, 720)
+    page.wait_for_function("document.querySelector('.v-is-wait') === null")
+    said = page.inner_text(".v-say")
+    assert not page.is_visible(".v-lost")
+    program.kill()
+    page.wait_for_selector(".v-lost", state="visible")
+    page.wait_for_function(r"/\d\d:\d\d/.test(document.querySelector('.v-lost').innerText)")
+    size = page.evaluate("getComputedStyle(document.querySelector('.v-lost')).fontSize")
+    assert float(size.removesuffix("px")) >= 720 / 20
+    at = page.locator(".v-lost").bounding_box(), page.locator(".v-say").bounding_box()
+    assert at[0] == at[1], "what was said before is old, and covered"
+    start(*command.split())
+    page.wait_for_selector(".v-lost", state="hidden")
+    wait_for_sentence(page, said)
+    page.close()

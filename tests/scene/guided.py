@@ -1,6 +1,8 @@
-"""A session that has got somewhere, for tests that draw what is known."""
+"""A session that has got somewhere, for tests that draw what is known, and moments of one."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,6 +10,8 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.matching import Match
+from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -32,3 +36,9 @@ def guided_session(camera: Camera, board: Board, settings: Settings) -> Snapshot
         session.capture()
         session.run_pending()
     return session.snapshot()
+
+
+def matched(snapshot: Snapshot, match: Match | None) -> Snapshot:
+    """The snapshot with this match, and what remains by it."""
+    remaining = remaining_steps(snapshot.phase, snapshot.target, match)
+    return replace(snapshot, match=match, remaining=remaining)

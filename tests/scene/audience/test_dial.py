@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from tests.scene.guided import matched
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -92,7 +93,7 @@ def test_a_move_has_three_scales_with_the_holders_left_and_right(at) -> None:
     ways = [t.text for t in root.iter("text") if "v-way" in t.attrib["class"]]
     assert ways == ["left", "up"]
     said = [t.text for t in root.iter("text") if "v-part" in t.attrib["class"]]
-    assert said == ["← 50 mm", "↑ 20 mm", "✓ right"]
+    assert said == ["← 50 mm", "↑ 20 mm", "✓ done"]
 
 
 def test_three_scales_that_are_right_make_a_move_that_is_done(at) -> None:
@@ -136,7 +137,7 @@ def guided(paper_camera: Camera, default_board: Board, at) -> Snapshot:
     target = Target(
         1, GOAL, at().steps, "global", "projection-variance", (), "", np.zeros(9), 0.1, 0, 0.0
     )
-    return replace(known, phase="guiding", target=target, pose=GOAL, match=at(y=20))
+    return matched(replace(known, phase="guiding", target=target, pose=GOAL), at(y=20))
 
 
 def test_each_state_has_its_sentence(guided: Snapshot, at) -> None:
@@ -145,14 +146,14 @@ def test_each_state_has_its_sentence(guided: Snapshot, at) -> None:
     step = view_model_of(guided)
     assert (step.badge, step.title, step.step) == ("3", "Swing", 3)
     assert step.sentence == step_prompt(at(y=20).steps[2]).holder
-    assert view_model_of(replace(guided, match=at())).title == texts.HOLD_STILL[1]
-    assert view_model_of(replace(guided, pose=None, match=None)).title == texts.NOT_SEEN[1]
+    assert view_model_of(matched(guided, at())).title == texts.HOLD_STILL[1]
+    assert view_model_of(matched(replace(guided, pose=None), None)).title == texts.NOT_SEEN[1]
     assert view_model_of(replace(guided, phase="captured")).title == texts.THINKING[1]
     assert view_model_of(replace(guided, phase="converged")).title == texts.CONVERGED[1]
     for moment in (
         step,
         view_model_of(None),
-        view_model_of(replace(guided, match=at(mm=(9, 90, 0)))),
+        view_model_of(matched(guided, at(mm=(9, 90, 0)))),
     ):
         html = glance_html(moment, guided, dark=True)
         assert moment.sentence.replace(" mm", "\u00a0mm") in html and "<script" not in html
@@ -161,7 +162,7 @@ def test_each_state_has_its_sentence(guided: Snapshot, at) -> None:
 
 def test_what_was_achieved_is_told_once(guided: Snapshot, at) -> None:
     """A step that becomes right, a view that is taken; not a skipped target, not a new one."""
-    done = replace(guided, match=at(z=20))
+    done = matched(guided, at(z=20))
     assert achieved(None, guided) is None and achieved(guided, guided) is None
     cue = achieved(guided, done)
     assert cue is not None and cue[0] == "reached" and cue[1].step == 3
@@ -170,7 +171,7 @@ def test_what_was_achieved_is_told_once(guided: Snapshot, at) -> None:
     other = replace(done, target=replace(guided.target, number=2))
     assert achieved(guided, other) is None
 
-    there, thinking = replace(guided, match=at()), replace(guided, phase="captured")
+    there, thinking = matched(guided, at()), replace(guided, phase="captured")
     taken = achieved(there, thinking)
     assert taken is not None and taken[0] == "captured"
     assert achieved(guided, thinking) is None, "a target that was skipped"

@@ -89,7 +89,7 @@
     const isLost = document.querySelector(".mantine-Loader-root") !== null;
     const clock = { hour: "2-digit", minute: "2-digit", hourCycle: "h23" };
     lost = isLost ? lost || new Date().toLocaleTimeString([], clock) : "";
-    const since = document.querySelector(".v-since");
+    const since = document.querySelector(".v-lost b");
     if (isLost && since && since.textContent !== lost) since.textContent = lost;
   }
 

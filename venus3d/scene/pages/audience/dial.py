@@ -45,7 +45,7 @@ def tick_html() -> str:
         "<path d='M122 206l54 56 104-116' fill='none' stroke='var(--ground)' stroke-width='34' "
         "stroke-linecap='round' stroke-linejoin='round'/>"
     )
-    return _svg(tick, texts.RIGHT)
+    return _svg(tick, texts.DONE)
 
 
 def amount_text(match: Match, step: int) -> str:
@@ -107,7 +107,7 @@ def _scale(
 
     at, right, middle = place(-towards), abs(towards) <= band, y + 34
     second = towards > 0
-    text = f"✓ {texts.RIGHT}" if right else words[second].format(mm=f"{abs(towards):.0f}")
+    text = f"✓ {texts.DONE}" if right else words[second].format(mm=f"{abs(towards):.0f}")
     colour = "var(--done)" if right else "var(--step)"
     rest = "" if right else _line(at, middle, place(-np.sign(towards) * band), middle, 9)
     first_end, second_end = (

@@ -18,7 +18,7 @@ from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view_model import AudienceViewModel
 from venus3d.scene.web.theme import Theme, style_sheet
 
-_LOST_HTML = escape(texts.LOST).format(since="<b class='v-since'></b>")
+_LOST_HTML = escape(texts.LOST).format(since="<b></b>")
 _SCREEN, _HALF = 16 / 9, 0.505
 """The screen's aspect, and the picture's share of its width."""
 

@@ -18,10 +18,10 @@ FINISHED = ("✓", "Finished", "Finished. You may put the board down.")
 DOUBTED = ("!", "Not done yet", "The operator reads a warning; please wait.")
 """Badge, title and sentence of each state; three have the engine's sentence."""
 
-STEP_DONE = "{title}: right. Leave it like that."
+STEP_DONE = "{title}: done. Leave it like that."
 VIEWS = ("no picture yet", "{count} picture so far", "{count} pictures so far")
 TO_GO = "to go"
-RIGHT = "right"
+DONE = "done"
 
 LEFT_RIGHT = ("left", "right")
 UP_DOWN = ("up", "down")
@@ -34,7 +34,7 @@ MOVE_PARTS = (
 )
 """Amount towards the first and the second end of each scale; no arrow shows depth."""
 
-DIAL_LABEL = "{amount} to go; right within {limit}"
+DIAL_LABEL = "{amount} to go; done within {limit}"
 SOUNDS = (
     ("tones", "♪ Tones", "Tones that quicken as the board comes nearer, in this browser"),
     ("voice", "Voice", "The sentence spoken aloud, in this browser"),

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from venus3d.engine.guidance.matching import Match
-from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.texts import STEP_SHORT_TITLES
 from venus3d.scene.pages.audience import texts
@@ -51,22 +50,14 @@ def view_model_of(snapshot: Snapshot | None, paused: bool = False) -> AudienceVi
         return AudienceViewModel("good", *texts.CONVERGED)
     if snapshot.phase == "finished":
         return AudienceViewModel("good", *texts.FINISHED)
-    if snapshot.pose is None or snapshot.match is None:
+    todo = snapshot.remaining
+    if todo is None or todo.match is None:
         return _unseen(snapshot)
-    match = snapshot.match
-    if match.reached or all(match.within):
-        return AudienceViewModel("good", *texts.HOLD_STILL, match=match)
-    step = match.active_step
-    words = step_prompt(match.steps[step - 1])
-    return AudienceViewModel(
-        "step",
-        str(step),
-        STEP_SHORT_TITLES[step - 1],
-        words.holder,
-        step,
-        match,
-        share_left(match, step),
-    )
+    if todo.is_over:
+        return AudienceViewModel("good", *texts.HOLD_STILL, match=todo.match)
+    step, sentence = todo.active, todo.step(todo.active).prompt.holder
+    left, title = share_left(todo.match, step), STEP_SHORT_TITLES[step - 1]
+    return AudienceViewModel("step", str(step), title, sentence, step, todo.match, left)
 
 
 def _unseen(snapshot: Snapshot) -> AudienceViewModel:
