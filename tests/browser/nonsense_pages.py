@@ -26,10 +26,10 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.lessons.reading import shipped_lessons
 from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.exercise.practice import PracticeSettings
-from venus3d.scene.pages.exercise.practice_run import PracticeServer
+from venus3d.scene.pages.exercise.run import PracticeServer, trial_server
 from venus3d.scene.pages.exercise.trial import Trial
+from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import plan_of
-from venus3d.scene.pages.exercise.trial_run import TrialServer
 from venus3d.scene.pages.exercise.view_model import (
     PRACTICE_HELPS,
     ChooseHelp,
@@ -314,8 +314,10 @@ PRACTICE_KEYS: dict[str, object] = {
     "M": ChooseHelp(None),
     **{str(level): ChooseLevel(level) for level in LEVELS},
     **dict(zip("LJKIOU", (Nudge(n, sign) for n in (3, 4, 5) for sign in (1, -1)), strict=True)),
-    "Shift+K": Nudge(0, 1),
-    "Shift+I": Nudge(0, -1),
+    "Shift+I": Nudge(0, 1),
+    "Shift+K": Nudge(0, -1),
+    "Shift+L": Nudge(1, 1),
+    "Shift+O": Nudge(2, 1),
     "G": Button("give_up"),
 }
 
@@ -363,13 +365,14 @@ def test_trial(chromium: Any, paper_camera: Camera, default_board: Board) -> Non
     server, _ = start_server("127.0.0.1", free_port())
     with ExitStack() as stack:
         stack.callback(server.stop)
-        trials = stack.enter_context(closing(TrialServer(server, trial)))
-        trials.show_picture(np.full((360, 640, 3), 90, np.uint8))
+        pictures = TrialPictures()
+        trials = stack.enter_context(closing(trial_server(server, trial, pictures)))
+        pictures.put(np.full((360, 640, 3), 90, np.uint8))
         asked = Asked(trial)
 
         def step() -> None:
             trial.observe(Observation.nothing(paper_camera.image_size))
-            trials.obey(), trials.refresh(), trials.step()
+            trials.step()
 
         stack.enter_context(running(step))
         page = chromium.new_page(viewport={"width": 1280, "height": 900})

@@ -35,7 +35,7 @@ command, `venus3d --version` names the version.
 _COMMANDS: dict[str, tuple[type, str]] = {
     "guide": (GuideOptions, "venus3d.cli.guide:guide"),
     "teach": (TeachOptions, "venus3d.cli.teach:teach"),
-    "practice": (PracticeOptions, "venus3d.scene.pages.exercise.practice_run:run_practice"),
+    "practice": (PracticeOptions, "venus3d.scene.pages.exercise.run:run_practice"),
     "trial": (TrialOptions, "venus3d.cli.trial:trial"),
     "calibrate": (CalibrateOptions, "venus3d.cli.calibrate:calibrate_command"),
     "decompose": (DecomposeOptions, "venus3d.cli.decompose:decompose_command"),

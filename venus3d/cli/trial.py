@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
+from venus3d.scene.pages.exercise.html import clock
 from venus3d.scene.pages.exercise.options import TrialOptions
-from venus3d.scene.pages.exercise.trial_html import clock
+from venus3d.scene.pages.exercise.run import run_trial
+from venus3d.scene.pages.exercise.texts import TRIAL_HELP_NAMES
 from venus3d.scene.pages.exercise.trial_plan import times_of
-from venus3d.scene.pages.exercise.trial_run import run_trial
-from venus3d.scene.pages.exercise.trial_texts import HELP_NAMES
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Help
 from venus3d.storage.exercise import ExerciseRow
 
@@ -54,7 +54,9 @@ def times_table(rows: Sequence[ExerciseRow]) -> str:
     help.
     """
     people = list(dict.fromkeys(row.participant for row in rows))
-    cells = [[HELP_NAMES[h], *(_total(rows, person, h) for person in people)] for h in TRIAL_HELPS]
+    cells = [
+        [TRIAL_HELP_NAMES[h], *(_total(rows, person, h) for person in people)] for h in TRIAL_HELPS
+    ]
     lines = [["time after the first pose", *people], *cells]
     widths = [max(len(line[i]) for line in lines) for i in range(len(people) + 1)]
     text = "\n".join(

@@ -19,9 +19,9 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.limits import Limits
 from venus3d.scene.pages.exercise.options import TrialOptions
+from venus3d.scene.pages.exercise.run import run_trial
 from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_plan import Plan, order_of, plan_of, targets_of, times_of
-from venus3d.scene.pages.exercise.trial_run import run_trial
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS
 from venus3d.storage.exercise import ExerciseFile, ExerciseRow
 

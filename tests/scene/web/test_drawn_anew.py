@@ -25,6 +25,7 @@ from websockets.exceptions import WebSocketException
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
@@ -35,11 +36,11 @@ from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.exercise import texts as exercise_texts
 from venus3d.scene.pages.exercise.practice import Practice, PracticeSettings
 from venus3d.scene.pages.exercise.practice_page import PracticePage
-from venus3d.scene.pages.exercise.practice_run import PracticeServer
+from venus3d.scene.pages.exercise.run import PracticeServer, trial_server
 from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_page import TrialPage
+from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import plan_of
-from venus3d.scene.pages.exercise.trial_run import TrialServer
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import PoseAnalysis, TaughtPose
@@ -148,12 +149,14 @@ def test_a_trials_page_that_breaks_is_drawn_anew(
     server, _ = start_server("127.0.0.1", free_port())
     plan, target = plan_of("Anna", []), Pose.from_vector([0, 0, 0, 0, 0, 0.5])
     trial = Trial(default_board, paper_camera, plan, (target,), lambda _: None)
-    trials, stop = TrialServer(server, trial), threading.Event()
-    trials.show_picture(FRAME)
+    pictures, stop = TrialPictures(), threading.Event()
+    trials = trial_server(server, trial, pictures)
+    pictures.put(FRAME)
 
     def run() -> None:
         while not stop.wait(0.02):
-            trials.obey(), trials.refresh(), trials.step()
+            trial.observe(Observation.nothing(paper_camera.image_size))
+            trials.step()
 
     loop = threading.Thread(target=run)
     loop.start()

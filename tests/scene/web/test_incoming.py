@@ -23,10 +23,10 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.exercise.practice import PracticeSettings
-from venus3d.scene.pages.exercise.practice_run import PracticeServer
+from venus3d.scene.pages.exercise.run import PracticeServer, trial_server
 from venus3d.scene.pages.exercise.trial import Trial
+from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import plan_of
-from venus3d.scene.pages.exercise.trial_run import TrialServer
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.pages.teach.viewer import TeachViewer
@@ -279,7 +279,7 @@ def opened_page(
     if page == "trial":
         target = Pose.from_vector([0, 0, 0, 0, 0, 0.5])
         trial = Trial(board, camera, plan_of("Anna", []), (target,), lambda _: None)
-        exercise: PracticeServer | TrialServer = TrialServer(server, trial)
+        exercise = trial_server(server, trial, TrialPictures())
     else:
         settings = PracticeSettings.of(camera, board, 0, "practice.csv")
         file = ExerciseFile(folder / "practice.csv", "practice")

@@ -29,21 +29,22 @@ from venus3d.scene.web.texts import (
 )
 from venus3d.scene.web.theme import Theme
 
+SHIFT = "shift+"
+"""Comes before a key that goes with Shift."""
+
 
 @dataclass(frozen=True)
 class Command:
     """An action that a person can call by key or by name."""
 
     label: str
-    hotkey: Any
-    """A key of viser's, such as "N" or "space"; None: by name only. W A S D Q E and the arrows move
-    the browser's camera, and H and escape belong to the help."""
+    hotkey: str | None
+    """A key of viser's, such as "N" or "space", or with Shift, "shift+N"; None: by name only.
+    W A S D Q E and the arrows move the browser's camera, and H and escape belong to the help."""
     description: str
     """What it does, in one short sentence without a full stop."""
     do: Callable[[], None]
     """Called on viser's threads: only queues, or changes a frozen state."""
-    shift: bool = False
-    """Whether the key goes with Shift."""
 
 
 def add_commands(host: Host, commands: Sequence[Command]) -> None:
@@ -51,17 +52,19 @@ def add_commands(host: Host, commands: Sequence[Command]) -> None:
     if two share a key."""
     _check_keys(commands)
     for command in commands:
+        key: Any = command.hotkey
+        shifted = command.hotkey is not None and command.hotkey.startswith(SHIFT)
         handle = host.gui.add_command(
             command.label,
             description=command.description,
-            hotkey=command.hotkey,
-            modifier="shift" if command.shift else None,
+            hotkey=key.removeprefix(SHIFT) if shifted else key,
+            modifier="shift" if shifted else None,
         )
         handle.on_trigger(lambda _, do=command.do: do())
 
 
 def _check_keys(commands: Sequence[Command]) -> None:
-    keys = [key_name(c.hotkey, shift=c.shift) for c in commands if c.hotkey is not None]
+    keys = [key_name(c.hotkey) for c in commands if c.hotkey is not None]
     twice = {key for key in keys if keys.count(key) > 1}
     if twice:
         raise ValueError(f"two commands for one key: {', '.join(sorted(twice))}")
@@ -126,7 +129,7 @@ def keys_html(commands: Sequence[Command]) -> str:
     """The help's table: key, name and description of each command; below it those without a key."""
     help_itself = Command(HELP_COMMAND, "H", HELP_COMMAND_HINT, lambda: None)
     rows = "".join(
-        f"<tr><td><kbd class='v-key'>{escape(key_name(c.hotkey, shift=c.shift))}</kbd></td>"
+        f"<tr><td><kbd class='v-key'>{escape(key_name(c.hotkey))}</kbd></td>"
         f"<td><b>{escape(c.label)}</b></td><td>{escape(c.description)}</td></tr>"
         for c in (help_itself, *commands)
         if c.hotkey is not None
@@ -143,10 +146,13 @@ def keys_html(commands: Sequence[Command]) -> str:
     )
 
 
-def key_name(hotkey: Any, *, shift: bool = False) -> str:
+def key_name(hotkey: str | None) -> str:
     """A key as labelled on the keyboard, with Shift or alone."""
-    name = NO_KEY if hotkey is None else KEY_NAMES.get(hotkey, str(hotkey))
-    return SHIFTED.format(key=name) if shift else name
+    if hotkey is None:
+        return NO_KEY
+    alone = hotkey.removeprefix(SHIFT)
+    name = KEY_NAMES.get(alone, alone)
+    return name if alone == hotkey else SHIFTED.format(key=name)
 
 
 def _in_tab(client: viser.ClientHandle | None, do: Callable[[viser.ClientHandle], None]) -> None:

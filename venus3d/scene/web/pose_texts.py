@@ -1,4 +1,4 @@
-"""Names and hints of a pose's six numbers."""
+"""Names of a pose's six numbers, and words for changing them."""
 
 POSE_LABELS = (
     "Turn about X (°)",
@@ -16,3 +16,21 @@ POSE_HINTS = (
     "How far the board's centre is below the optical axis, in the picture.",
     "How far the board's centre is in front of the lens.",
 )
+NUDGES = {
+    (0, 1): "top edge nearer",
+    (0, -1): "bottom edge nearer",
+    (1, 1): "right edge nearer",
+    (1, -1): "left edge nearer",
+    (2, 1): "clockwise",
+    (2, -1): "counter-clockwise",
+    (3, 1): "right",
+    (3, -1): "left",
+    (4, 1): "down",
+    (4, -1): "up",
+    (5, 1): "farther",
+    (5, -1): "nearer",
+}
+"""A small change of each number, positive and negative, as seen in the picture."""
+BOARD_COMMAND = "Move the board: {what}"
+BOARD_COMMAND_HINT = "A little; hold the key for more"
+BOARD_KEYS_HEAD = ("alone", "with Shift")

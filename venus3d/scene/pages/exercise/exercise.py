@@ -39,9 +39,12 @@ class Exercise(ABC, Generic[View]):
         """All finished poses."""
         self._now_s = 0.0
         self._dark = True
+        self._view: View | None = None
+        self._changed = True
 
     def begin(self) -> bool:
         """Show the next target. False if none is waiting."""
+        self._changed = True
         if self.stage not in ("ready", "reached"):
             return False
         self.stage = "aim"
@@ -50,6 +53,7 @@ class Exercise(ABC, Generic[View]):
 
     def give_up(self) -> bool:
         """Skip the current target. False if none is shown."""
+        self._changed = True
         if self.stage not in ("aim", "hold"):
             return False
         self._finish(GIVEN_UP)
@@ -57,6 +61,7 @@ class Exercise(ABC, Generic[View]):
 
     def handle(self, request: Request) -> None:
         """Carry out a person's request."""
+        self._changed = True
         match request:
             case Press("next"):
                 self.begin()
@@ -67,12 +72,22 @@ class Exercise(ABC, Generic[View]):
             case _:
                 pass
 
-    def tick(self, now_s: float) -> bool:
-        """Advance the clock, where it is not that of the frames; whether the view has changed."""
-        return False
+    def tick(self, now_s: float) -> None:
+        """Advance the clock, where it is not that of the frames."""
+
+    def view(self) -> View:
+        """What is to be shown now; the same object until something has changed."""
+        if self._view is None or self._changed:
+            self._view, self._changed = self._make_view(), False
+        return self._view
+
+    @property
+    def last_view(self) -> View:
+        """The view made last, for other threads."""
+        return self._view or self.view()
 
     @abstractmethod
-    def view(self) -> View:
+    def _make_view(self) -> View:
         """What is to be shown now."""
 
     @abstractmethod

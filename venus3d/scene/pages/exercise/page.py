@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any, Generic
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.pose import Pose
 from venus3d.scene.pages.exercise.exercise import View
-from venus3d.scene.pages.exercise.view_model import MoveBoard, Request
+from venus3d.scene.pages.exercise.view_model import Action, MoveBoard, Press, Request
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
@@ -22,14 +23,16 @@ from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.theme import Theme
 
 Picture = NDArray[np.uint8]
+Job = Callable[[], None]
+"""Draws one picture and delivers it."""
+Ask = Callable[[Request], None]
+"""Called on viser's threads with a person's request; only queues it."""
 
 
 class ExercisePage(ABC, Generic[View]):
     """One tab. A subclass lays out the panels and shows a view on them."""
 
-    def __init__(
-        self, client: viser.ClientHandle, ask: Callable[[Request], None], view: View
-    ) -> None:
+    def __init__(self, client: viser.ClientHandle, ask: Ask, view: View) -> None:
         """Lay everything out and show this view.
 
         Args:
@@ -68,6 +71,10 @@ class ExercisePage(ABC, Generic[View]):
         self._client.flush()
         self._look(view, before)
 
+    @abstractmethod
+    def pictures(self) -> Iterable[tuple[str, Job]]:
+        """The pictures that are due, by name: those whose contents have changed."""
+
     def warn(self, text: str) -> None:
         """Report an error in a persistent note."""
         self._client.add_notification(self._title, text, color="red")
@@ -102,20 +109,11 @@ class ExercisePage(ABC, Generic[View]):
         return self._gui.add_image(blank, format="jpeg", jpeg_quality=quality)
 
 
-def add_plot(gui: viser.GuiApi, series: Sequence[Any], labels: tuple[str, str], height: int) -> Any:
-    """A plot over pose numbers in the current panel, hidden until it has lines."""
-    start = np.array([0.0, 1.0])
-    across, up = labels
-    return gui.add_uplot(
-        tuple(start for _ in series),
-        tuple(series),
-        scales={"x": {"time": False}},
-        axes=(
-            {"label": across, "labelSize": 18, "size": 30, "incrs": (1.0, 2.0, 5.0)},
-            {"label": up, "labelSize": 18, "size": 48},
-        ),
-        legend={"show": False},
-        height=height,
-        padding=(12, 16, 0, 0),
-        visible=False,
+def press_commands(
+    keys: Mapping[Action, str], texts: Mapping[str, tuple[str, str]], ask: Ask
+) -> tuple[Command, ...]:
+    """A command for each of these actions with its key; `texts`: label and description."""
+    return tuple(
+        Command(texts[action][0], key, texts[action][1], partial(ask, Press(action)))
+        for action, key in keys.items()
     )

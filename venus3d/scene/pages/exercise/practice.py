@@ -24,7 +24,7 @@ from venus3d.engine.guidance.exercise import (
 from venus3d.engine.guidance.matching import Match, match
 from venus3d.engine.planning.limits import Limits
 from venus3d.scene.pages.exercise.exercise import Exercise
-from venus3d.scene.pages.exercise.practice_texts import (
+from venus3d.scene.pages.exercise.texts import (
     GIVEN_UP_NOTE,
     GUEST,
     LEVEL_NAMES,
@@ -46,13 +46,11 @@ from venus3d.scene.pages.exercise.view_model import (
     SetAutoLevel,
     Stage,
 )
+from venus3d.scene.web.board_keys import KeyMoves
 from venus3d.storage.exercise import REACHED, ExerciseRow, Outcome, target_columns
 
 REACHED_FOR_NEXT_LEVEL = 2
 """Poses to reach in a row for the next level."""
-_NUDGE_DEG, _NUDGE_M = 1.0, 0.002
-_REPEAT_S = 0.25  # a key repeated this soon is held down
-_FASTEST = 5.0
 _LONGEST_NAME = 40
 
 
@@ -103,18 +101,21 @@ class Practice(Exercise[PracticeViewModel]):
         self._in_a_row = 0
         self._numbers: dict[int, int] = dict.fromkeys(LEVELS, 0)
         self._note = ""
-        self._nudged: tuple[Nudge, float, int] | None = None
+        self._keys = KeyMoves()
+        self._ticked: tuple[str, int] = ("ready", 0)
         self.begin()
 
     # -- requests ----------------------------------------------------------------------------------
 
     def handle(self, request: Request) -> None:
         """Carry out the trainee's request."""
+        super().handle(request)
         match request:
             case MoveBoard(pose, by):
                 self._move(pose, by)
-            case Nudge():
-                self._nudge(request)
+            case Nudge(number, sign):
+                moved = self._keys.moved(self._attempt.pose, number, sign, self._now_s)
+                self._move(moved, "keys")
             case ChooseLevel(level):
                 self._go_to(level)
             case ChooseHelp(chosen):
@@ -129,22 +130,19 @@ class Practice(Exercise[PracticeViewModel]):
             case Press("start_over"):
                 self._move(self._attempt.start, "keys")
             case _:
-                super().handle(request)
+                pass
 
-    def tick(self, now_s: float) -> bool:
-        """Advance the clock; whether the view has changed by itself."""
+    def tick(self, now_s: float) -> None:
+        """Advance the clock; a pose that has been held is finished."""
         self._now_s = now_s
         self._compare()
         if self.stage == "hold" and self._attempt.still_s(now_s) >= HOLD_S:
             self._judge(there=True, held=True)
-            return True
-        seconds = int(self._attempt.taken_s(now_s))
-        changed = self.stage != "reached" and seconds != self._seconds_shown
-        self._seconds_shown = seconds
-        return changed
+        seconds = 0 if self.stage == "reached" else int(self._attempt.taken_s(now_s))
+        if (self.stage, seconds) != self._ticked:
+            self._ticked, self._changed = (self.stage, seconds), True
 
-    def view(self) -> PracticeViewModel:
-        """What is to be shown now."""
+    def _make_view(self) -> PracticeViewModel:
         attempt, match = self._attempt, self._compare()
         taken = self._taken_s if self.stage == "reached" else attempt.taken_s(self._now_s)
         return PracticeViewModel(
@@ -185,7 +183,7 @@ class Practice(Exercise[PracticeViewModel]):
         )
         self._attempt = Attempt.at(settings.start, target, free)
         self._movers: list[Mover] = []
-        self._seconds_shown, self._taken_s = 0, 0.0
+        self._taken_s = 0.0
         self._match: Match | None = None
         self._compare()
 
@@ -242,17 +240,6 @@ class Practice(Exercise[PracticeViewModel]):
             self._note = ""
         elif before.pose.distance_to(within) > 1e-4 or before.pose.angle_to_deg(within) > 0.1:
             self._note = STAYS
-
-    def _nudge(self, nudge: Nudge) -> None:
-        run = 0
-        if self._nudged is not None and self._nudged[0] == nudge:
-            run = self._nudged[2] + 1 if self._now_s - self._nudged[1] < _REPEAT_S else 0
-        self._nudged = (nudge, self._now_s, run)
-        faster = min(_FASTEST, 1 + run / 5)
-        vector = self._attempt.pose.vector()
-        size = _NUDGE_DEG if nudge.number < 3 else _NUDGE_M
-        vector[nudge.number] += nudge.sign * faster * size
-        self._move(Pose.from_vector(vector), "keys")
 
     # -- a finished pose ---------------------------------------------------------------------------
 

@@ -7,7 +7,8 @@ right   what the camera sees, what it should see (help: none), sliders, keys
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,16 +16,17 @@ import viser
 
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.exercise import Reach
+from venus3d.render.board_mesh import board_shape
 from venus3d.render.frustum import AXIS_LENGTH
+from venus3d.render.offscreen import Offscreen
 from venus3d.render.viewpoints import view_from
-from venus3d.scene.pages.exercise import practice_html as html
-from venus3d.scene.pages.exercise import practice_texts as say
+from venus3d.scene.pages.exercise import html, plots
+from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.board_drag import BoardDrag
-from venus3d.scene.pages.exercise.commands import practice_commands
-from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
-from venus3d.scene.pages.exercise.practice_choices import PracticeChoices
-from venus3d.scene.pages.exercise.practice_shapes import scene_shapes
-from venus3d.scene.pages.exercise.view_model import PracticeViewModel, Request
+from venus3d.scene.pages.exercise.page import Ask, ExercisePage, Job
+from venus3d.scene.pages.exercise.practice_controls import PracticeControls, practice_commands
+from venus3d.scene.pages.exercise.shapes import picture_background, picture_finish, scene_shapes
+from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.panels import on_window
 from venus3d.scene.web.pose_panel import PosePanel
@@ -35,6 +37,7 @@ _SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
 _PHONE = 0.62
 """Aspect of the scene below which all panels are one sheet, the right one first."""
 _PLOT_HEIGHT = 150
+_PICTURE_SIZE = (480, 270)
 _JPEG_QUALITY = 80
 _UNITS = np.array([1.0, 1.0, 1.0, 1000.0, 1000.0, 1000.0])  # metres to the sliders' millimetres
 _SLIDER_STEPS = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
@@ -44,41 +47,72 @@ _CAMERA_SHOWN = 1.3 * AXIS_LENGTH * np.eye(4, 3)  # the tips of its axes, and th
 class PracticePage(ExercisePage[PracticeViewModel]):
     """All panels and the scene of one trainee's tab."""
 
-    _title = say.TITLE
+    _title = say.PRACTICE
 
     def __init__(
         self,
         client: viser.ClientHandle,
-        ask: Callable[[Request], None],
+        ask: Ask,
         view: PracticeViewModel,
+        *,
         reach: Reach,
+        offscreen: Offscreen,
     ) -> None:
-        """`reach`: range of the sliders."""
-        self._reach = reach
+        """
+        Args:
+            reach: range of the sliders.
+            offscreen: draws the pictures; the caller closes it.
+        """
+        self._reach, self._offscreen = reach, offscreen
         self._fitted: tuple[bool, bool] | None = None
+        self._ordered: dict[str, tuple[object, ...]] = {}
         super().__init__(client, ask, view)
 
-    def show_picture(self, rgb: Picture) -> None:
-        """What the camera sees, (H, W, 3) RGB."""
-        self._picture.image = rgb
-        self._client.flush()
+    def pictures(self) -> Iterable[tuple[str, Job]]:
+        """What the camera sees, and what it should see, if they have changed."""
+        view = self._shown
+        if view is None:
+            return
+        goal = (id(view.target), view.help, view.dark)
+        seen = (*goal, id(view.pose), view.match.active_step, all(view.match.within))
+        if self._ordered.get("seen") != seen:
+            self._ordered["seen"] = seen
+            finish = picture_finish(view)
+            yield "seen", partial(self._draw, view, view.pose, self._picture, finish)
+        if view.help == "none" and self._ordered.get("target") != goal:
+            self._ordered["target"] = goal
+            yield "target", partial(self._draw, view, view.target, self._target_picture)
 
-    def show_target_picture(self, rgb: Picture) -> None:
-        """What the camera should see, (H, W, 3) RGB."""
-        self._target_picture.image = rgb
+    def _draw(
+        self,
+        view: PracticeViewModel,
+        pose: Pose,
+        shown_in: Any,
+        finish: Callable[[Any], Any] | None = None,
+    ) -> None:
+        """Draw the camera's picture of the board in this pose into a picture of the page."""
+        shown_in.image = self._offscreen.render(
+            view.camera,
+            (board_shape(view.board, pose),),
+            background=picture_background(view.dark),
+            size=fitting(view.camera.image_size, _PICTURE_SIZE),
+            finish=finish,
+        )
         self._client.flush()
 
     def _put(self, view: PracticeViewModel, before: PracticeViewModel | None, theme: Theme) -> None:
         self._scene.draw(scene_shapes(view), dark=view.dark)
         self._gizmo.follow(view.pose, shown=view.side == "outside")
         self._drag.follow(view.pose)
-        self._card.content = self._first_card.content = html.card_html(view, theme)
+        self._card.content = self._first_card.content = html.practice_card_html(view, theme)
         self._bars.content = html.bars_html(view, theme)
         self._clock.content = html.clock_html(view)
         if before is None or _chosen(before) != _chosen(view):
-            self._choices.show(view)
-            self._put_results(view, before, theme)
-            self._legend.content = html.legend_html(say.PICTURE_LEGENDS[view.help])
+            self._controls.show(view)
+            self._results.content = html.results_html(view)
+            for plot, line in zip(self._plots, plots.practice_lines(view.rows) or (), strict=False):
+                plot.show([line], [4], theme)
+            self._legend.content = html.practice_legend_html(say.PICTURE_LEGENDS[view.help])
             alone = view.help == "none"
             self._target_title.visible = self._target_picture.visible = alone
         moved = before is None or before.pose is not view.pose
@@ -88,21 +122,6 @@ class PracticePage(ExercisePage[PracticeViewModel]):
         if before is None or before.attempt.free != view.attempt.free:
             self._sliders.enable(view.attempt.free)
             self._gizmo.offer(view.attempt.free)
-
-    def _put_results(
-        self, view: PracticeViewModel, before: PracticeViewModel | None, theme: Theme
-    ) -> None:
-        self._results.content = html.results_html(view)
-        labels = (say.TIME_PLOT, say.WAY_PLOT)
-        if before is not None and before.dark != view.dark:
-            for plot, label in zip(self._plots, labels, strict=True):
-                plot.series = html.series_of(label, theme)
-        lines = html.plot_lines(view.rows)
-        if lines is None or (before is not None and len(before.rows) == len(view.rows)):
-            return
-        for plot, line in zip(self._plots, lines[1:], strict=True):
-            plot.data = (lines[0], line)
-            plot.visible = True
 
     def _look(self, view: PracticeViewModel, before: PracticeViewModel | None) -> None:
         if before is not None and (before.side, before.target) == (view.side, view.target):
@@ -141,15 +160,15 @@ class PracticePage(ExercisePage[PracticeViewModel]):
             self._gui.main_panel.set_width(_SMALL_RIGHT_WIDTH if low else _RIGHT_WIDTH)
 
     def _make_left(self, view: PracticeViewModel) -> None:
-        gui, theme = self._gui, Theme(view.dark)
+        gui = self._gui
         self._left = gui.add_panel()
-        with self._left.add_tab(say.TITLE, viser.Icon.TARGET_ARROW):
+        with self._left.add_tab(say.PRACTICE, viser.Icon.TARGET_ARROW):
             self._style.add()
             self._card, self._bars, self._clock = (gui.add_html("") for _ in range(3))
-            self._choices = PracticeChoices(gui, self._ask, view)
+            self._controls = PracticeControls(gui, self._ask, view)
             self._results = gui.add_html("")
-            self._plots: list[Any] = [
-                add_plot(gui, html.series_of(label, theme), (say.POSE_AXIS, label), _PLOT_HEIGHT)
+            self._plots = [
+                plots.PosePlot(gui, label, _PLOT_HEIGHT, [label])
                 for label in (say.TIME_PLOT, say.WAY_PLOT)
             ]
         self._left.dock_left()
@@ -161,10 +180,10 @@ class PracticePage(ExercisePage[PracticeViewModel]):
         gui.set_panel_label(say.PICTURE_TITLE)
         self._style.add()
         self._first_card = gui.add_html("", visible=False)
-        self._picture = self._make_picture(480, _JPEG_QUALITY)
+        self._picture = self._make_picture(_PICTURE_SIZE[0], _JPEG_QUALITY)
         self._legend = gui.add_html("")
         self._target_title = gui.add_html(html.title_html(say.TARGET_PICTURE_TITLE))
-        self._target_picture = self._make_picture(480, _JPEG_QUALITY)
+        self._target_picture = self._make_picture(_PICTURE_SIZE[0], _JPEG_QUALITY)
         with gui.add_folder(say.SLIDERS):
             self._sliders = PosePanel(
                 gui,
@@ -193,3 +212,9 @@ def _vector_of(pose: Pose) -> list[float]:
 
 def _pose_of(vector: Array) -> Pose:
     return Pose.from_vector(vector / _UNITS)
+
+
+def fitting(size: tuple[int, int], room: tuple[int, int]) -> tuple[int, int]:
+    """The largest (width, height) of this aspect within `room`; at least one pixel each."""
+    scale = min(room[0] / size[0], room[1] / size[1])
+    return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))

@@ -13,74 +13,93 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Generic
+from dataclasses import dataclass
+from itertools import count
+from typing import Any
 
 import numpy as np
 import viser
 
-from venus3d.scene.pages.exercise.exercise import Exercise, View
-from venus3d.scene.pages.exercise.page import ExercisePage
-from venus3d.scene.pages.exercise.picture_turns import PictureTurns
+from venus3d.engine.errors import StorageError
+from venus3d.scene.pages.exercise.exercise import Exercise
+from venus3d.scene.pages.exercise.page import Ask, ExercisePage, Job
 from venus3d.scene.pages.exercise.texts import BROKEN, STANDS_STILL
-from venus3d.scene.pages.exercise.view_model import Request
+from venus3d.scene.pages.exercise.view_model import ExerciseView, Request
 from venus3d.scene.web.drawing import Failures, tell_tab
 from venus3d.scene.web.server import LocalServer
 from venus3d.scene.web.texts import DRAWING_FAILED
 
 _FORGIVEN_S = 60.0
 """Seconds after a page was reloaded after which the next failure counts as the first."""
+_PERIOD_S = 1 / 30
 _ROUND_S = 0.12
 """Time budget of a round for drawing pictures, seconds; the rest wait."""
 
 
 @dataclass(eq=False)
-class Tab(Generic[View]):
+class Tab:
     """One tab and its exercise."""
 
     client: viser.ClientHandle
-    exercise: Exercise[View]
-    page: ExercisePage[View]
+    exercise: Exercise[Any]
+    page: ExercisePage[Any]
     requests: queue.SimpleQueue[Request]
-    shown: View | None = field(default=None)
+    shown: ExerciseView | None = None
     """None: to be drawn."""
     failed_at: float = -np.inf
     """Clock time at which its page was reloaded, seconds."""
 
-    def drain(self) -> list[Request]:
-        """Requests since the last call, in order."""
-        drained: list[Request] = []
-        while not self.requests.empty():  # the only reader, so nothing is taken in between
-            drained.append(self.requests.get())
-        return drained
 
-
-class ExerciseServer(ABC, Generic[View]):
+class ExerciseServer:
     """All tabs of one server. Closing a tab discards its page."""
 
-    _title: str
-    """Title of notes to a tab without a page."""
+    def __init__(
+        self,
+        server: LocalServer,
+        title: str,
+        exercise_of: Callable[[int], Exercise[Any]],
+        make_page: Callable[[viser.ClientHandle, Ask, Any], ExercisePage[Any]],
+    ) -> None:
+        """Accept visitors. The caller closes the server afterwards.
 
-    def __init__(self, server: LocalServer) -> None:
-        """Nobody is accepted before `_open`; the caller closes the server afterwards."""
+        Args:
+            title: of notes to a tab without a page.
+            exercise_of: the exercise for the tab of this number; called on viser's threads.
+            make_page: lays out a page with this view; on viser's threads, or after a failure.
+        """
         self.server = server
-        self._tabs: dict[int, Tab[View]] = {}
+        self._title, self._exercise_of, self._make_page = title, exercise_of, make_page
+        self._tabs: dict[int, Tab] = {}
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._stop = threading.Event()
         self._turns = PictureTurns()
         self._failures = Failures()
+        camera = server.initial_camera
+        camera.near, camera.far = 0.01, 50.0
+        server.on_client_connect(self._enter)
+        server.on_client_disconnect(self._leave)
 
     @property
-    def tabs(self) -> tuple[Tab[View], ...]:
+    def tabs(self) -> tuple[Tab, ...]:
         """The open tabs."""
         with self._lock:
             return tuple(self._tabs.values())
 
+    def run(self) -> None:
+        """Serve until another thread calls `close`."""
+        while not self._stop.is_set():
+            started = time.monotonic()
+            more = self.step()
+            self._stop.wait(_PERIOD_S - (time.monotonic() - started))
+            # Clocks, flights and window sizes change without requests.
+            self._wake.wait(timeout=0 if more else 0.1)
+            self._wake.clear()
+
     def step(self) -> bool:
-        """Serve every tab once; whether more is due at once."""
+        """Serve every tab once; whether more is due at once. Raises `StorageError` if a time cannot
+        be written."""
         started = time.monotonic()
         moving = [self._serve(tab) for tab in self.tabs]
         return self._draw_until(started + _ROUND_S) or any(moving)
@@ -92,36 +111,7 @@ class ExerciseServer(ABC, Generic[View]):
         with self._lock:
             self._tabs.clear()
 
-    # -- for subclasses ----------------------------------------------------------------------------
-
-    @abstractmethod
-    def _exercise_of(self, number: int) -> Exercise[View]:
-        """The exercise for the tab of this number; on viser's threads."""
-
-    @abstractmethod
-    def _make_page(
-        self,
-        client: viser.ClientHandle,
-        exercise: Exercise[View],
-        ask: Callable[[Request], None],
-    ) -> ExercisePage[View]:
-        """Lay a page out; on viser's threads, or again after a failure."""
-
-    @abstractmethod
-    def _next_view(self, tab: Tab[View]) -> View | None:
-        """The view this tab should show now; None if it shows it already."""
-
-    @abstractmethod
-    def _order_pictures(self, tab: Tab[View], view: View, before: View | None) -> None:
-        """Queue the pictures that have changed since `before`."""
-
     # -- on viser's threads ------------------------------------------------------------------------
-
-    def _open(self) -> None:
-        camera = self.server.initial_camera
-        camera.near, camera.far = 0.01, 50.0
-        self.server.on_client_connect(self._enter)
-        self.server.on_client_disconnect(self._leave)
 
     def _enter(self, client: viser.ClientHandle) -> None:
         number = client.client_id
@@ -130,7 +120,7 @@ class ExerciseServer(ABC, Generic[View]):
         requests: queue.SimpleQueue[Request] = queue.SimpleQueue()
         try:
             exercise = self._exercise_of(number)
-            page = self._make_page(client, exercise, self._asking(requests))
+            page = self._make_page(client, self._asking(requests), exercise.last_view)
         except Exception as error:
             self._failures.tell(error, STANDS_STILL)
             client.add_notification(self._title, BROKEN, color="red")
@@ -142,7 +132,7 @@ class ExerciseServer(ABC, Generic[View]):
             self._leave(client)
         self._wake.set()
 
-    def _asking(self, requests: queue.SimpleQueue[Request]) -> Callable[[Request], None]:
+    def _asking(self, requests: queue.SimpleQueue[Request]) -> Ask:
         def ask(request: Request) -> None:
             requests.put(request)
             self._wake.set()
@@ -156,18 +146,25 @@ class ExerciseServer(ABC, Generic[View]):
 
     # -- on the caller's thread --------------------------------------------------------------------
 
-    def _serve(self, tab: Tab[View]) -> bool:
+    def _serve(self, tab: Tab) -> bool:
         """Update one tab; whether something on its page still moves. An error affects only this
         tab."""
+        exercise, page = tab.exercise, tab.page
         try:
-            view = self._next_view(tab)
-            if view is not None:
-                before, tab.shown = tab.shown, view
-                tab.page.show(view)
-                self._order_pictures(tab, view, before)
-            if tab.page.is_moving:
-                tab.page.advance()
-            return tab.page.is_moving
+            exercise.tick(time.monotonic())
+            while not tab.requests.empty():  # the only reader, so nothing is taken in between
+                exercise.handle(tab.requests.get())
+            view = exercise.view()
+            if view is not tab.shown:
+                tab.shown = view
+                page.show(view)
+            for what, job in page.pictures():
+                self._turns.ask(tab.client.client_id, what, job)
+            if page.is_moving:
+                page.advance()
+            return page.is_moving
+        except StorageError:
+            raise
         except Exception as error:
             self._failed(tab, error)
             return False
@@ -187,7 +184,7 @@ class ExerciseServer(ABC, Generic[View]):
                 return True
         return False
 
-    def _failed(self, tab: Tab[View], error: Exception) -> None:
+    def _failed(self, tab: Tab, error: Exception) -> None:
         """Reload one tab's page; one that fails again at once stays as it is."""
         client, now = tab.client, time.monotonic()
         if client.client_id not in self.server.get_clients():
@@ -201,10 +198,43 @@ class ExerciseServer(ABC, Generic[View]):
                 raise error
             client.gui.reset()
             client.scene.reset()
-            tab.page = self._make_page(client, tab.exercise, self._asking(tab.requests))
+            tab.page = self._make_page(client, self._asking(tab.requests), tab.exercise.view())
             tab.shown = None
             tell_tab(client, error)
         except Exception as worse:
             self._failures.tell(worse, STANDS_STILL)
             self._leave(client)
             tab.page.warn(BROKEN)
+
+
+class PictureTurns:
+    """The queue of pictures to draw when there is no time for all; thread-safe. A tab's new request
+    replaces its old one; the tab that has waited longest is next."""
+
+    def __init__(self) -> None:
+        """An empty queue."""
+        self._wanted: dict[tuple[int, str], Job] = {}
+        self._drawn: dict[tuple[int, str], int] = {}  # turn of the last picture
+        self._count = count(1)
+        self._lock = threading.Lock()
+
+    def ask(self, tab: int, what: str, job: Job) -> None:
+        """Queue this job for the tab."""
+        with self._lock:
+            self._wanted[tab, what] = job
+
+    def forget(self, tab: int) -> None:
+        """Drop the tab's requests: it has closed."""
+        with self._lock:
+            for of_all in (self._wanted, self._drawn):
+                for key in [key for key in of_all if key[0] == tab]:
+                    del of_all[key]
+
+    def take(self) -> tuple[int, Job] | None:
+        """The next tab and its job; None if the queue is empty."""
+        with self._lock:
+            if not self._wanted:
+                return None
+            key = min(self._wanted, key=lambda key: self._drawn.get(key, 0))
+            self._drawn[key] = next(self._count)
+            return key[0], self._wanted.pop(key)

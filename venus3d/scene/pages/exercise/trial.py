@@ -47,6 +47,7 @@ class Trial(Exercise[TrialViewModel]):
         written: str = "",
         source: str = "",
         seed: int = 0,
+        move_board: Callable[[Pose], None] = lambda _: None,
     ) -> None:
         """
         Args:
@@ -55,10 +56,12 @@ class Trial(Exercise[TrialViewModel]):
             targets: shown in this order under each help.
             settings: when a pose counts as reached, and how long it is held.
             source, seed: for the rows.
+            move_board: takes a simulated board to the pose that a person has dragged it to.
         """
         super().__init__(camera, board, written, record)
         self._plan, self._targets = plan, targets
         self._source, self._seed = source, seed
+        self._move_board = move_board
         self._settings = settings or Settings()
         self._left: list[Help] = [help_ for help_ in plan.order if help_ not in plan.done]
         self._pose = 0  # index of the pose that is shown
@@ -76,24 +79,28 @@ class Trial(Exercise[TrialViewModel]):
         """Whether the simulated hand should move the board."""
 
     def handle(self, request: Request) -> None:
-        """Carry out a request; the simulated board itself is moved elsewhere."""
+        """Carry out a person's request."""
+        super().handle(request)
         match request:
             case Press("autopilot"):
                 self.autopilot = not self.autopilot
-            case MoveBoard():
+            case MoveBoard(pose):
                 self.autopilot = False
+                self._move_board(pose)
             case _:
-                super().handle(request)
+                pass
 
     def say(self, text: str, seconds: float) -> None:
         """Show a sentence for `seconds`."""
-        self._note, self._note_until_s = text, self._now_s + seconds
+        self._note, self._note_until_s, self._changed = text, self._now_s + seconds, True
 
     def observe(self, observation: Observation, *, by_machine: bool = False) -> None:
         """Process one frame's observation; `by_machine`: the simulated hand moves the board. Raises
         `CalibrationError` if the frame's size is not the camera's."""
-        if observation.board is not None:
-            self._use_board(observation.board)
+        board, self._changed = observation.board, True
+        if board is not None and board != self.board:  # its layout turned out differently
+            self.board = board
+            self._tracker = PoseTracker(board, self.camera.image_size, self._settings)
         self._now_s = observation.time_s
         self._number += 1
         self._tracker.observe(observation, self.camera, self._target)
@@ -107,8 +114,7 @@ class Trial(Exercise[TrialViewModel]):
         held = self._tracker.held_frames >= self._settings.hold_frames
         self._judge(there=self._tracker.is_at_target, held=held)
 
-    def view(self) -> TrialViewModel:
-        """What is to be shown now."""
+    def _make_view(self) -> TrialViewModel:
         snapshot, help_ = self.snapshot(), self._help
         begun = self._start_s if self._first_s is None else self._first_s
         running = self.stage in ("aim", "hold") and begun is not None
@@ -159,12 +165,6 @@ class Trial(Exercise[TrialViewModel]):
             headline=headline,
             instruction=instruction,
         )
-
-    def _use_board(self, board: Board) -> None:
-        """Continue with a board whose layout turned out differently."""
-        if board != self.board:
-            self.board = board
-            self._tracker = PoseTracker(board, self.camera.image_size, self._settings)
 
     # -- the clock and the targets -----------------------------------------------------------------
 

@@ -12,40 +12,48 @@ that board and no target.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
-from typing import Literal
 
 import numpy as np
 import viser
 
 from venus3d.engine.guidance.remaining import RemainingSteps
-from venus3d.render.annotated_picture import (
-    PICTURE_WIDTH,
-    LivePicture,
-    annotate,
-    small_picture,
-)
 from venus3d.render.describe import SceneOptions, describe
-from venus3d.render.overlay import draw_axes, draw_outline
 from venus3d.render.redrawing import looks_alike
 from venus3d.render.shapes import Shape
 from venus3d.render.viewpoints import guiding_view, steps_back, view_kept_wide
-from venus3d.scene.pages.exercise import trial_html as html
-from venus3d.scene.pages.exercise import trial_texts as say
-from venus3d.scene.pages.exercise.commands import trial_commands
-from venus3d.scene.pages.exercise.page import ExercisePage, Picture, add_plot
+from venus3d.scene.pages.exercise import html, plots
+from venus3d.scene.pages.exercise import texts as say
+from venus3d.scene.pages.exercise.page import Ask, ExercisePage, Job, press_commands
+from venus3d.scene.pages.exercise.trial_pictures import (
+    LARGE_PICTURE_WIDTH,
+    Layout,
+    TrialPictures,
+    layout_of,
+)
 from venus3d.scene.pages.exercise.trial_plan import times_of
-from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press, Request, TrialViewModel
+from venus3d.scene.pages.exercise.view_model import (
+    TRIAL_HELPS,
+    Action,
+    Press,
+    TrialViewModel,
+)
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.panels import fit_width
-from venus3d.scene.web.projections_panel import ProjectionsPanel, Sources
+from venus3d.scene.web.projections_panel import ProjectionsPanel
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
 
-Layout = Literal["steps", "picture", "result"]
-_LARGE_PICTURE_WIDTH = 1280
+_KEYS: dict[Action, str] = {
+    "next": "space",
+    "give_up": "K",
+    "theme": "B",
+    "autopilot": "O",
+}
+_PICTURE_PERIOD_S = 1 / 15
 _JPEG_QUALITY = 75
 _SIDE_WIDTH, _LEFT_WIDTH, _RIGHT_WIDTH = 340, 480, 510
 _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
@@ -62,37 +70,42 @@ class TrialPage(ExercisePage[TrialViewModel]):
     """All panels of a trial in one tab."""
 
     _layout: Layout
-    _title = say.TAB
+    _title = say.TRIAL
 
     def __init__(
         self,
         client: viser.ClientHandle,
-        ask: Callable[[Request], None],
+        ask: Ask,
         view: TrialViewModel,
         *,
+        pictures: TrialPictures,
         simulated: bool,
-        shown_steps: Callable[[], Sources | None],
-        drawn_by: Callable[[], str],
     ) -> None:
-        """
-        Args:
-            simulated: the board can be dragged in the scene.
-            shown_steps: the pictures of the target's four steps, as far as they are drawn.
-            drawn_by: the renderer's note, if any.
-        """
-        self._simulated, self._shown_steps, self._drawn_by = simulated, shown_steps, drawn_by
+        """`simulated`: the board can be dragged in the scene."""
+        self._pictures, self._simulated = pictures, simulated
+        self._picture_due_s = 0.0
         self._drawn: RemainingSteps | None = None
         super().__init__(client, ask, view)
 
-    def show_picture(self, rgb: Picture, drawn: Picture) -> None:
-        """Show the live picture (H, W, 3) RGB: the original, and with the help drawn into it."""
-        self._scene.set_picture(rgb)
-        self._picture.image = drawn
-        self._client.flush()
+    def pictures(self) -> Iterable[tuple[str, Job]]:
+        """The live picture, 15 times a second."""
+        now = time.monotonic()
+        if self._pictures.image is not None and now >= self._picture_due_s:
+            self._picture_due_s = now + _PICTURE_PERIOD_S
+            yield "live", self._draw_picture
+
+    def _draw_picture(self) -> None:
+        view = self._shown
+        pictures = None if view is None else self._pictures.live(view)
+        if pictures is not None:
+            rgb, self._picture.image = pictures
+            self._scene.set_picture(rgb)
+            self._client.flush()
 
     def _put(self, view: TrialViewModel, before: TrialViewModel | None, theme: Theme) -> None:
         if layout_of(view) != self._layout:
             self._arrange(layout_of(view))
+        tiles = self._pictures.steps(view)
         steps, result = self._layout == "steps", self._layout == "result"
         if not looks_alike(self._drawn, view.snapshot.remaining):
             self._drawn = view.snapshot.remaining
@@ -102,33 +115,19 @@ class TrialPage(ExercisePage[TrialViewModel]):
         self._side.content = html.side_html(view)
         self._start.visible = view.stage == "ready" and view.snapshot.number > 0
         self._give_up.visible = view.is_running
-        self._card.content = html.card_html(view, theme)
-        self._legend.content = html.legend_html(view)
+        self._card.content = html.trial_card_html(view, theme)
+        self._legend.content = html.trial_legend_html(view)
         self._card.visible = self._legend.visible = not steps
         self._picture.visible = not result
         self._steps_legend.visible = self._projections.visible = steps
         if steps:
             self._guidance.content = html.steps_html(view, theme)
-            remaining, pictures = view.snapshot.remaining, self._shown_steps()
-            self._projections.show(remaining, pictures, view.step, theme, self._drawn_by())
+            remaining = view.snapshot.remaining
+            self._projections.show(remaining, tiles, view.step, theme, self._pictures.note)
         if result:
-            self._put_result(view, theme)
-        if before is None or before.dark != view.dark:
-            self._recolour(view, theme)
-
-    def _put_result(self, view: TrialViewModel, theme: Theme) -> None:
-        self._result.content = html.result_html(view, theme)
-        lines = html.progress_lines(times_of(view.rows))
-        if lines is not None and not self._plot.visible:
-            self._recolour(view, theme)
-            self._plot.data = lines
-            self._plot.visible = True
-
-    def _recolour(self, view: TrialViewModel, theme: Theme) -> None:
-        done = [row.help for row in view.rows] or TRIAL_HELPS
-        self._plot.series = html.progress_series(theme, done)
-        across, up = self._plot.axes or ({}, {})
-        self._plot.axes = ({**across, "stroke": theme.quiet}, {**up, "stroke": theme.quiet})
+            times = times_of(view.rows)
+            self._result.content = html.times_html(view, times, theme)
+            self._plot.show(plots.trial_lines(times), [*plots.HELP_COLOURS.values()], theme)
 
     def _arrange(self, layout: Layout) -> None:
         self._layout = layout
@@ -159,10 +158,13 @@ class TrialPage(ExercisePage[TrialViewModel]):
         return round(whole * (_SHARE_BESIDE_THE_SCENE if beside else 1.0))
 
     def _commands(self) -> tuple[Command, ...]:
-        return trial_commands(self._ask, simulated=self._simulated)
+        keys: dict[Action, str] = {
+            a: k for a, k in _KEYS.items() if self._simulated or a != "autopilot"
+        }
+        return press_commands(keys, say.TRIAL_COMMANDS, self._ask)
 
     def _lay_out(self, view: TrialViewModel) -> None:
-        self._make_right(view)
+        self._make_right()
         self._make_left()
         self._gizmo = self._make_gizmo() if self._simulated else None
         self._arrange(layout_of(view))
@@ -177,7 +179,7 @@ class TrialPage(ExercisePage[TrialViewModel]):
         self._guidance_panel.dock_left()
         self._guidance_panel.expand()  # phones fold panels at first
         self._left = gui.add_panel()
-        with self._left.add_tab(say.TAB, viser.Icon.CLOCK):
+        with self._left.add_tab(say.TRIAL, viser.Icon.CLOCK):
             self._style.add()
             self._side = gui.add_html("")
             self._start = gui.add_button(
@@ -193,40 +195,19 @@ class TrialPage(ExercisePage[TrialViewModel]):
             self._give_up.on_click(lambda _: self._ask(Press("give_up")))
         self._left.dock_left()
 
-    def _make_right(self, view: TrialViewModel) -> None:
+    def _make_right(self) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
         self._style.add()
         self._card = gui.add_html("")
-        self._picture = self._make_picture(_LARGE_PICTURE_WIDTH, _JPEG_QUALITY)
+        self._picture = self._make_picture(LARGE_PICTURE_WIDTH, _JPEG_QUALITY)
         self._legend = gui.add_html("")
         self._steps_legend = gui.add_html(PICTURE_LEGEND_HTML, visible=False)
         self._projections = ProjectionsPanel(gui)
         self._projections.visible = False
         self._result = gui.add_html("")
-        labels = (say.POSE, say.SECONDS_SINCE)
-        self._plot = add_plot(gui, html.progress_series(Theme(view.dark)), labels, _PLOT_HEIGHT)
-
-
-def layout_of(view: TrialViewModel) -> Layout:
-    """The page's layout for this view."""
-    if view.stage == "over":
-        return "result"
-    return "steps" if view.is_running and view.help == "steps" else "picture"
-
-
-def live_picture(image: LivePicture, view: TrialViewModel) -> tuple[Picture, Picture]:
-    """A frame (BGR or grey) as RGB: the original, and with the help drawn into it."""
-    steps = layout_of(view) == "steps"
-    rgb = small_picture(image, PICTURE_WIDTH if steps else _LARGE_PICTURE_WIDTH)
-    drawn = rgb.copy()
-    if steps:
-        step = view.step
-        annotate(drawn, view.snapshot, None, step, Theme(True).step_colours[step - 1])
-    elif view.is_running and view.target is not None:
-        draw = draw_axes if view.help == "axes" else draw_outline
-        draw(drawn, view.camera, view.board, view.pose, view.target)
-    return rgb, drawn
+        names = [say.TRIAL_HELP_NAMES[help_] for help_ in TRIAL_HELPS]
+        self._plot = plots.PosePlot(gui, say.SECONDS_SINCE, _PLOT_HEIGHT, names)
 
 
 def _shapes(

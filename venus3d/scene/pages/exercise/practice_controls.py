@@ -1,20 +1,23 @@
-"""Level, help, name and the buttons of a practice page."""
+"""Buttons, lists, keys and palette commands of a practice page."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import viser
 
 from venus3d.engine.guidance.exercise import LEVELS
-from venus3d.scene.pages.exercise import practice_texts as say
+from venus3d.scene.pages.exercise import texts as say
+from venus3d.scene.pages.exercise.page import Ask, press_commands
 from venus3d.scene.pages.exercise.view_model import (
     PRACTICE_HELPS,
     Action,
     ChooseHelp,
     ChooseLevel,
     Help,
+    Nudge,
     PracticeViewModel,
     Press,
     Rename,
@@ -22,22 +25,48 @@ from venus3d.scene.pages.exercise.view_model import (
     SetAutoLevel,
     ViewSide,
 )
+from venus3d.scene.web.board_keys import board_commands
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
+from venus3d.scene.web.help import Command
+from venus3d.scene.web.texts import SWITCHED_ON
 
-_LEVELS: dict[int, str] = {
-    level: say.LEVEL_CHOICE.format(level=level, name=say.LEVEL_NAMES[level]) for level in LEVELS
+_KEYS: dict[Action, str] = {
+    "next": "space",
+    "give_up": "G",
+    "start_over": "R",
+    "view": "V",
+    "theme": "B",
 }
-_HELPS: dict[Help, str] = {help_: say.HELP_NAMES[help_] for help_ in PRACTICE_HELPS}
+_LEVELS = {n: say.LEVEL_CHOICE.format(level=n, name=say.LEVEL_NAMES[n]) for n in LEVELS}
+_HELPS: dict[Help, str] = {help_: say.PRACTICE_HELP_NAMES[help_] for help_ in PRACTICE_HELPS}
 _SIDES: dict[ViewSide, str] = {side: say.VIEW_SIDES[side] for side in ("outside", "through")}
 _POSE_ACTIONS: dict[Action, str] = {a: say.POSE_ACTIONS[a] for a in ("start_over", "give_up")}
 
 
-class PracticeChoices:
+def practice_commands(ask: Ask) -> tuple[Command, ...]:
+    """The commands of a practice page; `ask` is called on viser's threads."""
+    texts = say.PRACTICE_COMMANDS
+    name, level = texts["level"]
+    return (
+        *press_commands(_KEYS, texts, ask),
+        Command(texts["help"][0], "M", texts["help"][1], partial(ask, ChooseHelp(None))),
+        *(
+            Command(
+                name.format(level=number),
+                str(number),
+                level.format(name=say.LEVEL_NAMES[number]),
+                partial(ask, ChooseLevel(number)),
+            )
+            for number in LEVELS
+        ),
+        *board_commands(lambda number, sign: ask(Nudge(number, sign))),
+    )
+
+
+class PracticeControls:
     """The controls of one tab, in the current panel."""
 
-    def __init__(
-        self, gui: viser.GuiApi, ask: Callable[[Request], None], view: PracticeViewModel
-    ) -> None:
+    def __init__(self, gui: viser.GuiApi, ask: Ask, view: PracticeViewModel) -> None:
         """`ask` is called on viser's threads, only for a person's actions."""
         self._ask = ask
         self._side: ViewSide = view.side
@@ -68,14 +97,14 @@ class PracticeChoices:
         )
         ButtonRow(
             gui,
-            say.POSE,
+            say.POSE_ROW,
             _POSE_ACTIONS,
             lambda action, _: ask(Press(action)),
             hint=say.POSE_HINT,
         )
         self._name = gui.add_text(say.NAME, "", hint=say.NAME_HINT)
-        self._on_change(self._auto_level, lambda: SetAutoLevel(bool(self._auto_level.value)))
-        self._on_change(self._name, lambda: Rename(str(self._name.value)))
+        self._on_change(self._auto_level, SetAutoLevel)
+        self._on_change(self._name, Rename)
 
     def show(self, view: PracticeViewModel) -> None:
         """Update the controls."""
@@ -89,16 +118,16 @@ class PracticeChoices:
         self._sides.show(self._side_labels())
 
     def _side_labels(self) -> dict[ViewSide, str]:
-        return {**_SIDES, self._side: say.SHOWN_SIDE.format(side=_SIDES[self._side])}
+        return {**_SIDES, self._side: SWITCHED_ON.format(label=_SIDES[self._side])}
 
     def _side_pressed(self, side: ViewSide, _: object) -> None:
         if side != self._side:
             self._ask(Press("view"))
 
-    def _on_change(self, control: Any, request: Callable[[], Request]) -> None:
+    def _on_change(self, control: Any, request: Callable[[Any], Request]) -> None:
         # Async, so that typed values stay in order.
         async def changed(event: Any) -> None:
             if event.client is not None:  # values set by the program come back without a client
-                self._ask(request())
+                self._ask(request(control.value))
 
         control.on_update(changed)

@@ -1,6 +1,7 @@
-"""Shapes of a practice, in the scene and in the camera's picture, under each help. The board is the
-same shape in both; the help is shapes in the scene, and lines in the picture as a trial draws them.
-Names are those of `describe`, plus /axes/board/x ... and /axes/target/x ..."""
+"""A practice in the scene and in the camera's picture, under each help. The board is the same shape
+in both; the help is shapes in the scene, and lines in the picture as a trial draws them: new arrow
+meshes for every picture would take longer than all the rest. Names are those of `describe`, plus
+/axes/board/x ... and /axes/target/x ..."""
 
 from __future__ import annotations
 
@@ -8,24 +9,33 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.pose import AXES, Pose
-from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import Step
+from venus3d.engine.geometry.pose import AXES, Array, Pose
+from venus3d.render.annotated_picture import CASING, draw_line, mark_top, outline_of
+from venus3d.render.arrows import arc_point
+from venus3d.render.board_mesh import board_ghost, board_outline, board_shape, outline_segments
 from venus3d.render.frustum import camera_shapes
 from venus3d.render.overlay import AXIS_COLOURS, draw_axes, draw_outline
 from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import Colour, LabelShape, LineShape, Shape
-from venus3d.render.step_shapes import instruction_shapes
-from venus3d.scene.pages.exercise.practice_texts import TARGET_LABEL
-from venus3d.scene.pages.exercise.step_overlay import draw_step
+from venus3d.render.step_shapes import arc_ends, instruction_shapes, protractor
+from venus3d.render.text_drawing import paint_labels
+from venus3d.scene.pages.exercise.texts import TARGET_LABEL
 from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 
+Picture = NDArray[np.uint8]
 ORANGE: dict[bool, Colour] = {True: (255, 140, 0), False: (190, 90, 0)}
 """The target's outline in space, on dark and on light ground."""
 _AXIS_LENGTH = 0.6  # of the board's shorter side
 _DASHES = 7
+_POINTS = 25  # along an arrow, which an arc or a lens bends
+_HEAD = 4.5  # length of an arrow's head, in shaft widths
 
 
 def scene_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
@@ -36,16 +46,6 @@ def scene_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
         camera = tuple(shape for shape in camera if shape.name == "/camera/border")
     board = board_shape(view.board, view.pose)
     return (*camera, board, *_help_shapes(view, for_camera=view.side == "through"))
-
-
-def picture_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
-    """Shapes in the camera's picture; `picture_finish` draws the help into it."""
-    return (board_shape(view.board, view.pose),)
-
-
-def target_picture_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
-    """The board at the target: what the camera should see."""
-    return (board_shape(view.board, view.target),)
 
 
 def picture_background(dark: bool) -> Colour:
@@ -64,7 +64,7 @@ def picture_finish(view: PracticeViewModel) -> Callable[[Any], Any] | None:
     def finish(picture: Any) -> Any:
         own = np.ascontiguousarray(picture)
         if view.help == "steps":
-            return draw_step(own, camera, board, target, step)
+            return _draw_step(own, camera, board, target, step)
         draw = draw_axes if view.help == "axes" else draw_outline
         draw(own, camera, board, view.pose, target)
         return own
@@ -134,3 +134,67 @@ def _frame(board: Board, pose: Pose, whose: str, view: PracticeViewModel) -> lis
         shapes.append(LineShape(name, segments, pose, colour, width))
         shapes.append(LabelShape(f"{name}_label", letter, tip, colour))
     return shapes
+
+
+def _draw_step(
+    rgb: Picture, camera: Camera, board: Board, target: Pose, step: Step | None
+) -> Picture:
+    """An RGB picture with the target's outline (thin) and the step's end outline (thick), arrow and
+    labels, drawn for a dark ground with dark casings. May draw into `rgb`; the camera may have
+    another image size."""
+    seen = camera.scaled((rgb.shape[1], rgb.shape[0]))
+    width = max(2, round(rgb.shape[1] / 200))
+    goal = ground(True).target
+    draw_line(rgb, outline_of(seen, board, target), goal, max(1, width - 1), closed=True)
+    if step is None:
+        mark_top(rgb, seen, board, target, goal)
+        return rgb
+    colour = step_colour(step.number, True)
+    draw_line(rgb, outline_of(seen, board, step.after), colour, width + 1, closed=True)
+    mark_top(rgb, seen, board, step.after, colour)
+    labels: list[LabelShape] = []
+    for shape in instruction_shapes(board, camera, step, dark=True, for_camera=True):
+        if isinstance(shape, LabelShape) and shape.in_projection:
+            labels.append(shape)
+        elif isinstance(shape, LineShape) and shape.in_projection:
+            for ends in seen.project(shape.pose.apply(shape.segments)):
+                draw_line(rgb, ends, colour, max(1, width - 1), closed=False)
+    for points, share in _arrows(board, camera, step):
+        _draw_arrow(rgb, seen.project(points), colour, share * width)
+    return paint_labels(rgb, labels, seen)
+
+
+def _arrows(board: Board, camera: Camera, step: Step) -> list[tuple[Array, float]]:
+    """Points (N, 3) along each arrow, tail to tip, camera frame, and its thickness."""
+    if step.is_idle:
+        return []
+    along = np.linspace(0, 1, _POINTS)
+    if step.axis is None:
+        starts = np.vstack([step.before.t, step.before.apply(outline_segments(board)[:, 0])])
+        # Straight ahead the arrow is a dot, but the move is visible at the corners.
+        ways = starts[:, None] + along[:, None] * step.translation
+        return [(way, 1.6 if i == 0 else 0.7) for i, way in enumerate(ways)]
+    place = protractor(board, camera, step)
+    start, end = arc_ends(step, for_camera=True)
+    arc = [arc_point(start + at * (end - start), place.radius) for at in along]
+    return [(place.frame.apply(np.array(arc)), 1.6)]
+
+
+def _draw_arrow(rgb: Picture, points: Array, colour: Colour, width: float) -> None:
+    points = points[np.isfinite(points).all(axis=1) & (np.abs(points) < 1e4).all(axis=1)]
+    if len(points) < 2:
+        return
+    tip, far = points[-1], np.linalg.norm(points - points[-1], axis=1)
+    head = min(_HEAD * width, 0.6 * float(far.max()))
+    if head < 3:  # end-on, it is invisible
+        return
+    shaft = points[far >= head]
+    base = shaft[-1]
+    ahead = (tip - base) / np.linalg.norm(tip - base) * head
+    aside = 0.55 * np.array([-ahead[1], ahead[0]])
+    triangle = np.array([tip - ahead + aside, tip, tip - ahead - aside])
+    shaft = np.vstack([shaft, tip - 0.5 * ahead])
+    draw_line(rgb, shaft, colour, round(width), closed=False)
+    fixed = np.round(triangle * 16).astype(np.int32)
+    cv2.polylines(rgb, [fixed], True, CASING, 4, cv2.LINE_AA, 4)
+    cv2.fillConvexPoly(rgb, fixed, colour, cv2.LINE_AA, 4)

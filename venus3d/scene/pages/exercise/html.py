@@ -1,4 +1,4 @@
-"""The practice page's texts as HTML: instruction, distance, results, keys."""
+"""Texts of practice and trial as HTML: what to do, how far it is, results, keys."""
 
 from __future__ import annotations
 
@@ -9,22 +9,26 @@ from typing import Any
 
 import numpy as np
 
-from venus3d.engine.geometry.pose import Array
-from venus3d.engine.guidance.exercise import detour
-from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN, step_prompt
 from venus3d.render.amounts import degrees
-from venus3d.render.palette import STEP_STYLES
-from venus3d.scene.pages.exercise import practice_texts as say
-from venus3d.scene.pages.exercise.view_model import PracticeViewModel
+from venus3d.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
+from venus3d.render.palette import STEP_STYLES, hex_of
+from venus3d.scene.pages.exercise import texts as say
+from venus3d.scene.pages.exercise.plots import HELP_COLOURS, detour_of
+from venus3d.scene.pages.exercise.trial_plan import HelpTimes
+from venus3d.scene.pages.exercise.view_model import PracticeViewModel, TrialViewModel
+from venus3d.scene.web.board_keys import board_keys_html, key_html
+from venus3d.scene.web.step_card import guide_card, hold_card, second_line, step_card, step_chips
+from venus3d.scene.web.step_texts import FROM_UPRIGHT
 from venus3d.scene.web.theme import Theme
 from venus3d.storage.exercise import REACHED, ExerciseRow
 
 _FAR_MM, _FAR_DEG = 300.0, 90.0  # a bar is full here
 
 
-def card_html(view: PracticeViewModel, theme: Theme) -> str:
+def practice_card_html(view: PracticeViewModel, theme: Theme) -> str:
     """What to do now, in large letters; below it the numbers to change."""
-    colour, badge, headline, sentence, amount = _card_of(view, theme)
+    colour, badge, headline, sentence, amount = _practice_card(view, theme)
     free = say.ALL_FREE
     if view.level < 6:
         names = [name for name, on in zip(say.FREE_NAMES, view.attempt.free, strict=True) if on]
@@ -39,7 +43,7 @@ def card_html(view: PracticeViewModel, theme: Theme) -> str:
     )
 
 
-def _card_of(view: PracticeViewModel, theme: Theme) -> tuple[str, str, str, str, str]:
+def _practice_card(view: PracticeViewModel, theme: Theme) -> tuple[str, str, str, str, str]:
     good = theme.reached
     if view.stage == "reached":
         row = view.rows[-1]
@@ -48,7 +52,7 @@ def _card_of(view: PracticeViewModel, theme: Theme) -> tuple[str, str, str, str,
         sentence = f"{way.format(detour=ratio)} {say.REACHED_SENTENCE}"
         return good, "✓", headline, sentence, ""
     if view.stage == "hold":
-        return good, "✓", say.HOLD_HEADLINE, say.HOLD_SENTENCE, ""
+        return good, "✓", say.HOLD_STILL, say.HOLD_SENTENCE, ""
     if view.help != "steps":
         return theme.info, "◎", say.HEADLINES[view.help], say.SENTENCES[view.help], ""
     step = view.match.steps[view.match.active_step - 1]
@@ -152,11 +156,6 @@ def results_html(view: PracticeViewModel) -> str:
     )
 
 
-def detour_of(row: ExerciseRow) -> float:
-    """Path length over the shortest one; NaN without a path."""
-    return detour(row.path_mm, row.shortest_mm, row.path_deg, row.shortest_deg)
-
-
 def _cells(row: ExerciseRow) -> str:
     reached, ratio = row.outcome == REACHED, detour_of(row)
     time = f"{row.seconds:.1f} s" if reached else say.GAVE_UP
@@ -165,43 +164,18 @@ def _cells(row: ExerciseRow) -> str:
     return f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
 
 
-def plot_lines(rows: Sequence[ExerciseRow]) -> tuple[Array, Array, Array] | None:
-    """For two plots: pose numbers, seconds, path ratios; None before two poses. Poses that were
-    given up or have no path are NaN: a gap in the line."""
-    reached = [row.outcome == REACHED for row in rows]
-    if sum(reached) < 2:
-        return None
-    numbers = np.arange(1, len(rows) + 1, dtype=np.float64)
-    lines = [[row.seconds for row in rows], [detour_of(row) for row in rows]]
-    seconds, ways = (np.where(reached, line, np.nan) for line in lines)
-    return numbers, seconds, ways
-
-
-def series_of(label: str, theme: Theme) -> tuple[Any, ...]:
-    """The style of one plot's line."""
-    points = {"show": True, "size": 8}
-    return (
-        {"label": say.POSE_AXIS},
-        {"label": label, "stroke": theme.steps[3], "width": 2, "points": points},
-    )
-
-
 def keys_html() -> str:
     """The keys that move the board, the mouse gestures, and the other keys."""
-    head = "".join(f"<small>{name}</small>" for name in ("", *say.KEYS_HEAD))
-    moves = "".join(
-        f"<span>{_key(one)} {_key(other)}</span><span>{alone}</span><span>{shifted}</span>"
-        for one, other, alone, shifted in say.MOVE_KEYS
-    )
     mouse = "".join(f"<b>{how}</b><span>{what}</span>" for how, what in say.MOUSE_LINES)
-    others = " &nbsp; ".join(f"{_key(key)} {what}" for key, what in say.OTHER_KEYS)
+    others = " &nbsp; ".join(f"{key_html(key)} {what}" for key, what in say.OTHER_KEYS)
     return (
-        f"<div class='v-progress'><h3>{say.KEYS_TITLE}</h3><div class='v-keylist'>{head}{moves}"
-        f"</div><div class='v-keylist v-two'>{mouse}</div><div class='v-line'>{others}</div></div>"
+        f"<div class='v-progress'><h3>{say.KEYS_TITLE}</h3><div class='v-keylist'>"
+        f"{board_keys_html()}</div><div class='v-keylist v-two'>{mouse}</div>"
+        f"<div class='v-line'>{others}</div></div>"
     )
 
 
-def legend_html(legend: str) -> str:
+def practice_legend_html(legend: str) -> str:
     """The legend below the picture."""
     return f"<div class='v-progress v-under'><div class='v-legend'>{escape(legend)}</div></div>"
 
@@ -211,5 +185,125 @@ def title_html(title: str) -> str:
     return f"<div class='v-progress'><h3>{escape(title)}</h3></div>"
 
 
-def _key(name: str) -> str:
-    return f"<span class='v-key'>{name}</span>"
+# -- the trial -------------------------------------------------------------------------------------
+
+
+def side_html(view: TrialViewModel) -> str:
+    """The left column: participant, help, pose, time, and a remark."""
+    if view.snapshot.number == 0:
+        return f"<div class='v-progress'>{say.WAITING}</div>"
+    place, helps = view.place, len(view.order)
+    what = say.HELP_OF.format(place=place, helps=helps, name=say.TRIAL_HELP_NAMES[view.help])
+    if view.stage == "over":
+        what = say.ALL_DONE
+    rows = "".join(_order_row(view, number) for number in range(1, helps + 1))
+    return (
+        f"<div class='v-progress'><div class='v-participant'>{escape(view.participant)}</div>"
+        f"<div class='v-what'>{escape(what)}</div>{_counters(view)}"
+        f"<h3>{say.ORDER_TITLE}</h3><div class='v-order'>{rows}</div>"
+        f"<div class='v-remark'>{escape(view.note)}</div></div>"
+    )
+
+
+def _counters(view: TrialViewModel) -> str:
+    if not view.is_running:
+        return ""
+    since = say.SINCE_START if view.number == 1 else say.SINCE_FIRST
+    poses = say.OF_POSES.format(poses=view.poses)
+    return (
+        f"<div class='v-count'><div><b>{view.number} <small>{poses}</small></b>"
+        f"<span>{say.POSE}</span></div>"
+        f"<div><b>{clock(view.seconds)}</b><span>{since}</span></div></div>"
+    )
+
+
+def _order_row(view: TrialViewModel, number: int) -> str:
+    help_ = view.order[number - 1]
+    now = view.stage != "over" and number == view.place
+    done = view.stage == "over" or number < view.place
+    mark = "✓ " if done else f"{number} "
+    return f"<div class='{'v-current' if now else ''}'>{mark}{say.TRIAL_HELP_NAMES[help_]}</div>"
+
+
+def clock(seconds: float) -> str:
+    """Elapsed minutes and whole seconds, m:ss."""
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def trial_card_html(view: TrialViewModel, theme: Theme) -> str:
+    """The large text above the picture: what comes, what to do; the same for each help."""
+    if view.snapshot.number == 0:
+        return _card(theme.info, "…", say.STARTING, say.WAITING)
+    how = say.HOW[view.help]
+    if view.stage == "over":
+        return _card(theme.reached, "✓", say.DONE, say.DONE_SENTENCE)
+    if view.stage == "ready":
+        name = say.TRIAL_HELP_NAMES[view.help]
+        return _card(theme.info, "▶", say.NEXT_HELP.format(name=name), how)
+    if view.pose is None:
+        return _card(theme.info, "?", say.NOT_SEEN, NOT_SEEN.holder)
+    if view.stage == "hold":
+        return _card(theme.reached, "✓", say.HOLD_STILL, HOLD_STILL.holder)
+    headline = say.POSE_OF.format(pose=view.number, poses=view.poses)
+    return _card(theme.info, str(view.number), headline, how)
+
+
+def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
+    return (
+        f"<div class='v-wide'><div class='v-guide v-card' style='--step:{colour}'>"
+        f"<span class='v-badge'>{badge}</span><div><b>{escape(headline)}</b>"
+        f"<span class='v-say'>{escape(sentence)}</span></div></div></div>"
+    )
+
+
+def steps_html(view: TrialViewModel, theme: Theme) -> str:
+    """The large text of the steps, as in a guided calibration."""
+    snapshot, remaining = view.snapshot, view.snapshot.remaining
+    if remaining is None or remaining.from_upright:
+        sentence, chips = snapshot.instruction.holder, step_chips(remaining, view.step, theme)
+        below = f"{chips}{second_line(FROM_UPRIGHT)}" if chips else ""
+        text = guide_card(theme.info, "?", snapshot.headline, sentence, below=below, note=view.note)
+    elif remaining.is_over:
+        text = hold_card(theme, remaining, view.step, view.note)
+    else:
+        text = step_card(remaining, view.step, theme, view.note)
+    return f"<div class='v-wide'>{text}</div>"
+
+
+def trial_legend_html(view: TrialViewModel) -> str:
+    """The legend below the picture."""
+    if not view.is_running:
+        return ""
+    if view.help == "axes":
+        keys = (f"<b>{escape(name)}</b>: {meaning}" for name, meaning in say.AXES_LEGEND)
+        text = " &nbsp; ".join((*keys, say.AXES_MEANING))
+    else:
+        names = zip((TARGET_FILL, OVERLAP_FILL, BOARD_FILL), say.OUTLINE_LEGEND, strict=True)
+        text = " &nbsp; ".join(f"{_swatch(colour)}{name}" for colour, name in names)
+    return f"<div class='v-wide'><div class='v-steps v-key-line'>{text}</div></div>"
+
+
+def _swatch(colour: Any) -> str:
+    return f"<span class='v-swatch' style='background:{hex_of(colour)}'></span>"
+
+
+def times_html(view: TrialViewModel, times: Sequence[HelpTimes], theme: Theme) -> str:
+    """The times of each help at the end, and where they are written."""
+    head = f"<tr>{''.join(f'<th>{title}</th>' for title in say.TIMES_HEAD)}</tr>"
+    rows = "".join(_time_row(entry, theme) for entry in times)
+    written = escape(say.WRITTEN.format(path=view.written))
+    return (
+        f"<div class='v-wide'><div class='v-progress'><table class='v-times'>{head}{rows}"
+        f"</table><div class='v-path'>{written}</div></div></div>"
+    )
+
+
+def _time_row(times: HelpTimes, theme: Theme) -> str:
+    middle = f"{median(times.reached_s):.1f} s" if times.reached_s else "–"
+    whole = clock(round(times.ends_s[-1])) if times.ends_s else "–"
+    name = f"{_swatch(_colour(times.help, theme))}{say.TRIAL_HELP_NAMES[times.help]}"
+    return f"<tr><td>{name}</td><td>{middle}</td><td>{whole}</td><td>{times.given_up}</td></tr>"
+
+
+def _colour(help_: str, theme: Theme) -> tuple[int, int, int]:
+    return theme.step_colours[HELP_COLOURS[help_] - 1]
