@@ -53,7 +53,7 @@ def test_page_shows_state_scene_projections_and_progress(
     step = guiding.remaining.step(3)
     assert page.locator(".v-sentence").inner_text() == step.prompt.holder
     assert f"{step.step.angle_deg:+.0f}".replace("-", "−") in page.inner_text(".v-amount")
-    assert step.prompt.holder in page.locator(".v-tile").nth(2).inner_text()
+    assert step.prompt.holder in page.locator(".v-tile").nth(2).text_content()
     page.wait_for_function("document.querySelectorAll('.v-tile .v-shot').length === 4")
     assert marked_tile(page) == "3"
     assert guiding.target.reason in page.inner_text(".v-reason")
