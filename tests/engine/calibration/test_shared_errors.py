@@ -56,7 +56,7 @@ def residuals_of(
     solution = np.linalg.lstsq(full * scale, np.concatenate(drawn), rcond=None)[0] * scale
     left = np.split(np.concatenate(drawn) - full @ solution, len(drawn))
     views = [
-        ViewResidual.of(BOARD.corners, BOARD, J, e.reshape(2, -1).T)
+        ViewResidual.of(BOARD, BOARD.corners, J, e.reshape(2, -1).T)
         for J, e in zip(jacobians, left, strict=True)
     ]
     return views, solution[-9:]
@@ -74,14 +74,19 @@ def test_modes_have_unit_rms_and_share_is_woodbury() -> None:
 def test_likelihood_is_that_of_the_multivariate_normal() -> None:
     """REML: the likelihood of the residuals in the space that pose and intrinsics leave."""
     rng = np.random.default_rng(3)
-    views, _ = residuals_of(jacobians_of(4, rng), 0.05, rng)
-    M = np.vstack([v.intrinsics for v in views])
-    rest = np.linalg.qr(M / np.linalg.norm(M, axis=0), mode="complete").Q[:, 9:].T
+    shown = jacobians_of(4, rng)
+    views, _ = residuals_of(shown, 0.05, rng)
+    jacobians = [J.reshape(15, -1).T for J in shown]
+    full = np.hstack(
+        [block_diag(*(s[:, :6] for s in jacobians)), np.vstack([s[:, 6:] for s in jacobians])]
+    )
+    full /= np.linalg.norm(full, axis=0)
+    rest = np.linalg.qr(full, mode="complete").Q[:, full.shape[1] :].T
     e = rest @ np.concatenate([v.errors for v in views])
-    T = block_diag(*(v.modes for v in views))
+    T = block_diag(*[np.kron(np.eye(2), shared_modes(BOARD, BOARD.corners))] * 4)
 
     def loss(ratio: float) -> float:
-        shape = rest @ (np.eye(len(M)) + ratio**2 * T @ T.T) @ rest.T
+        shape = rest @ (np.eye(len(T)) + ratio**2 * T @ T.T) @ rest.T
         sigma2 = e @ np.linalg.solve(shape, e) / len(e)
         return -2 * multivariate_normal(cov=sigma2 * shape).logpdf(e)
 
