@@ -50,6 +50,7 @@ def summary_of(
         "views": len(calibration.views),
         "intrinsics": _named(camera.parameters),
         "std": _named(calibration.sigma),
+        "std_noise_only": _named(calibration.sigma_noise_only),
         "image_size": list(camera.image_size),
         "board": board_summary(calibration.board),
         "warnings": [*warnings, *map(str, diagnoses)],
@@ -93,7 +94,10 @@ def full_result(
         "parameters": list(PARAMETERS),
         "free": list(calibration.free),
         "covariance": calibration.covariance.tolist(),
+        "covariance_noise_only": calibration.covariance_noise_only.tolist(),
         "residual_sigma_px": calibration.residual_sigma_px,
+        "noise_px": calibration.corner_errors.noise_px,
+        "shared_error_px": calibration.corner_errors.shared_px,
         "captured": [_view(view) for view in calibration.views],
         "history": [
             {

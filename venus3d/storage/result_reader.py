@@ -13,6 +13,7 @@ import numpy as np
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, View
+from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
@@ -106,8 +107,12 @@ def _result_of(content: Mapping[str, Any]) -> Result:
             board=board,
             camera=Camera.from_parameters([named[name] for name in PARAMETERS], (width, height)),
             covariance=_array(content["covariance"]).reshape(9, 9),
+            covariance_noise_only=_array(content["covariance_noise_only"]).reshape(9, 9),
             free=free,
             residual_sigma_px=float(content["residual_sigma_px"]),
+            corner_errors=CornerErrors(
+                float(content["noise_px"]), float(content["shared_error_px"])
+            ),
             rms_px=float(content["rms_px"]),
             views=tuple(_view_of(view, (width, height), board) for view in content["captured"]),
         ),

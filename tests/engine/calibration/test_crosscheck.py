@@ -78,10 +78,11 @@ def bundle_adjusted(board: Board, seen: Sequence[Observation]) -> OptimizeResult
 
 
 def assert_same(ours: Calibration, theirs: OptimizeResult) -> None:
-    """The same optimum to a fiftieth of sigma, and the same covariance to a thousandth."""
+    """The same optimum to a fiftieth of sigma, and the same covariance of independent noise to a
+    thousandth."""
     count = theirs.fun.size // 2
     assert ours.rms_px == pytest.approx(np.sqrt(2 * theirs.cost / count), rel=1e-5)
-    off = (ours.camera.parameters - theirs.x[:9]) / ours.sigma
+    off = (ours.camera.parameters - theirs.x[:9]) / ours.sigma_noise_only
     np.testing.assert_allclose(off, 0, atol=0.02)
     for view, pose in zip(ours.views, theirs.x[9:].reshape(-1, 6), strict=True):
         moved = turned(pose[:3], np.eye(3)).T - view.pose.R
@@ -92,8 +93,8 @@ def assert_same(ours: Calibration, theirs: OptimizeResult) -> None:
     scale = 1 / np.linalg.norm(theirs.jac, axis=0)
     scaled = theirs.jac * scale
     covariance = variance * (np.linalg.inv(scaled.T @ scaled) * np.outer(scale, scale))[:9, :9]
-    unit = np.outer(ours.sigma, ours.sigma)
-    np.testing.assert_allclose(ours.covariance / unit, covariance / unit, atol=2e-3)
+    unit = np.outer(ours.sigma_noise_only, ours.sigma_noise_only)
+    np.testing.assert_allclose(ours.covariance_noise_only / unit, covariance / unit, atol=2e-3)
 
 
 @pytest.mark.parametrize(("low", "high", "count", "keep"), [(10, 45, 8, 1.0), (20, 40, 5, 0.6)])
@@ -173,7 +174,7 @@ def test_the_covariance_is_the_spread_of_repeated_calibrations(
     # The prediction, at the truth and the true noise: from corners without noise.
     exact = [observe(paper_camera, default_board, v, rng, noise=0.0) for v in vectors]
     ideal = calibrate(default_board, exact, start=paper_camera)
-    predicted = ideal.covariance * (NOISE_PX / ideal.residual_sigma_px) ** 2
+    predicted = ideal.covariance_noise_only * (NOISE_PX / ideal.residual_sigma_px) ** 2
 
     spread = np.cov(np.array(estimates).T)
     chance = 0.01 / 27

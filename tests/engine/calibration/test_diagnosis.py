@@ -305,17 +305,19 @@ def stills(shared_data: Path) -> list[Observation]:
 
 @pytest.mark.slow
 def test_real_stills(stills: list[Observation]) -> None:
-    """All 16 are silent. Of those tilted by less, fx is off by 5 and 6 of its own sigmas at an rms
-    that is even lower, and that is told."""
+    """All 16 are silent. Of those tilted by less, fx is off by 5 and 6 sigmas of independent noise
+    at an rms that is even lower, and that is told; with the errors shared within a view it is
+    within 2."""
     full = calibrate(STILLS, stills)
     assert diagnose(full) == ()
     assert full.camera.fx == pytest.approx(1127, abs=3)
     tilts = [np.degrees(np.arccos(view.pose.R[2, 2])) for view in full.views]
-    for limit, kind in ((10, "parallel-views"), (16, "correlated")):
+    for limit, kind in ((10, "parallel-views"), (16, "weak-focal-length")):
         less = [o for o, tilt in zip(stills, tilts, strict=True) if tilt < limit]
         found = calibrate(STILLS, less)
         assert found.rms_px < full.rms_px
-        assert abs(found.camera.fx - full.camera.fx) > 4 * found.sigma[0]
+        off = abs(found.camera.fx - full.camera.fx)
+        assert off > 4 * found.sigma_noise_only[0] and off < 2 * found.sigma[0]
         assert kind in by_kind(diagnose(found))
 
 

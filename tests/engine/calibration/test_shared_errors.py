@@ -8,6 +8,12 @@ import pytest
 from scipy.linalg import block_diag, sqrtm
 from scipy.stats import multivariate_normal
 
+from venus3d.engine.calibration.information import (
+    shared_modes,
+    shared_share,
+    view_information,
+)
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.shared_errors import (
     MODEL_VIEWS,
     CornerErrors,
@@ -15,8 +21,6 @@ from venus3d.engine.calibration.shared_errors import (
     _Likelihood,
     corner_errors,
     robust_covariance,
-    shared_modes,
-    shared_share,
 )
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
@@ -26,38 +30,54 @@ BOARD = Board()
 SIGMA = 0.1
 
 
-def jacobians_of(count: int, rng: np.random.Generator) -> list[Array]:
-    """(15, 2, M) of tilted views in the image."""
-    found: list[Array] = []
+def poses_of(count: int, rng: np.random.Generator) -> list[Pose]:
+    """Tilted views in the image."""
+    found: list[Pose] = []
     while len(found) < count:
         rotation = rng.uniform(-0.7, 0.7, 3)
         place = rng.uniform([-0.08, -0.05, 0.3], [0.08, 0.05, 0.45])
         pose = Pose.from_rvec_tvec(rotation, place)
         pixels = PAPER_CAMERA.project(pose.apply(BOARD.corners))
         if (pixels > 5).all() and (pixels < [1275, 715]).all():
-            found.append(PAPER_CAMERA.jacobians(BOARD.corners, pose.R[None], pose.t[None])[0])
+            found.append(pose)
     return found
 
 
+def jacobian_of(pose: Pose) -> Array:
+    """(2M, 15), the six of the pose first."""
+    J = PAPER_CAMERA.jacobians(BOARD.corners, pose.R[None], pose.t[None])[0]
+    return J.reshape(15, -1).T
+
+
+def all_unknowns(poses: list[Pose]) -> Array:
+    """(2MN, 6N + 9) derivatives by all poses and the intrinsics."""
+    stacked = [jacobian_of(pose) for pose in poses]
+    return np.hstack(
+        [block_diag(*(s[:, :6] for s in stacked)), np.vstack([s[:, 6:] for s in stacked])]
+    )
+
+
 def residuals_of(
-    jacobians: list[Array], shared_px: float, rng: np.random.Generator
+    poses: list[Pose], shared_px: float, rng: np.random.Generator
 ) -> tuple[list[ViewResidual], Array]:
     """Residuals of a linear least-squares fit to drawn errors, and the error of its intrinsics."""
     T = np.kron(np.eye(2), shared_modes(BOARD, BOARD.corners))
-    drawn = [
-        rng.normal(0, SIGMA, T.shape[0]) + T @ rng.normal(0, shared_px, T.shape[1])
-        for _ in jacobians
-    ]
-    stacked = [J.reshape(15, -1).T for J in jacobians]
-    full = np.hstack(
-        [block_diag(*(s[:, :6] for s in stacked)), np.vstack([s[:, 6:] for s in stacked])]
+    drawn = np.concatenate(
+        [rng.normal(0, SIGMA, T.shape[0]) + T @ rng.normal(0, shared_px, T.shape[1]) for _ in poses]
     )
+    full = all_unknowns(poses)
     scale = 1 / np.linalg.norm(full, axis=0)
-    solution = np.linalg.lstsq(full * scale, np.concatenate(drawn), rcond=None)[0] * scale
-    left = np.split(np.concatenate(drawn) - full @ solution, len(drawn))
+    solution = np.linalg.lstsq(full * scale, drawn, rcond=None)[0] * scale
+    ids = np.arange(len(BOARD.corners))
     views = [
-        ViewResidual.of(BOARD, BOARD.corners, J, e.reshape(2, -1).T)
-        for J, e in zip(jacobians, left, strict=True)
+        ViewResidual.of(
+            PAPER_CAMERA,
+            BOARD,
+            Observation(ids, BOARD.corners[:, :2], PAPER_CAMERA.image_size),
+            pose,
+            left.reshape(2, -1).T,
+        )
+        for pose, left in zip(poses, np.split(drawn - full @ solution, len(poses)), strict=True)
     ]
     return views, solution[-9:]
 
@@ -66,20 +86,18 @@ def test_modes_have_unit_rms_and_share_is_woodbury() -> None:
     T = shared_modes(BOARD, BOARD.corners)
     assert T.shape == (40, 10)
     assert np.sqrt((T**2).mean(axis=0)) == pytest.approx(np.ones(10))
-    C = shared_share(T, 0.7)
+    C = shared_share(BOARD, BOARD.corners, 0.7)
+    assert C is not None
     assert np.linalg.inv(np.eye(40) + 0.49 * T @ T.T) == pytest.approx(np.eye(40) - C @ C.T)
-    assert not shared_share(T, 0.0).any()
+    assert shared_share(BOARD, BOARD.corners, 0.0) is None
 
 
 def test_likelihood_is_that_of_the_multivariate_normal() -> None:
     """REML: the likelihood of the residuals in the space that pose and intrinsics leave."""
     rng = np.random.default_rng(3)
-    shown = jacobians_of(4, rng)
+    shown = poses_of(4, rng)
     views, _ = residuals_of(shown, 0.05, rng)
-    jacobians = [J.reshape(15, -1).T for J in shown]
-    full = np.hstack(
-        [block_diag(*(s[:, :6] for s in jacobians)), np.vstack([s[:, 6:] for s in jacobians])]
-    )
+    full = all_unknowns(shown)
     full /= np.linalg.norm(full, axis=0)
     rest = np.linalg.qr(full, mode="complete").Q[:, full.shape[1] :].T
     e = rest @ np.concatenate([v.errors for v in views])
@@ -97,18 +115,18 @@ def test_likelihood_is_that_of_the_multivariate_normal() -> None:
 
 def test_parts_are_found_and_independent_noise_stays_independent() -> None:
     rng = np.random.default_rng(0)
-    jacobians = jacobians_of(12, rng)
-    shared = [corner_errors(residuals_of(jacobians, 0.05, rng)[0]) for _ in range(20)]
+    poses = poses_of(12, rng)
+    shared = [corner_errors(residuals_of(poses, 0.05, rng)[0]) for _ in range(20)]
     assert np.mean([e.noise_px for e in shared]) == pytest.approx(SIGMA, rel=0.02)
     assert np.mean([e.shared_px for e in shared]) == pytest.approx(0.05, rel=0.1)
-    alone = [corner_errors(residuals_of(jacobians, 0.0, rng)[0]) for _ in range(40)]
+    alone = [corner_errors(residuals_of(poses, 0.0, rng)[0]) for _ in range(40)]
     assert sum(e.shared_px > 0 for e in alone) <= 6
     assert np.mean([e.noise_px for e in alone]) == pytest.approx(SIGMA, rel=0.02)
 
 
 def test_covariance_of_independent_noise_is_opencvs() -> None:
     rng = np.random.default_rng(1)
-    views, _ = residuals_of(jacobians_of(6, rng), 0.0, rng)
+    views, _ = residuals_of(poses_of(6, rng), 0.0, rng)
     M = np.vstack([v.intrinsics for v in views])
     assert robust_covariance(views, CornerErrors(SIGMA)) == pytest.approx(
         SIGMA**2 * np.linalg.inv(M.T @ M), rel=1e-6
@@ -118,7 +136,7 @@ def test_covariance_of_independent_noise_is_opencvs() -> None:
 def test_covariance_is_the_mixture_of_model_and_bell_and_mccaffreys() -> None:
     """CR2 with the full matrix (I - M H^-1 M^T)^(-1/2), as in Bell and McCaffrey (2002)."""
     rng = np.random.default_rng(2)
-    views, _ = residuals_of(jacobians_of(6, rng), 0.05, rng)
+    views, _ = residuals_of(poses_of(6, rng), 0.05, rng)
     errors = CornerErrors(0.1, 0.05)
     M = np.vstack([v.intrinsics for v in views])
     inverse = np.linalg.inv(M.T @ M)
@@ -146,7 +164,7 @@ def test_sigmas_are_right_where_corners_share_an_error() -> None:
     rng = np.random.default_rng(5)
     z, promised_by_noise = [], []
     for _ in range(40):
-        views, off = residuals_of(jacobians_of(8, rng), 0.06, rng)
+        views, off = residuals_of(poses_of(8, rng), 0.06, rng)
         errors = corner_errors(views)
         z.append(off / np.sqrt(np.diag(robust_covariance(views, errors))))
         M = np.vstack([v.intrinsics for v in views])
@@ -157,3 +175,22 @@ def test_sigmas_are_right_where_corners_share_an_error() -> None:
     assert 0.0 < np.mean(np.abs(z) > 2) < 0.07
     assert 0.6 < np.std(z) < 1.1
     assert np.mean(np.abs(promised_by_noise) > 2) > 0.2
+
+
+def test_information_of_a_view_saturates() -> None:
+    """The Schur complement of J^T V^-1 J with the full matrix V; many corners say no more than the
+    shared error lets them."""
+    pose = poses_of(1, np.random.default_rng(7))[0]
+    J, T = jacobian_of(pose), np.kron(np.eye(2), shared_modes(BOARD, BOARD.corners))
+    V = np.eye(len(J)) + 0.25 * T @ T.T
+    normal = J.T @ np.linalg.solve(V, J)
+    expected = normal[6:, 6:] - normal[6:, :6] @ np.linalg.solve(normal[:6, :6], normal[:6, 6:])
+    R, t = pose.R[None], pose.t[None]
+    shared = shared_share(BOARD, BOARD.corners, 0.5)
+    got = view_information(PAPER_CAMERA, BOARD.corners, R, t, shared=shared)[0]
+    scale = np.sqrt(np.diag(expected))
+    assert got / np.outer(scale, scale) == pytest.approx(
+        expected / np.outer(scale, scale), abs=1e-7
+    )
+    alone = view_information(PAPER_CAMERA, BOARD.corners, R, t)[0]
+    assert (np.diag(got) < np.diag(alone)).all()

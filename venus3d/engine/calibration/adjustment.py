@@ -1,7 +1,8 @@
 """Bundle adjustment: from observations to a `Calibration`, the camera and its covariance.
 
 OpenCV finds the optimum (`cv2.calibrateCamera`, Zhang 2000, eq. (9) of the paper) but returns
-standard deviations only, so the full covariance is computed here.
+standard deviations only, and those of independent noise; the covariance is computed here, with the
+errors that a view's corners share (`shared_errors`).
 """
 
 from __future__ import annotations
@@ -16,6 +17,12 @@ import numpy as np
 from venus3d.engine.calibration.information import covariance_of, information_of
 from venus3d.engine.calibration.observation import Observation, View, reprojection_errors
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
+from venus3d.engine.calibration.shared_errors import (
+    CornerErrors,
+    ViewResidual,
+    corner_errors,
+    robust_covariance,
+)
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
@@ -30,11 +37,16 @@ class Calibration:
     """The board whose corners the views show."""
     camera: Camera
     covariance: Array
-    """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed."""
+    """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed. With the errors
+    that the corners of a view share."""
+    covariance_noise_only: Array
+    """(9, 9) the same as if each corner's error were independent, as OpenCV reports it."""
     free: tuple[bool, ...]
     """Which of the nine parameters were estimated."""
     residual_sigma_px: float
     """Standard deviation of one corner coordinate, from the residuals, pixels."""
+    corner_errors: CornerErrors
+    """What of it is independent, and what a view's corners share."""
     rms_px: float
     """Root mean square reprojection distance over all corners, pixels (OpenCV's rms)."""
     views: tuple[View, ...]
@@ -43,6 +55,11 @@ class Calibration:
     def sigma(self) -> Array:
         """(9,) standard deviations of the `PARAMETERS`; 0 where a parameter was held fixed."""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def sigma_noise_only(self) -> Array:
+        """(9,) the same of `covariance_noise_only`: OpenCV's `stdDeviationsIntrinsics`."""
+        return np.sqrt(np.diag(self.covariance_noise_only))
 
     @property
     def uncertainty_px(self) -> float:
@@ -118,7 +135,16 @@ def calibrate(
         raise CalibrationError(_UNTIED.format(why="the estimate folded up"))
     sigma = float(np.sqrt(sum(squares) / degrees_of_freedom))
     information = np.sum([information_of(camera, board, o, p) for o, p in located], axis=0)
-    covariance = _covariance(camera, information, sigma, model)
+    noise_only = covariance = _covariance(camera, information, sigma, model)
+    errors = CornerErrors(sigma)
+    if model == "full":
+        parts = [
+            ViewResidual.of(camera, board, o, pose, r)
+            for (o, pose), r in zip(located, residuals, strict=True)
+        ]
+        found = corner_errors(parts)
+        if found.shared_px > 0:
+            errors, covariance = found, robust_covariance(parts, found)
     numbered = range(1, len(observations) + 1) if numbers is None else numbers
     views = tuple(
         View(number, o, pose, float(np.sqrt(square / o.count)), r)
@@ -130,8 +156,10 @@ def calibrate(
         board=board,
         camera=camera,
         covariance=covariance,
+        covariance_noise_only=noise_only,
         free=tuple(model == "full" or name in ("fx", "fy") for name in PARAMETERS),
         residual_sigma_px=sigma,
+        corner_errors=errors,
         rms_px=float(np.sqrt(sum(squares) / corners)),
         views=views,
     )

@@ -20,11 +20,22 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 
+DEGREE = 3
+"""Highest degree of the polynomials over the board in `shared_modes`."""
 
-def view_information(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
+
+def view_information(
+    camera: Camera,
+    points: ArrayLike,
+    R: ArrayLike,
+    t: ArrayLike,
+    *,
+    shared: Array | None = None,
+) -> Array:
     """Information (N, 9, 9) of views of board points (M, 3) under poses (N, 3, 3), (N, 3).
-    For corner noise of one pixel per axis. All points must be in front of the lens."""
-    gram = normal_matrices(camera, points, R, t)
+    For corner noise of one pixel per axis. All points must be in front of the lens. `shared`: see
+    `normal_matrices`."""
+    gram = normal_matrices(camera, points, R, t, shared=shared)
     # The pose columns differ in scale by orders of magnitude; unit diagonals keep the solve exact.
     scale = 1.0 / np.sqrt(np.einsum("nii->ni", gram[:, :6, :6]))
     pose_gram = gram[:, :6, :6] * scale[:, :, None] * scale[:, None, :]
@@ -33,9 +44,40 @@ def view_information(camera: Camera, points: ArrayLike, R: ArrayLike, t: ArrayLi
     return 0.5 * (marginal + np.swapaxes(marginal, 1, 2))
 
 
-def information_of(camera: Camera, board: Board, seen: Observation, pose: Pose) -> Array:
-    """Information (9, 9) of one observation under its pose."""
-    return view_information(camera, board.points_of(seen.ids), pose.R[None], pose.t[None])[0]
+def information_of(
+    camera: Camera, board: Board, seen: Observation, pose: Pose, shared_ratio: float = 0.0
+) -> Array:
+    """Information (9, 9) of one observation under its pose; `shared_ratio`: see `shared_share`."""
+    points = board.points_of(seen.ids)
+    shared = shared_share(board, points, shared_ratio)
+    return view_information(camera, points, pose.R[None], pose.t[None], shared=shared)[0]
+
+
+def shared_modes(board: Board, points: Array) -> Array:
+    """(M, 10) T: polynomials up to the third degree at board points (M, 3), unit rms over all."""
+    half = np.abs(board.corners[:, :2]).max()
+    powers = [(i, d - i) for d in range(DEGREE + 1) for i in range(d + 1)]
+
+    def at(p: Array) -> Array:
+        x, y = (p[:, :2] / half).T
+        return np.stack([x**i * y**j for i, j in powers], axis=1)
+
+    return at(points) / np.sqrt((at(board.corners) ** 2).mean(axis=0))
+
+
+def shared_share(
+    board: Board, points: Array, ratio: float, weights: Array | None = None
+) -> Array | None:
+    """(M, k) C with (I + ratio^2 T T^T)^-1 = I - C C^T, T the modes at the board's points (M, 3).
+    With weights (M,), T's rows are multiplied by their roots. None without a shared part."""
+    if ratio <= 0:
+        return None
+    modes = shared_modes(board, points)
+    if weights is not None:
+        modes = modes * np.sqrt(weights)[:, None]
+    k = modes.shape[1]
+    root = np.linalg.cholesky(np.eye(k) / ratio**2 + modes.T @ modes)
+    return np.asarray(np.linalg.solve(root, modes.T).T, dtype=np.float64)
 
 
 def normal_matrices(
@@ -44,14 +86,24 @@ def normal_matrices(
     R: ArrayLike,
     t: ArrayLike,
     weights: ArrayLike | None = None,
+    shared: Array | None = None,
 ) -> Array:
     """J^T J (N, 15, 15) of views, the six of the pose first; arguments as `view_information`.
-    With weights (M,) for the points."""
+
+    Args:
+        weights: (M,) of the points.
+        shared: (M, k) C of `shared_share`; the result is then J^T (I - C C^T) J, with
+            J's rows multiplied by the roots of the weights.
+    """
     J = camera.jacobians(points, R, t)
     if weights is not None:
         J *= np.sqrt(np.asarray(weights, dtype=np.float64))
-    J = J.reshape(*J.shape[:2], -1)
-    return J @ np.swapaxes(J, 1, 2)
+    rows = J.reshape(*J.shape[:2], -1)
+    normal = rows @ np.swapaxes(rows, 1, 2)
+    if shared is not None:
+        taken = (J @ shared).reshape(*J.shape[:2], -1)
+        normal -= taken @ np.swapaxes(taken, 1, 2)
+    return normal
 
 
 def covariance_of(information: ArrayLike, sigma_px: float = 1.0) -> Array:

@@ -33,15 +33,15 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from venus3d.engine.calibration.information import covariance_of
+from venus3d.engine.calibration.information import covariance_of, shared_modes
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.pose import Array
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
 
-DEGREE = 3
-"""Highest degree of the polynomials over the board that a view's corners share."""
-SURE, UNSURE = 9.0, 3.0
+SURE, UNSURE = 24.0, 8.0
 """Twice the gain in log-likelihood at which a shared part counts fully, and not at all. Independent
-noise reaches 3 in 5 % of sets; sixteen real views reach 250."""
+noise reaches 3 in 5 % of sets and 8 in less than 1 %; five real views reach 30 to 160."""
 MODEL_VIEWS = 8
 """With this many views, model and cluster-robust covariance count alike."""
 _LOG_RATIOS = (-6.0, 2.0)
@@ -80,14 +80,12 @@ class ViewResidual:
         return len(self.errors) - 6
 
     @classmethod
-    def of(cls, board: Board, points: Array, jacobian: Array, errors: Array) -> ViewResidual:
-        """Project out the pose.
-
-        Args:
-            points: (M, 3) the board's points seen, metres.
-            jacobian: (6 + p, 2, M) derivatives of the pixels, the six of the pose first.
-            errors: (M, 2) observed minus projected corners, pixels.
-        """
+    def of(
+        cls, camera: Camera, board: Board, seen: Observation, pose: Pose, errors: Array
+    ) -> ViewResidual:
+        """Project the pose out of an observation's residuals (M, 2), observed minus projected."""
+        points = board.points_of(seen.ids)
+        jacobian = camera.jacobians(points, pose.R[None], pose.t[None])[0]
         stacked = jacobian.reshape(len(jacobian), -1).T
         modes = np.kron(np.eye(2), shared_modes(board, points))
         columns = np.concatenate([errors.T.reshape(-1, 1), stacked[:, 6:], modes], axis=1)
@@ -95,27 +93,6 @@ class ViewResidual:
         columns = (columns - Q @ (Q.T @ columns)).astype(np.float64)
         p = len(jacobian) - 6
         return cls(columns[:, 0], columns[:, 1 : 1 + p], columns[:, 1 + p :])
-
-
-def shared_modes(board: Board, points: Array) -> Array:
-    """(M, 10) T: polynomials up to the third degree at board points (M, 3), unit rms over all."""
-    half = np.abs(board.corners[:, :2]).max()
-    powers = [(i, d - i) for d in range(DEGREE + 1) for i in range(d + 1)]
-
-    def at(p: Array) -> Array:
-        x, y = (p[:, :2] / half).T
-        return np.stack([x**i * y**j for i, j in powers], axis=1)
-
-    return at(points) / np.sqrt((at(board.corners) ** 2).mean(axis=0))
-
-
-def shared_share(modes: Array, ratio: float) -> Array:
-    """(M, k) C with (I + ratio^2 T T^T)^-1 = I - C C^T, for modes T (M, k)."""
-    k = modes.shape[1]
-    if ratio <= 0:
-        return np.zeros_like(modes)
-    root = np.linalg.cholesky(np.eye(k) / ratio**2 + modes.T @ modes)
-    return np.linalg.solve(root, modes.T).T.astype(np.float64)
 
 
 def corner_errors(views: Sequence[ViewResidual]) -> CornerErrors:

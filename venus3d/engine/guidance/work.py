@@ -16,6 +16,7 @@ from venus3d.engine.calibration.observation import (
     reprojection_errors,
     rms_distance,
 )
+from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
@@ -157,13 +158,16 @@ class Work:
             return None
         if not all(calibration.free) or not planner.posterior.settled:
             return None
-        residuals = 2 * sum(view.observation.count for view in calibration.views)
+        views = calibration.views
+        degrees = 2 * sum(v.observation.count for v in views) - len(PARAMETERS) - 6 * len(views)
+        if calibration.corner_errors.shared_px > 0:
+            degrees = len(views) + 1  # what the views share is learnt from the views alone
         try:
             return forecast(
                 planner,
                 np.random.default_rng([self.settings.seed, self.target_number, 1]),
                 wanted_px=wanted_px,
-                degrees=residuals - len(PARAMETERS) - 6 * len(calibration.views),
+                degrees=degrees,
                 state=self.heuristic_state if suggestion is None else suggestion.state,
                 first=None if suggestion is None else suggestion.target.pose.vector(),
             )
@@ -190,8 +194,10 @@ def provisional(
         board=board,
         camera=camera,
         covariance=np.zeros((9, 9)),
+        covariance_noise_only=np.zeros((9, 9)),
         free=nothing,
         residual_sigma_px=float(residuals.std()),
+        corner_errors=CornerErrors(float(residuals.std())),
         rms_px=rms_distance(residuals),
         views=tuple(views),
     )

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import chi2
 
-from venus3d.engine.calibration.information import view_information
+from venus3d.engine.calibration.information import shared_share, view_information
 from venus3d.engine.calibration.projection_uncertainty import projection_weight
 from venus3d.engine.geometry.pose import Array, rotations_of
 from venus3d.engine.planning.heuristic_poses import HeuristicState
@@ -150,7 +150,9 @@ class _Poses:
                 return np.empty((0, 9, 9))
             raise nothing_fits(self._space)
         camera, board = start.camera, start.board
-        added = view_information(camera, board.corners, rotations_of(vectors), vectors[:, 3:])
+        R, t = rotations_of(vectors), vectors[:, 3:]
+        shared = shared_share(board, board.corners, start.shared_ratio)
+        added = view_information(camera, board.corners, R, t, shared=shared)
         if start.noise is not None:
             added *= start.noise.weight(camera, board, vectors)[:, None, None]
         self._vectors = np.concatenate([self._vectors, vectors])

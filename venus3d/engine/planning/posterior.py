@@ -17,6 +17,7 @@ from venus3d.engine.calibration.information import (
     information_of,
     normal_matrices,
     prior_information,
+    shared_share,
 )
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
@@ -45,6 +46,8 @@ class Posterior:
     """How noise and found corners depend on the pose; None: they do not."""
     settled: bool = True
     """Whether the views alone determine the camera; otherwise a wide prior is included."""
+    shared_ratio: float = 0.0
+    """Error that a view's corners share over their independent noise (`CornerErrors.ratio`)."""
 
     @classmethod
     def of(
@@ -54,6 +57,7 @@ class Posterior:
         information: ArrayLike,
         sigma_px: float,
         noise: NoiseModel | None = None,
+        shared_ratio: float = 0.0,
     ) -> Posterior:
         """The posterior after views of this `information`, (9, 9).
         `prior_information` is added while the views alone contain less."""
@@ -62,7 +66,7 @@ class Posterior:
         settled = _settled(gathered, prior, sigma_px)
         if not settled:
             gathered = gathered + prior
-        return cls(board, planning_camera(camera), gathered, sigma_px, noise, settled)
+        return cls(board, planning_camera(camera), gathered, sigma_px, noise, settled, shared_ratio)
 
     @classmethod
     def of_calibration(
@@ -73,9 +77,15 @@ class Posterior:
         if noise is not None:
             vectors = np.array([view.pose.vector() for view in c.views])
             noise = noise.relative_to(c.camera, c.board, vectors)
-        sigma = max(c.residual_sigma_px, LEAST_SIGMA_PX)
-        seen = [information_of(c.camera, c.board, v.observation, v.pose) for v in c.views]
-        return cls.of(c.board, c.camera, np.sum(seen, axis=0), sigma, noise)
+        errors = c.corner_errors
+        sigma, ratio = max(errors.noise_px, LEAST_SIGMA_PX), errors.ratio
+        if ratio > 0:
+            # The covariance has what no sum of the views' informations shows.
+            information = covariance_of(c.covariance / errors.noise_px**2)
+        else:
+            seen = [information_of(c.camera, c.board, v.observation, v.pose) for v in c.views]
+            information = np.sum(seen, axis=0)
+        return cls.of(c.board, c.camera, information, sigma, noise, ratio)
 
     @cached_property
     def covariance(self) -> Array:
@@ -102,10 +112,12 @@ class Posterior:
         """
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         points, weights = board_nodes(self.board) if rough else (self.board.corners, None)
+        shared = shared_share(self.board, points, self.shared_ratio, weights)
         covariances = np.empty((len(p), 9, 9))
         for first in range(0, len(p), _CHUNK):
             part = p[first : first + _CHUNK]
-            normal = normal_matrices(self.camera, points, rotations_of(part), part[:, 3:], weights)
+            R, t = rotations_of(part), part[:, 3:]
+            normal = normal_matrices(self.camera, points, R, t, weights, shared)
             if self.noise is not None:
                 normal *= self.noise.weight(self.camera, self.board, part)[:, None, None]
             normal[:, 6:, 6:] += self.information
@@ -121,7 +133,7 @@ class Posterior:
 
     def with_observation(self, observation: Observation, pose: Pose) -> Posterior:
         """The posterior after this observation is taken as a view, under its pose."""
-        added = information_of(self.camera, self.board, observation, pose)
+        added = information_of(self.camera, self.board, observation, pose, self.shared_ratio)
         return replace(self, information=self.information + added)
 
 

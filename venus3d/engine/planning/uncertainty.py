@@ -10,12 +10,16 @@ view i have the residuals r_i, the Jacobian J_i by the intrinsics and the inform
 
 (Cook 1977, "Detection of influential observation in linear regression"). r_i is orthogonal to the
 view's own pose at its optimum, so the pose drops out of g.
+
+Where a view's corners share errors (`shared_errors`), A of the covariance is made of informations
+that account for them, and multiplied by one factor with which the covariance of all views is the
+calibration's own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -107,10 +111,13 @@ def influences(calibration: Calibration) -> tuple[Influence, ...]:
     camera, board, views = calibration.camera, calibration.board, calibration.views
     parts = [information_of(camera, board, view.observation, view.pose) for view in views]
     total = np.sum(parts, axis=0)
-    return tuple(
+    left = [
         _without(camera, views, view, total - part, _pull(calibration, view))
         for view, part in zip(views, parts, strict=True)
-    )
+    ]
+    if calibration.corner_errors.shared_px == 0:
+        return tuple(left)
+    return _with_shared_errors(calibration, left)
 
 
 def _pull(calibration: Calibration, view: View) -> Array:
@@ -140,6 +147,34 @@ def _without(
         camera.parameters - unit @ gradient,
         np.sqrt(np.diag(covariance)),
     )
+
+
+def _with_shared_errors(
+    calibration: Calibration, left: Sequence[Influence]
+) -> tuple[Influence, ...]:
+    """The influences with the covariances that the errors shared by a view's corners leave."""
+    camera, board, ratio = calibration.camera, calibration.board, calibration.corner_errors.ratio
+    informations = [
+        information_of(camera, board, v.observation, v.pose, ratio) for v in calibration.views
+    ]
+    total = np.sum(informations, axis=0)
+    unit = covariance_of(total)
+    factor = (calibration.uncertainty_px / projection_uncertainty_px(camera, unit)) ** 2
+    found: list[Influence] = []
+    for influence, information in zip(left, informations, strict=True):
+        others = _covariance(total - information)
+        if others is None or not np.isfinite(influence.rms_px):
+            found.append(influence)
+            continue
+        covariance = factor * (influence.rms_px / calibration.rms_px) ** 2 * others
+        found.append(
+            replace(
+                influence,
+                uncertainty_px=projection_uncertainty_px(camera, covariance),
+                sigma=np.sqrt(np.diag(covariance)),
+            )
+        )
+    return tuple(found)
 
 
 def _covariance(information: Array) -> Array | None:

@@ -9,6 +9,7 @@ from html import escape
 
 import numpy as np
 
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
@@ -26,9 +27,17 @@ def parameters_html(snapshot: Snapshot | None) -> str:
     if snapshot is None or snapshot.calibration is None:
         return f"<div class='v-progress'>{escape(texts.NO_PARAMETERS)}</div>"
     rows = "".join(_row(snapshot, index) for index in range(len(PARAMETERS)))
-    hint = f"<div class='v-more'>{escape(texts.PARAMETERS_HINT)}</div>"
+    shared = _shared_errors_text(snapshot.calibration)
+    hint = f"<div class='v-more'>{escape(texts.PARAMETERS_HINT)}{escape(shared)}</div>"
     title = f"<h3 title='{escape(texts.SIGMA_HINT)}'>{escape(texts.PARAMETERS_TITLE)}</h3>"
     return f"<div class='v-progress'>{title}{rows}{hint}</div>"
+
+
+def _shared_errors_text(calibration: Calibration) -> str:
+    """Why sigma is larger than other programs': nothing unless the residuals show shared errors."""
+    if calibration.corner_errors.shared_px == 0:
+        return ""
+    return " " + texts.SHARED_ERRORS.format(noise_only=f"{calibration.sigma_noise_only[0]:.2g}")
 
 
 def value_text(value: float, sigma: float, index: int) -> str:

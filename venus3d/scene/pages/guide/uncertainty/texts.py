@@ -137,3 +137,7 @@ PARAMETER_SENTENCES = (
 )
 """Effect of each of the nine parameters on the picture, in their order."""
 PARAMETERS_HINT = "Click a row to read what the number does to the picture."
+SHARED_ERRORS = (
+    "± includes what all corners of a view have wrong together; counted as separate errors, as in "
+    "OpenCV, it would be ± {noise_only} for fx."
+)
