@@ -49,3 +49,7 @@ STEPS_FAILED = "the pictures of the four steps could not be drawn"
 PAGE_ANNOUNCED = "{title}: {url}   (Ctrl-C ends it)"
 SWITCHED_ON = "✓ {label}"
 """Label of a button whose option is on."""
+
+# -- copying ---------------------------------------------------------------------------------------
+
+COPY_HINT = "Copy"

@@ -22,6 +22,7 @@ from venus3d.scene.pages.teach.lesson_html import (
     lesson_html,
     question_html,
 )
+from venus3d.scene.pages.teach.notations_panel import NotationsPanel
 from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState, Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.web.buttons import ChoiceList
@@ -68,6 +69,7 @@ class LessonPanel:
         self._lens_legend = gui.add_html("", visible=False)
         gui.add_html(f"<div class='v-progress'><h3>{texts.POSE_TITLE}</h3></div>")
         self.pose = PosePanel(gui, lambda vector: on_pose(_vector(vector)), FREE_VECTOR)
+        self._notations = NotationsPanel(gui)
         self._fit = gui.add_html("")
         self._why = gui.add_html("", visible=False)
         self._shown: dict[str, object] = {}
@@ -82,6 +84,7 @@ class LessonPanel:
         extras = () if page is None else page.show
         self._put(self._sigma, focal_uncertainty_html(taught) if "sigma" in extras else "")
         self._show_lens(taught.camera, theme.dark, "distortion" in extras)
+        self._notations.show(taught, state)
         self._put(self._fit, acceptance_html(taught))
         if self._changed("pose", state.pose_version):
             self.pose.show(state.vector)
