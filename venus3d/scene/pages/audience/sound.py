@@ -56,8 +56,8 @@ def spoken(sentence: str) -> str:
 
 def speech_html(sentence: str, number: int) -> str:
     """The newest sentence to be spoken, and how many there were."""
-    attributes = f"class='v-speech' lang='{texts.LANGUAGE}' data-number='{number}'"
-    return f"<div {attributes}>{escape(sentence)}</div>"
+    tag = f"<div class='v-speech' lang='{texts.LANGUAGE}' data-number='{number}'>"
+    return f"{tag}{escape(sentence)}</div>"
 
 
 def cue_html(cue: Cue | None, number: int) -> str:
