@@ -13,6 +13,7 @@ user of its observations.
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
 from venus3d.engine.calibration.observation import Observation
@@ -54,6 +55,17 @@ class ObservationStream:
         self._running = threading.Event()  # cleared while paused
         self._running.set()
         self._failure: BaseException | None = None
+        self._read_s = time.monotonic()
+
+    @property
+    def silent_s(self) -> float:
+        """Seconds since the last frame; 0 while paused."""
+        return time.monotonic() - self._read_s if self._running.is_set() else 0.0
+
+    @property
+    def failed(self) -> bool:
+        """Whether the source or the detection has failed."""
+        return self._failure is not None
 
     def stop(self) -> None:
         """Request the end; from any thread."""
@@ -116,12 +128,14 @@ class ObservationStream:
     def _watch(self) -> None:
         if not self._running.is_set():
             self._running.wait()
+            self._read_s = time.monotonic()
             if isinstance(self.source, Video):
                 self.source.resume()
         frame = self.source.read()
         if frame is None:
             self._begin_again()
             return
+        self._read_s = time.monotonic()
         self._on_picture(frame)
         self._frames.put(frame)
         if isinstance(self.source, Folder):

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
+from datetime import datetime, timedelta
+from html import escape
 
 import numpy as np
 import pytest
 
 from tests.ports import free_port
+from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.errors import SourceError
@@ -18,8 +22,13 @@ from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.annotated_picture import LivePicture
+from venus3d.scene.pages.audience import texts as audience_texts
+from venus3d.scene.pages.audience.audience import Audience
+from venus3d.scene.pages.guide import texts
+from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.theme import Theme
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import Simulation
@@ -30,11 +39,14 @@ _SMALL = PAPER_CAMERA.scaled((640, 360))
 
 
 class BreakingCamera(Simulation):
-    """A simulated camera whose plug is pulled when it is told to."""
+    """A simulated camera that stalls, or whose plug is pulled, when it is told to."""
 
     pulled = False
+    stalled = False
 
     def read(self) -> Frame | None:
+        while self.stalled:
+            time.sleep(0.01)
         if self.pulled:
             raise SourceError("The camera was unplugged; plug it in and start again.")
         return super().read()
@@ -72,6 +84,12 @@ def wait_for(condition: Callable[[], bool]) -> None:
     wait_until(condition, within_s=_PATIENCE_S)
 
 
+def shown_by(monitor: Audience) -> str:
+    """All that a browser would be sent now."""
+    with RawClient(monitor.port) as client:
+        return str(client.backlog())
+
+
 def guide(camera: Simulation, viewer: Viewer, results: list[Snapshot]) -> tuple[Session, LiveGuide]:
     session = Session(camera.board, camera.image_size, Settings(max_views=12))
 
@@ -91,6 +109,38 @@ def test_a_camera_that_is_unplugged_leaves_what_was_captured(
     assert not thread.is_alive()
     assert len(raised) == 1 and "unplugged" in str(raised[0])
     assert len(results[-1].views) >= 2 and results[-1].views == session.snapshot().views
+    said = guidance_html(session.snapshot(), viewer.state, Theme(True), "")
+    assert texts.NO_PICTURES in said and "captured is kept" in said, "the page's last words"
+
+
+def test_pictures_that_stop_are_told_on_both_pages_until_they_come_again(
+    camera: BreakingCamera, viewer: Viewer
+) -> None:
+    monitor = Audience("127.0.0.1", free_port())
+    session = Session(camera.board, camera.image_size)
+    tracker = BoardTracker(Detector(camera.board, find_layout=False))
+    live = LiveGuide(session, camera, tracker, viewer, lambda _: None, lambda: camera, (monitor,))
+    thread, raised = in_background(live)
+    try:
+        wait_for(lambda: session.snapshot().pose is not None)
+        assert not viewer.state.no_pictures
+        at = datetime.now()
+        camera.stalled = True
+        wait_for(lambda: bool(viewer.state.no_pictures))
+        assert datetime.now() - at > timedelta(seconds=1.9)
+        now = (at + timedelta(seconds=s) for s in (-1, 0, 1))
+        assert any(f"{moment:%H:%M:%S}" in viewer.state.no_pictures for moment in now)
+        # A picture that shows is old: whoever holds the board must know, too.
+        wait_for(lambda: escape(viewer.state.no_pictures) in viewer.view.guidance.content)
+        wait_for(lambda: audience_texts.NO_PICTURES[1] in shown_by(monitor))
+        camera.stalled = False
+        wait_for(lambda: not viewer.state.no_pictures)
+        wait_for(lambda: audience_texts.NO_PICTURES[1] not in shown_by(monitor))
+    finally:
+        live.stop()
+        thread.join(_PATIENCE_S)
+        monitor.close()
+    assert not thread.is_alive() and not raised
 
 
 def test_the_picture_goes_on_while_the_mathematics_is_at_work(

@@ -26,6 +26,10 @@ class SecondMonitor(Protocol):
         """Say that pictures are paused, or are no longer."""
         ...
 
+    def no_pictures(self, since: str) -> None:
+        """Say that no pictures come, since this time of day; empty: they come again."""
+        ...
+
 
 def audience_address(text: str, port: int) -> tuple[str, int]:
     """Host and port of "[HOST:]PORT"; without a host, this machine only. Raises `VenusError` for

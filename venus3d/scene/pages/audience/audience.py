@@ -56,7 +56,7 @@ class Audience(Page[AudienceState]):
         self._snapshot: Snapshot | None = None
         self._achieved: tuple[Cue, AudienceViewModel] | None = None
         self._praise: tuple[AudienceViewModel, float] | None = None  # the message, until when
-        self._paused = False
+        self._paused, self._silent_since = False, ""
         self._shown, self._speaker = view_model_of(None), Speaker()
         self._overlay = LensOverlay()
         self._pictures = PictureFeed(self._draw_picture, lambda: self._paced(PICTURE_PERIOD_S))
@@ -84,6 +84,11 @@ class Audience(Page[AudienceState]):
     def pause(self, on: bool) -> None:
         """Say that pictures are paused, or are no longer."""
         self._paused = on
+        self.wake()
+
+    def no_pictures(self, since: str) -> None:
+        """Say that no pictures come, since this time of day; empty: they come again."""
+        self._silent_since = since
         self.wake()
 
     # -- drawing ---------------------------------------------------------------------------------
@@ -124,7 +129,7 @@ class Audience(Page[AudienceState]):
                 self._praise = news[1], time.monotonic() + _SHOWN_S[news[0]]
                 self._view.play(news[0])
             if changed or over or news is not None:
-                now = view_model_of(snapshot, self._paused)
+                now = view_model_of(snapshot, self._paused, self._silent_since)
                 self._shown = self._praise[0] if self._praise else now
                 self._view.show(self._shown, snapshot, dark=not choices.light)
                 self._scene.draw(self._overlay.shapes(snapshot, choices), dark=True)

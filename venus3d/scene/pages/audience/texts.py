@@ -5,6 +5,7 @@ from venus3d.scene.pages.audience.state import Sound
 
 STARTING = ("…", "Starting", "Waiting for the first picture.")
 LOST = "No connection since {since}. The picture is old; this page goes on by itself."
+NO_PICTURES = ("!", "No picture", "No new pictures since {since}. Please wait.")
 PAUSED = ("II", "Paused", "Paused. You may rest your arms.")
 SHOW_BOARD = ("?", "Show the board")
 NOT_SEEN = ("?", "Board not seen")

@@ -36,8 +36,13 @@ class AudienceViewModel:
     """Whether a view was captured that does not count yet."""
 
 
-def view_model_of(snapshot: Snapshot | None, paused: bool = False) -> AudienceViewModel:
-    """The message for this moment."""
+def view_model_of(
+    snapshot: Snapshot | None, paused: bool = False, silent_since: str = ""
+) -> AudienceViewModel:
+    """The message for this moment, in which pictures may be paused, or have not come for a time."""
+    if silent_since:
+        badge, title, sentence = texts.NO_PICTURES
+        return AudienceViewModel("wait", badge, title, sentence.format(since=silent_since))
     if paused:
         return AudienceViewModel("wait", *texts.PAUSED)
     if snapshot is None:

@@ -22,6 +22,8 @@ _NEXT = {"converged": say.CONVERGED_NEXT, "finished": say.FINISHED_NEXT}
 
 def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, note: str) -> str:
     """The whole text for this snapshot."""
+    if state.no_pictures:
+        return guide_card(theme.info, "!", say.NO_PICTURES, state.no_pictures, note=note)
     if snapshot is None:
         return guide_card(theme.info, "…", say.STARTING, say.STARTING_SENTENCE, note=note)
     if snapshot.phase in ("captured", "converged", "finished"):

@@ -10,9 +10,11 @@ for the computations.
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
+from datetime import datetime, timedelta
 
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.guidance.session import Session
@@ -25,6 +27,11 @@ from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.sim import Simulation
+
+_SILENT_S = 2.0
+"""Seconds without a picture after which that is said; a folder shows each for one second."""
+_DRAWN_S = 0.5
+"""Time for the last words to reach the browsers."""
 
 
 class LiveGuide:
@@ -47,6 +54,7 @@ class LiveGuide:
         self._stream = ObservationStream(
             source, tracker, on_picture=self._show_picture, reopen=again
         )
+        self._silent_since = ""
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
 
@@ -64,8 +72,28 @@ class LiveGuide:
                 self._concluded()
             raise
         snapshot = self._concluded()
+        if self._stream.failed:
+            self._tell_of_the_end()
         self._stream.check()
         return snapshot
+
+    def _tell_of_silence(self) -> None:
+        """Say that pictures have stopped, or come again."""
+        silent_s = self._stream.silent_s
+        since = ""
+        if silent_s > _SILENT_S:
+            since = self._silent_since or f"{datetime.now() - timedelta(seconds=silent_s):%H:%M:%S}"
+        if since != self._silent_since:
+            self._silent_since = since
+            self._viewer.no_pictures(since and texts.NO_PICTURES_YET.format(since=since))
+            for monitor in self._monitors:
+                monitor.no_pictures(since)
+
+    def _tell_of_the_end(self) -> None:
+        """Leave the reason on the page, whose server ends with the source."""
+        since = self._silent_since or f"{datetime.now():%H:%M:%S}"
+        self._viewer.no_pictures(texts.NO_PICTURES_END.format(since=since))
+        time.sleep(_DRAWN_S)
 
     def _concluded(self) -> Snapshot:
         # A view captured just now counts; no next pose is searched.
@@ -88,6 +116,7 @@ class LiveGuide:
     def _guide(self) -> None:
         session = self._session
         observation = self._stream.take(timeout=0.05)
+        self._tell_of_silence()
         asked = self._viewer.drain_intents()
         for intent in asked:
             self._obey(intent)

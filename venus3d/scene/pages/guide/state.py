@@ -36,6 +36,8 @@ class ViewState:
     autopilot: bool = True
     target: int = 0
     """Number of the step's target."""
+    no_pictures: str = ""
+    """What is said while no pictures come; empty while they do."""
     camera_words: bool = False
     """Whether the page speaks of the camera's left and right, not of the holder's."""
     built: bool = False

@@ -16,6 +16,15 @@ FINISHED_NEXT = "The result is kept; you may close this page."
 DOUBTFUL = "Settled, but do not trust it yet"
 DOUBTED_NEXT = "The reason stands below. C captures a view, Finish ends it as it is."
 PAUSED, PAUSED_SENTENCE = "Paused", "Press Pause again, or the space bar, to go on."
+NO_PICTURES = "No new pictures"
+NO_PICTURES_YET = (
+    "None since {since}. The program waits a few seconds for the next one and then ends; what was "
+    "captured is kept. Look at the camera's cable, or at what sends the stream."
+)
+NO_PICTURES_END = (
+    "None since {since}, so the program has ended; what was captured is kept. Start it again on "
+    "this port, and this page goes on by itself."
+)
 ANOTHER_BOARD = "This is another board"
 LOOKING_ELSEWHERE = (
     "You are looking at step {shown}; the board is on step {active}. Press F to go there."

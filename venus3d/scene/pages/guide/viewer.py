@@ -10,6 +10,7 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
@@ -143,6 +144,10 @@ class Viewer(Page[ViewState]):
         """Show a sentence for some seconds."""
         self._note, self._note_until = text, time.monotonic() + seconds
         self.wake()
+
+    def no_pictures(self, text: str) -> None:
+        """Say instead of an instruction that no pictures come; empty: they come again."""
+        self.change(lambda state: replace(state, no_pictures=text))
 
     def saved(self, text: str) -> None:
         """Show where the result is, as long as the calibration has ended."""
