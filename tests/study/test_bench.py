@@ -23,6 +23,10 @@ def _rows(better: float, gain: float, above: float) -> list[dict[str, Value]]:
         {"kind": "state", "repeat": n, "views": n + 2, "global_cost": above, "best_cost": 1.0}
         for n in range(10)
     ]
+    rows += [
+        {"kind": "shared", "repeat": n, "views": 14, "promised_px": 0.1, "came_px": 0.1 * gain}
+        for n in range(3)
+    ]
     for repeat in range(3):
         for kind, factor in (("venus", 1.0), ("global", better)):
             for views in range(1, bench.VIEWS + 1):
@@ -41,16 +45,17 @@ def _rows(better: float, gain: float, above: float) -> list[dict[str, Value]]:
 
 
 def test_bars_of_known_rows() -> None:
-    ratio, needed, near, gain = judged(_rows(better=7.0, gain=1.1, above=1.04))
+    ratio, needed, near, gain, kept = judged(_rows(better=7.0, gain=1.1, above=1.04))
     assert ratio.value == pytest.approx(1 / 7) and ratio.ok
     assert needed.value == 2 and needed.ok  # 1/2/7 is 1/14
     assert near.value == 10 and near.ok
     assert gain.value == pytest.approx(1.1) and gain.ok
+    assert kept.value == pytest.approx(1.1) and kept.ok
 
-    ratio, needed, near, gain = judged(_rows(better=2.0, gain=1.5, above=1.06))
+    ratio, needed, near, gain, kept = judged(_rows(better=2.0, gain=1.5, above=1.06))
     assert ratio.value == pytest.approx(1 / 2) and not ratio.ok
     assert needed.value == 7 and not needed.ok
-    assert near.value == 0 and not near.ok and not gain.ok
+    assert near.value == 0 and not near.ok and not gain.ok and not kept.ok
 
 
 def test_a_level_never_reached_is_infinite_not_one() -> None:

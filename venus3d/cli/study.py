@@ -117,6 +117,21 @@ class Table3Options:
     output: _TableFolder = Path("venus3d-study/table3")
 
 
+@dataclass(frozen=True)
+class HalvesOptions:
+    """Whether the uncertainty holds: random halves of a recording, calibrated apart."""
+
+    source: Annotated[Positional[str], arg(metavar="SOURCE")]
+    """A video, a folder or a pattern of pictures that show the board."""
+    board: BoardOptions = field(default_factory=BoardOptions)
+    cuts: int = 100
+    """How often the views are cut into halves."""
+    same_percent: float = 0.25
+    """Views nearer to each other than this share of the picture's width count once."""
+    seed: _Seed = 0
+    output: _TableFolder = Path("venus3d-study/halves")
+
+
 # The empty name keeps the field's own, "what", out of the headings of --help.
 @dataclass(frozen=True)
 class StudyOptions:
@@ -128,7 +143,8 @@ class StudyOptions:
             | Annotated[BenchOptions, subcommand("bench")]
             | Annotated[Table1Options, subcommand("table1")]
             | Annotated[Table2Options, subcommand("table2")]
-            | Annotated[Table3Options, subcommand("table3")],
+            | Annotated[Table3Options, subcommand("table3")]
+            | Annotated[HalvesOptions, subcommand("halves")],
             arg(name=""),
         ]
     ]
@@ -148,6 +164,8 @@ def study(options: StudyOptions) -> None:
         _table1(what)
     elif isinstance(what, Table2Options):
         _table2(what)
+    elif isinstance(what, HalvesOptions):
+        _halves(what)
     else:
         _table3(what)
 
@@ -258,6 +276,24 @@ def _table3(options: Table3Options) -> None:
         label="table 3 (simulated people)",
     )
     _deliver(table3_text(rows), folder)
+
+
+def _halves(options: HalvesOptions) -> None:
+    from venus3d.study.halves import halves, halves_text
+    from venus3d.study.pool import pool_of
+    from venus3d.study.runner import csv_of
+
+    check_range("--cuts", options.cuts, 1, 100_000)
+    check_range("--same-percent", options.same_percent, 0, 20)
+    board = options.board.board()
+    folder = prepare(options.output)
+    same = options.same_percent / 100
+    pool = pool_of(options.source, board, same=same, on_count=_tell_count)
+    for note in pool.notes:
+        print_note(f"{options.source}: {note}")
+    rows = halves(pool, options.cuts, options.seed)
+    write_bytes(folder / "rows.csv", csv_of(rows))
+    _deliver(halves_text(pool, rows), folder)
 
 
 def _tell_count(count: int) -> None:

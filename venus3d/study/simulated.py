@@ -13,7 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import Calibration, calibrate
-from venus3d.engine.calibration.information import covariance_of, view_information
+from venus3d.engine.calibration.information import (
+    covariance_of,
+    shared_modes,
+    view_information,
+)
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import (
     grid_pixels,
@@ -57,6 +61,7 @@ def guided_calibrations(
     truth: Camera = PAPER_CAMERA,
     board: Board | None = None,
     noise_px: float = NOISE_PX,
+    shared_px: float = 0.0,
 ) -> Iterator[SimulatedCalibration]:
     """Calibrations with 1, 2, ... `views` views, each taken exactly at its target.
 
@@ -81,7 +86,7 @@ def guided_calibrations(
     for view in range(views):
         for attempt in range(10):
             rng = np.random.default_rng([seed, repeat, view, attempt])
-            seen = observed(truth, held, pose, rng, noise_px)
+            seen = observed(truth, held, pose, rng, noise_px, shared_px)
             try:
                 outcome = _following(work, settings, held, seen).run()
                 break
@@ -99,11 +104,20 @@ def guided_calibrations(
 
 
 def observed(
-    truth: Camera, board: Board, pose: Pose, rng: np.random.Generator, noise_px: float = NOISE_PX
+    truth: Camera,
+    board: Board,
+    pose: Pose,
+    rng: np.random.Generator,
+    noise_px: float = NOISE_PX,
+    shared_px: float = 0.0,
 ) -> Observation:
-    """The board's corners within the image as seen by a detector with this noise."""
+    """The board's corners within the image as seen by a detector with this noise. With a shared
+    part, the view's corners also move together: a smooth draw over the board (`shared_errors`)."""
     pixels = truth.project(pose.apply(board.corners))
     pixels = pixels + rng.normal(0, noise_px, pixels.shape)
+    if shared_px > 0:
+        modes = shared_modes(board, board.corners)
+        pixels = pixels + modes @ rng.normal(0, shared_px, (modes.shape[1], 2))
     inside = ((pixels >= 0) & (pixels < truth.image_size)).all(axis=1)
     return Observation(np.flatnonzero(inside), pixels[inside], truth.image_size)
 
