@@ -78,7 +78,7 @@ def guided(page: Any, views: int = 3, *keys: str) -> None:
 def known(page: Any) -> None:
     """Open what is known, its maps and the captured views."""
     page.get_by_role("tab", name="What is known").click()
-    press(page, "v")
+    press(page, "Shift+V")
 
 
 _PORT = "8460"
@@ -128,32 +128,32 @@ SHOTS: tuple[Shot, ...] = (
         "teach",
         "Teach: a lesson, the steps in place",
         (*_TEACH, "what-a-pose-is"),
-        lambda page: press(page, "k", "k", "k", "p"),
+        lambda page: press(page, *["PageDown"] * 3, "p"),
     ),
     Shot(
         "teach-strip",
         "Teach: the four steps side by side",
         (*_TEACH, "what-a-pose-is"),
-        lambda page: press(page, "k", "k", "k", "t"),
+        lambda page: press(page, *["PageDown"] * 3, "t"),
     ),
     Shot(
         "teach-own-axes",
         "Teach: the camera's axes and the board's own",
         (*_TEACH, "whose-axes"),
-        lambda page: press(page, "k"),
+        lambda page: press(page, "PageDown"),
     ),
     Shot(
         "teach-tilt",
         "Teach: why tilted boards calibrate",
         (*_TEACH, "why-tilted-boards"),
-        lambda page: press(page, "k", "k"),
+        lambda page: press(page, *["PageDown"] * 2),
     ),
     Shot("practice", "Practice: your own board", ("practice", "--port", _PORT)),
     Shot(
         "practice-outline",
         "Practice with six degrees of freedom and an outline",
         ("practice", "--port", _PORT),
-        lambda page: press(page, "6", "m", "m"),
+        lambda page: press(page, "6", "Shift+H", "Shift+H"),
     ),
     Shot("audience", "The second monitor", _AUDIENCE, later, ready="to go", address=_SECOND),
     Shot(

@@ -4,7 +4,7 @@ Starts the program on the simulated camera, connects to it as a browser would, b
 messages, and measures the gaps between them: those that move the board and those that bring the
 live picture. A stall of the server is a gap, whatever caused it. The simulated camera renders its
 pictures on the same processor, which a real one does not: a recording tells more of real cameras.
-Meanwhile it presses C (capture: a calibration and a search) and K (another target: a search) in
+Meanwhile it presses C (capture: a calibration and a search) and G (another target: a search) in
 turn, so that a calibration or a search begins that often. With --updates it goes on and tells the
 program's memory; a recording, which starts again at its end, suits that best. A benchmark, no test:
 it prints figures and fails at nothing.
@@ -86,7 +86,9 @@ class Tab:
             batch = messages(raw)
             for message in batch:
                 if message["type"] == "RegisterCommandMessage":
-                    self.commands[message["props"]["hotkey"]] = message["uuid"]
+                    props = message["props"]
+                    if not props["modifier"]:
+                        self.commands[props["hotkey"]] = message["uuid"]
             kinds = {kind_of(message) for message in batch}
             self.scene += [now] * ("scene" in kinds)
             self.picture += [now] * ("picture" in kinds)
@@ -157,7 +159,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=40.0, help="how long gaps are measured")
     parser.add_argument("--updates", type=int, default=0, help="scene updates for the memory")
     parser.add_argument(
-        "--press-every", type=float, default=1.7, help="seconds between C and K; 0: never"
+        "--press-every", type=float, default=1.7, help="seconds between C and G; 0: never"
     )
     parser.add_argument("--port", type=int, default=8440)
     parser.add_argument("--json", action="store_true")
@@ -197,7 +199,7 @@ def measured(
     tab: Tab, program: subprocess.Popen[str], options: argparse.Namespace
 ) -> dict[str, Any]:
     """The figures of a running program."""
-    keys = itertools.cycle("CK")
+    keys = itertools.cycle("CG")
     read_for(tab, _WARM_UP_S)
     since = time.monotonic()
     while time.monotonic() < since + options.seconds:
@@ -212,7 +214,7 @@ def measured(
     sizes: list[tuple[int, float]] = []
     while len(tab.scene) < options.updates and program.poll() is None:
         sizes.append((len(tab.scene), psutil.Process(program.pid).memory_info().rss / 2**20))
-        tab.press("K")  # no C: another view is rightly kept
+        tab.press("G")  # no C: another view is rightly kept
         read_for(tab, 5.0)
     told["memory_mib"] = sizes
     if sizes:

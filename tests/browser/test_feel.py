@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from tests.browser.keyboard import hotkeys, pressed
 from tests.ports import free_port
 from tests.waiting import wait_until
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -55,7 +56,7 @@ def test_every_button_is_a_command_too(viewer: Viewer) -> None:
     for words in (say.METHOD_WORDS[method] for method in OFFERED):
         assert any(words in label for label in commands), words
     assert {say.OTHER_COMMANDS[0], say.OTHER_COMMANDS[2]} <= commands.keys()
-    keys = [c.hotkey for c in commands.values() if c.hotkey not in (None, "escape")]
+    keys = [key for key in hotkeys(gui) if key not in (None, "escape")]
     assert len(keys) == len(set(keys)), "two commands on one key"
     assert not set("WASDQE") & set(keys), "these fly the browser's camera"
 
@@ -88,27 +89,27 @@ def test_every_key_does_what_the_help_says(
         "N": shows(".v-title:has-text('Step 4 of 4')"),
         "P": shows(".v-title:has-text('Step 3 of 4')"),
         "F": lambda: viewer.state.follow,
-        "L": lambda: viewer.state.playing,
+        "shift+space": lambda: viewer.state.playing,
         "T": lambda: any(name.startswith("/strip/") for name in viewer.scene_names),
         "B": shows("[data-mantine-color-scheme='light']"),
         "C": asks(intents.Capture),
-        "K": asks(intents.SkipTarget),
-        "U": asks(intents.UndoView),
-        "J": asks(intents.ChooseAlternative),
-        "O": asks_to_switch("autopilot"),
+        "G": asks(intents.SkipTarget),
+        "backspace": asks(intents.UndoView),
+        **{number: asks(intents.ChooseAlternative) for number in "123"},
+        "shift+P": asks_to_switch("autopilot"),
         "M": lambda: knowledge.state.map != before.map,
-        "V": lambda: knowledge.state.views != before.views,
-        "I": lambda: knowledge.state.view is not None,
-        "Y": lambda: knowledge.state.search != before.search,
+        "shift+V": lambda: knowledge.state.views != before.views,
+        "shift+N": lambda: knowledge.state.view is not None,
+        "shift+G": lambda: knowledge.state.search != before.search,
         "space": asks_to_switch("paused"),
         "H": shows(".v-keys"),
         "escape": shows(".v-keys", 0),
     }
     gui: Any = viewer.server.gui
-    keys = {c.hotkey for c in gui._command_handle_from_uuid.values() if c.hotkey}
+    keys = set(hotkeys(gui)) - {None}
     assert keys == effects.keys(), "a key without a test, or a test without a key"
     for key, effect in effects.items():
-        page.keyboard.press({"space": "Space", "escape": "Escape"}.get(key, key.lower()))
+        page.keyboard.press(pressed(key))
         wait_until(effect, f"the effect of {key}")
 
 

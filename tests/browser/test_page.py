@@ -104,7 +104,7 @@ def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snap
     page.wait_for_selector(".v-title:has-text('Step 3 of 4')")
     press(page, "t")
     wait_until(lambda: any(n.startswith("/strip/4/") for n in viewer.scene_names), "the strip")
-    press(page, "l")
+    press(page, "Shift+Space")
     wait_until(lambda: viewer.state.playing, "playing")
 
 
@@ -118,7 +118,7 @@ def test_keys_queue_what_was_asked_for(viewer: Viewer, open_page: Open, guiding:
         asked.extend(viewer.drain_intents())
         return len(asked) >= count
 
-    for key in ("c", "k", "u", " ", "o"):
+    for key in ("c", "g", "Backspace", " ", "Shift+P"):
         count = len(asked)
         press(page, key)
         wait_until(lambda count=count: has(count + 1), f"key {key!r}")
@@ -200,7 +200,7 @@ def test_another_pose_is_chosen_by_button_or_key(
 
     wait_until(lambda: has(1), "the button")
     assert viewer.state.follow, "another pose is followed from its first step"
-    press(page, "j")
+    press(page, "1")
     wait_until(lambda: has(2), "the key")
     assert asked == [intents.ChooseAlternative(1, number), intents.ChooseAlternative(0, number)]
 

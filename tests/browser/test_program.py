@@ -53,7 +53,7 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.goto(simulated.url)
     wait_for_views(page, 1)  # the autopilot has walked the first four steps by itself
-    page.keyboard.press("o")  # takes its hand off the board, which stays in sight
+    page.keyboard.press("Shift+P")  # takes its hand off the board, which stays in sight
     page.wait_for_timeout(1500)  # it may have had the board in its place just then
     page.wait_for_selector(".v-title:has-text('Step')", timeout=_PATIENCE_MS)
     before = views_on(page)
@@ -71,7 +71,7 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
     second.goto(simulated.url)
     wait_for_views(second, taken)
 
-    second.keyboard.press("u")
+    second.keyboard.press("Backspace")
     wait_for_views(page, taken - 1)
     second.close()
     page.close()
@@ -128,7 +128,7 @@ def test_another_pose_and_another_method_are_chosen_while_running(
     first = "getComputedStyle(document.querySelector('.v-shot')).backgroundImage"
     page.wait_for_selector(".v-shot")
     before = page.evaluate(first)
-    page.keyboard.press("j")
+    page.keyboard.press("1")
     page.wait_for_function(f"old => {first} && {first} !== old", arg=before)
     assert "poses were evaluated" in page.inner_text(".v-reason")
 
@@ -169,7 +169,7 @@ def test_whoever_has_only_a_keyboard_calibrates(
     page.wait_for_selector(".v-keys:has-text('Capture this view')")
     page.keyboard.press("Escape")
     page.wait_for_selector(".v-keys", state="detached")
-    page.keyboard.press("o")
+    page.keyboard.press("Shift+P")
     wait_for_views(page, 1)
 
     page.reload()

@@ -81,9 +81,9 @@ def test_each_help_shows_itself_and_nothing_of_the_others(page: Any, trial: Tria
             assert not shown(page, ".v-tile") and not shown(page, ".v-chips")
             assert not shown(page, ".v-title"), "the text of the steps"
             assert "Target" not in page.inner_text("body"), "the target's label in the scene"
-        page.keyboard.press("k")
+        page.keyboard.press("g")
         page.wait_for_selector(".v-count:has-text('2 of 2')")
-        page.keyboard.press("k")
+        page.keyboard.press("g")
         if name:
             wait_for_next(page, name)
     page.wait_for_selector(".v-times")
@@ -102,7 +102,7 @@ def test_a_trial_that_is_broken_off_goes_on_and_the_times_stay(
     page: Any, chromium: Any, start: Callable[..., Any], trial: Trial, tmp_path: Path
 ) -> None:
     """A pose stands in the file as soon as it is done with; reload and restart lose nothing."""
-    page.keyboard.press("o")  # the simulated hand takes the board
+    page.keyboard.press("Shift+P")  # the simulated hand takes the board
     page.keyboard.press("Space")
     page.wait_for_selector(".v-count:has-text('2 of 2')")
     assert [(row["pose"], row["outcome"]) for row in trial.rows] == [("1", "reached")]

@@ -84,7 +84,7 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
                 ".map(e => e.innerText).join() !== old",
                 arg=",".join(before),
             )
-    page.keyboard.press("V")
+    page.keyboard.press("Shift+V")
     wait_until(lambda: "/views/2/sheet" in viewer.scene_names, "the views stand in the scene")
     page.wait_for_timeout(1000)  # viser's picture follows its messages by a frame or two
     view = guided.views[1]
@@ -113,19 +113,19 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
 def test_views_by_keyboard_and_the_search_replayed(
     viewer: Viewer, open_page: Open, guided: Snapshot
 ) -> None:
-    """I goes from view to view, with its picture; Y shows the search, then the steps come back."""
+    """Shift+N goes from view to view; Shift+G shows the search, then the steps come back."""
     viewer.keep_view(2, np.full((720, 1280, 3), (40, 90, 160), np.uint8))
     viewer.show(guided)
     page = open_page()
     page.get_by_role("tab", name=texts.TAB).click()
     page.wait_for_selector(".v-map img")
     for number in (1, 2):
-        page.keyboard.press("I")
+        page.keyboard.press("Shift+N")
         page.wait_for_selector(f".v-view[data-view='{number}']")
     kept = decoded(page.locator(".v-view img").get_attribute("src"))
     assert kept.shape == (180, 320, 3) and np.abs(kept.mean(axis=(0, 1)) - (40, 90, 160)).max() < 4
     assert "/views/2/sheet" in viewer.scene_names
-    page.keyboard.press("Y")
+    page.keyboard.press("Shift+G")
     wait_until(lambda: "/search/places" in viewer.scene_names, "the search is shown")
     wait_until(lambda: "/target/board" not in viewer.scene_names, "the steps make room")
     target = guided.target
@@ -136,7 +136,7 @@ def test_views_by_keyboard_and_the_search_replayed(
     )
     # Guidance goes on meanwhile.
     assert page.locator(".v-sentence").inner_text()
-    page.keyboard.press("Y")
+    page.keyboard.press("Shift+G")
     wait_until(lambda: "/search/places" not in viewer.scene_names, "the replay ends")
     assert "/target/board" in viewer.scene_names
     # A parameter says what it does: Enter opens its row.

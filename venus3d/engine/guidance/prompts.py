@@ -114,8 +114,8 @@ _NO_TARGET = _both(
 )
 FINISHED = _both("You have ended this calibration.")
 ENOUGH = _both(
-    "All the views asked for are taken, and not every parameter has settled. U takes the last one "
-    "back; --max-views allows more."
+    "All the views asked for are taken, and not every parameter has settled. Undo takes the last "
+    "one back; --max-views allows more."
 )
 STARTUP_REASON = (
     "A board tilted by 45° shows the focal length in a single picture: its far edge looks shorter."

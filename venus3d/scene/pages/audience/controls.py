@@ -12,7 +12,8 @@ from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.audience.state import Sound
 from venus3d.scene.web.buttons import ChoiceList
-from venus3d.scene.web.help import Command, add_commands
+from venus3d.scene.web.help import Command, add_commands, key_name
+from venus3d.scene.web.keys import KEYS
 
 
 class AudienceControls:
@@ -23,8 +24,9 @@ class AudienceControls:
         self._audience = audience
         self._boxes: dict[str, Any] = {}
         with server.gui.add_folder(texts.PANEL, expand_by_default=False):
-            for name, label, key, hint in texts.CONTROLS:
-                said = label if key is None else f"{label} ({key})"
+            for name, label, hint in texts.CONTROLS:
+                key = KEYS.get(name)
+                said = label if key is None else f"{label} ({key_name(key)})"
                 box = server.gui.add_checkbox(said, getattr(audience.state, name), hint=hint)
                 box.on_update(partial(self._ticked, name))
                 self._boxes[name] = box
@@ -37,8 +39,8 @@ class AudienceControls:
                 hint=texts.SOUND_CHOICE_HINT,
             )
         self.commands = tuple(
-            Command(f"{texts.PANEL}: {label}", key, hint, partial(self._toggle, name))
-            for name, label, key, hint in texts.CONTROLS
+            Command(f"{texts.PANEL}: {label}", KEYS.get(name), hint, partial(self._toggle, name))
+            for name, label, hint in texts.CONTROLS
         )
         sounds = f"{texts.PANEL}: {texts.SOUND_COMMAND}"
         self.commands += (Command(sounds, None, texts.SOUND_COMMAND_HINT, self._next_sound),)

@@ -47,16 +47,15 @@ SPOKEN_UNITS = ((" mm", " millimetres"), ("°", " degrees"))
 
 PANEL = "Second monitor"
 CONTROLS = (
-    ("mirror", "Mirrored picture", "R", "Reversed, for somebody who faces the camera"),
+    ("mirror", "Mirrored picture", "Reversed, for somebody who faces the camera"),
     (
         "lens",
         "Through the lens",
-        "G",
         "Through the glass: the 3D steps, standing in the live picture",
     ),
-    ("light", "Bright room", None, "Dark letters on a light ground"),
+    ("light", "Bright room", "Dark letters on a light ground"),
 )
-"""Field, label, key and hint of each switch."""
+"""Field, label and hint of each switch."""
 SOUND_LABEL = "Sound"
 SOUND_OPTIONS: dict[Sound, str] = {
     "off": "Off",

@@ -28,14 +28,15 @@ from venus3d.scene.pages.exercise.view_model import (
 from venus3d.scene.web.board_keys import board_commands
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.texts import SWITCHED_ON
 
 _KEYS: dict[Action, str] = {
-    "next": "space",
-    "give_up": "G",
-    "start_over": "R",
-    "view": "V",
-    "theme": "B",
+    "next": KEYS["go_on"],
+    "give_up": KEYS["other_pose"],
+    "start_over": KEYS["reset"],
+    "view": KEYS["viewpoint"],
+    "theme": KEYS["theme"],
 }
 _LEVELS = {n: say.LEVEL_CHOICE.format(level=n, name=say.LEVEL_NAMES[n]) for n in LEVELS}
 _HELPS: dict[Help, str] = {help_: say.PRACTICE_HELP_NAMES[help_] for help_ in PRACTICE_HELPS}
@@ -46,10 +47,11 @@ _POSE_ACTIONS: dict[Action, str] = {a: say.POSE_ACTIONS[a] for a in ("start_over
 def practice_commands(ask: Ask) -> tuple[Command, ...]:
     """The commands of a practice page; `ask` is called on viser's threads."""
     texts = say.PRACTICE_COMMANDS
+    label, description = texts["help"]
     name, level = texts["level"]
     return (
         *press_commands(_KEYS, texts, ask),
-        Command(texts["help"][0], "M", texts["help"][1], partial(ask, ChooseHelp(None))),
+        Command(label, KEYS["other_help"], description, partial(ask, ChooseHelp(None))),
         *(
             Command(
                 name.format(level=number),

@@ -86,7 +86,7 @@ PICTURE_LEGENDS = {
 
 LEVEL, HELP, NAME = "Level", "Help", "Your name"
 LEVEL_HINT = "How many of the six numbers of the pose have to change. Keys 1 to 6."
-HELP_HINT = "What is shown to you of the target. M takes the next kind."
+HELP_HINT = "What is shown to you of the target. Shift+H takes the next kind."
 NAME_HINT = "Optional. With a name you can continue after a reload and find your rows in the file."
 AUTO_LEVEL = "Next level by itself"
 AUTO_LEVEL_HINT = "After two poses in a row that you reached, the next level begins."
@@ -118,7 +118,7 @@ OTHER_KEYS = (
     ("G", "give up"),
     ("R", "start over"),
     ("V", "view"),
-    ("M", "other help"),
+    ("⇧H", "other help"),
     ("1–6", "level"),
     ("B", "light or dark"),
     ("H", "all keys"),
@@ -142,7 +142,7 @@ START, START_HINT = (
     "Show the first pose. The clock counts from when it has been reached.",
 )
 GIVE_UP, GIVE_UP_HINT = (
-    "Give up this pose (K)",
+    "Give up this pose (G)",
     "Go on to the next pose; it is written as given up.",
 )
 TRIAL_COMMANDS = {
@@ -152,7 +152,7 @@ TRIAL_COMMANDS = {
     "autopilot": ("Autopilot", "Let the simulated hand move the board, or take it yourself"),
 }
 SERVING = "Viewer"
-DRAG_HINT = "Drag the board by its handles in the scene, or press O for the simulated hand."
+DRAG_HINT = "Drag the board by its handles in the scene, or press Shift+P for the simulated hand."
 
 TRIAL_HELP_NAMES = {"steps": "the four steps", "axes": "the axes", "outline": "the filled outline"}
 HOW = {

@@ -42,16 +42,17 @@ from venus3d.scene.pages.exercise.view_model import (
     TrialViewModel,
 )
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.panels import fit_width
 from venus3d.scene.web.projections_panel import ProjectionsPanel
 from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
 from venus3d.scene.web.theme import Theme
 
 _KEYS: dict[Action, str] = {
-    "next": "space",
-    "give_up": "K",
-    "theme": "B",
-    "autopilot": "O",
+    "next": KEYS["go_on"],
+    "give_up": KEYS["other_pose"],
+    "theme": KEYS["theme"],
+    "autopilot": KEYS["autopilot"],
 }
 _PICTURE_PERIOD_S = 1 / 15
 _JPEG_QUALITY = 75

@@ -35,11 +35,11 @@ class AlternativesPanel:
 
     @property
     def commands(self) -> tuple[Command, ...]:
-        """The same choices as commands, the first with a key."""
+        """The same choices as commands, each with its number as a key."""
         return tuple(
             Command(
                 label,
-                None if index else "J",
+                str(index + 1),
                 say.OTHER_COMMAND_HINT,
                 lambda index=index: self._choose(index),
             )

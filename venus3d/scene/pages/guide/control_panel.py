@@ -21,25 +21,25 @@ from venus3d.scene.pages.guide.intents import (
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.texts import SWITCHED_ON
 
-# By the names of their texts, with their keys. W A S D Q E and the arrows move the browser's
-# camera. Finish has no key: it cannot be undone.
+# By the names of their texts, with their keys. Finish has no key: it cannot be undone.
 CONTROLS: dict[str, tuple[Intent, str | None]] = {
-    "capture": (Capture(), "C"),
-    "skip": (SkipTarget(), "K"),
-    "undo": (UndoView(), "U"),
-    "previous": (TurnStep(-1), "P"),
-    "next": (TurnStep(1), "N"),
-    "play": (Toggle("playing"), "L"),
-    "strip": (Toggle("strip"), "T"),
-    "follow": (Toggle("follow"), "F"),
-    "theme": (Toggle("dark"), "B"),
-    "words": (Toggle("camera_words"), "X"),
+    "capture": (Capture(), KEYS["capture"]),
+    "skip": (SkipTarget(), KEYS["other_pose"]),
+    "undo": (UndoView(), KEYS["undo"]),
+    "previous": (TurnStep(-1), KEYS["previous_step"]),
+    "next": (TurnStep(1), KEYS["next_step"]),
+    "play": (Toggle("playing"), KEYS["play_steps"]),
+    "strip": (Toggle("strip"), KEYS["steps_apart"]),
+    "follow": (Toggle("follow"), KEYS["follow"]),
+    "theme": (Toggle("dark"), KEYS["theme"]),
+    "words": (Toggle("camera_words"), KEYS["words"]),
     "built": (Toggle("built"), None),
-    "pause": (Toggle("paused"), "space"),
+    "pause": (Toggle("paused"), KEYS["go_on"]),
     "finish": (Finish(), None),
-    "autopilot": (Toggle("autopilot"), "O"),
+    "autopilot": (Toggle("autopilot"), KEYS["autopilot"]),
 }
 _ROWS: dict[str, tuple[str, ...]] = {
     "view": ("skip", "undo", "finish"),

@@ -58,11 +58,11 @@ ROWS = {
 """Label of a row of buttons, and its hint."""
 AUTOPILOT_HINT = " Autopilot lets a simulated hand move the board."
 BUTTONS: dict[str, tuple[str, ...]] = {
-    "skip": ("Skip K",),
-    "undo": ("Undo U",),
+    "skip": ("Skip G",),
+    "undo": ("Undo ⌫",),
     "finish": ("Finish",),
     "previous": ("Back P",),
-    "play": ("Play L", "Stop L"),
+    "play": ("Play ⇧␣", "Stop ⇧␣"),
     "next": ("Next N",),
     "follow": ("Follow F",),
     "strip": ("Spread T",),
@@ -70,7 +70,7 @@ BUTTONS: dict[str, tuple[str, ...]] = {
     "words": ("The camera's X", "The holder's X"),
     "built": ("How it is built",),
     "pause": ("Pause ␣", "Go on ␣"),
-    "autopilot": ("Autopilot O",),
+    "autopilot": ("Autopilot ⇧P",),
     "help": ("Keys H",),
     "tour": ("Tour",),
 }
@@ -101,10 +101,10 @@ BUILT_FACT = "Step {number} of 4 · {amount} in all"
 
 # -- other targets ---------------------------------------------------------------------------------
 
-OTHERS_TITLE = "Or nearly as good{instead} (J)"
+OTHERS_TITLE = "Or nearly as good{instead}"
 OTHERS_INSTEAD = ", instead of {error} px"
 OTHER_TEXT = "{held}: {error} px"
-OTHER_HINT = "Ask for this pose instead. J goes through all of them."
+OTHER_HINT = "Ask for this pose instead; its number is its key."
 OTHER_COMMANDS = (
     "Another pose as good",
     "Another pose as good: the second",
@@ -115,12 +115,12 @@ OTHER_COMMAND_HINT = "Ask for another pose that is nearly as good as the target"
 # -- what a run says -------------------------------------------------------------------------------
 
 VIEWER_TITLE = "Viewer"
-DRAG_HINT = "Drag the board by its handles in the scene, or press O for the autopilot."
+DRAG_HINT = "Drag the board by its handles in the scene, or press Shift+P for the autopilot."
 ENDED = "This calibration has ended; no more views are taken."
 NOTHING_TO_CAPTURE = "Nothing to capture: no board is seen, or this view is taken."
 VIEWS_STAY = "This calibration has ended; its views stay as they are."
 ANOTHER_TARGET = "Meanwhile there is another target; choose among its neighbours."
-NO_OTHER_POSE = "No other pose is nearly as good; K asks for another one."
+NO_OTHER_POSE = "No other pose is nearly as good; G asks for another one."
 NO_POSE_TO_CHOOSE = "There is no other pose to choose just now."
 HAND_TOO_FAR = "The simulated hand did not come near enough to its target; lower --overlap."
 SOURCE_BROKE = "Reading the source failed: {error}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, auto
 from typing import Literal, get_args
 
-from venus3d.lessons.lesson import Arrangement, Viewpoint
+from venus3d.lessons.lesson import VIEWPOINTS, Arrangement, Viewpoint
 from venus3d.scene.pages.teach.state import TeachState
 
 FileKind = Literal["html", "png", "mp4", "gif"]
@@ -36,7 +36,8 @@ class PageAction(Enum):
 class LookFrom:
     """View the scene from here."""
 
-    viewpoint: Viewpoint
+    viewpoint: Viewpoint | None
+    """None: the next one."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,9 @@ def after_action(state: TeachState, action: Action) -> TeachState:
     match action:
         case PageAction():
             return _CHANGES[action](state)
+        case LookFrom(None):
+            number = VIEWPOINTS.index(state.viewpoint) + 1
+            return replace(state, viewpoint=VIEWPOINTS[number % len(VIEWPOINTS)])
         case LookFrom(viewpoint):
             return replace(state, viewpoint=viewpoint)
         case Arrange(arrangement):

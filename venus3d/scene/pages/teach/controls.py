@@ -14,31 +14,29 @@ from venus3d.scene.pages.teach.actions import Action, Answer, Arrange, LookFrom,
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
+from venus3d.scene.web.keys import KEYS
 
 Act = Callable[[Action, viser.ClientHandle | None], None]
 """Called on viser's threads with an action and the tab that asked, or None."""
 
-# W A S D Q E and the arrows move the browser's camera.
 HOTKEYS: dict[Action, Any] = {
-    PageAction.PLAY: "space",
-    PageAction.NEXT_STEP: "N",
-    PageAction.PREVIOUS_STEP: "P",
-    PageAction.SPEED: "Z",
-    PageAction.LOOP: "L",
-    LookFrom("outside"): "O",
-    LookFrom("camera"): "C",
-    LookFrom("holder"): "M",
-    LookFrom("above"): "V",
-    Arrange("strip"): "T",
-    Arrange("axes"): "X",
-    Arrange("order"): "R",
-    PageAction.NEXT_ORDER: "Y",
-    PageAction.NEXT_PAGE: "K",
-    PageAction.PREVIOUS_PAGE: "J",
-    PageAction.NEXT_LESSON: "G",
-    PageAction.FREE: "F",
-    PageAction.RESET: "0",
-    PageAction.BRIGHTNESS: "B",
+    PageAction.PLAY: KEYS["go_on"],
+    PageAction.NEXT_STEP: KEYS["next_step"],
+    PageAction.PREVIOUS_STEP: KEYS["previous_step"],
+    PageAction.SPEED: KEYS["speed"],
+    PageAction.LOOP: KEYS["loop"],
+    LookFrom(None): KEYS["viewpoint"],
+    **{LookFrom(viewpoint): None for viewpoint in VIEWPOINTS},
+    Arrange("strip"): KEYS["steps_apart"],
+    Arrange("axes"): KEYS["axes"],
+    Arrange("order"): KEYS["order"],
+    PageAction.NEXT_ORDER: KEYS["next_order"],
+    PageAction.NEXT_PAGE: KEYS["next_page"],
+    PageAction.PREVIOUS_PAGE: KEYS["previous_page"],
+    PageAction.NEXT_LESSON: KEYS["next_lesson"],
+    PageAction.FREE: KEYS["free"],
+    PageAction.RESET: KEYS["reset"],
+    PageAction.BRIGHTNESS: KEYS["theme"],
     **{Answer(number): str(number) for number in range(1, 6)},
 }
 STEP_ROW = (PageAction.PREVIOUS_STEP, PageAction.PLAY, PageAction.NEXT_STEP)

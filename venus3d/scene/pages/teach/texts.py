@@ -16,7 +16,7 @@ from venus3d.scene.pages.teach.actions import (
 
 LESSON_TAB = "Lesson"
 LESSON = "Lesson"
-LESSON_HINT = "Choose a lesson, or try things out by yourself. F goes to the free page."
+LESSON_HINT = "Choose a lesson, or try things out by yourself. 0 goes to the free page."
 FREE = "Try it yourself"
 FREE_TITLE = "Try it yourself"
 FREE_TEXT = (
@@ -143,19 +143,19 @@ LABELS: dict[Action, str] = {
     PageAction.PLAY: "▶ Play ␣",
     PageAction.NEXT_STEP: "N  ▶",
     PageAction.SPEED: "{speed} speed  Z",
-    PageAction.LOOP: "Loop  L",
-    LookFrom("outside"): "Outside  O",
-    LookFrom("camera"): "Camera  C",
-    LookFrom("holder"): "Holder  M",
-    LookFrom("above"): "Above  V",
+    PageAction.LOOP: "Loop  ⇧Z",
+    LookFrom("outside"): "Outside",
+    LookFrom("camera"): "Camera",
+    LookFrom("holder"): "Holder",
+    LookFrom("above"): "Above",
     Arrange("strip"): "Steps  T",
-    Arrange("axes"): "Axes  X",
-    Arrange("order"): "Orders  R",
-    PageAction.NEXT_ORDER: "Next order  Y",
-    PageAction.RESET: "Pose again  0",
+    Arrange("axes"): "Axes  ⇧T",
+    Arrange("order"): "Orders  Y",
+    PageAction.NEXT_ORDER: "Next order  ⇧Y",
+    PageAction.RESET: "Pose again  R",
     PageAction.BRIGHTNESS: "Light  B",
-    PageAction.PREVIOUS_PAGE: "◀ Back  J",
-    PageAction.NEXT_PAGE: "Next page  K ▶",
+    PageAction.PREVIOUS_PAGE: "◀ Back  Page up",
+    PageAction.NEXT_PAGE: "Next page  Page down ▶",
 }
 SPEED_NAMES = {0.5: "½×", 1.0: "1×", 2.0: "2×"}
 SAVE_LABELS: dict[FileKind, str] = {
@@ -171,6 +171,7 @@ COMMANDS: dict[Action, tuple[str, str]] = {
     PageAction.PREVIOUS_STEP: ("Previous step", "Go back before this step"),
     PageAction.SPEED: ("Speed", "Half, usual or double speed"),
     PageAction.LOOP: ("Loop", "Start over by itself, or not"),
+    LookFrom(None): ("Other view", "From outside, the camera, the holder, above, in turn"),
     LookFrom("outside"): ("Look from outside", "From behind, above and beside the camera"),
     LookFrom("camera"): ("Look through the camera", "Stand where the camera stands"),
     LookFrom("holder"): (

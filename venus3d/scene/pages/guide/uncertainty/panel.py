@@ -34,6 +34,7 @@ from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.uncertainty.view_card import ViewWindow, view_html
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.projections_panel import encoded
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.texts import SWITCHED_ON
@@ -77,10 +78,10 @@ class UncertaintyPanel:
         self._replay = SearchReplay()
         views, search = partial(self._switch, "views"), partial(self._switch, "search")
         self.commands = (
-            Command(texts.NEXT_MAP, "M", texts.NEXT_MAP_HINT, self._next_map),
-            Command(texts.TOGGLE_VIEWS, "V", texts.TOGGLE_VIEWS_HINT, views),
-            Command(texts.NEXT_VIEW, "I", texts.NEXT_VIEW_HINT, self._next_view),
-            Command(texts.REPLAY_SEARCH, "Y", texts.REPLAY_SEARCH_HINT, search),
+            Command(texts.NEXT_MAP, KEYS["map"], texts.NEXT_MAP_HINT, self._next_map),
+            Command(texts.TOGGLE_VIEWS, KEYS["views"], texts.TOGGLE_VIEWS_HINT, views),
+            Command(texts.NEXT_VIEW, KEYS["next_view"], texts.NEXT_VIEW_HINT, self._next_view),
+            Command(texts.REPLAY_SEARCH, KEYS["search"], texts.REPLAY_SEARCH_HINT, search),
         )
 
     @property

@@ -56,7 +56,7 @@ PICTURE_ALT = "{title}"
 
 SHOW_LABEL = "In the scene"
 SHOW_HINT = "Put the captured views into the scene; watch how the next pose was found."
-SHOW_VIEWS, SHOW_SEARCH = "Views V", "Search Y"
+SHOW_VIEWS, SHOW_SEARCH = "Views ⇧V", "Search ⇧G"
 VIEWS_LABEL = "View"
 VIEWS_HINT = "Choose a captured view to see it. In the scene, click it (V shows the views there)."
 VIEW_OPTION = "{number} · {rms} px"

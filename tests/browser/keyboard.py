@@ -1,0 +1,29 @@
+"""The keys of our commands, as a page has them and as Playwright presses them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from venus3d.scene.web.help import SHIFT
+
+_NAMES = {
+    "space": "Space",
+    "backspace": "Backspace",
+    "end": "End",
+    "escape": "Escape",
+    "pageup": "PageUp",
+    "pagedown": "PageDown",
+}
+
+
+def pressed(hotkey: str) -> str:
+    """A command's key, for `keyboard.press`."""
+    alone = hotkey.removeprefix(SHIFT)
+    name = _NAMES.get(alone, alone.lower())
+    return name if alone == hotkey else f"Shift+{name}"
+
+
+def hotkeys(gui: Any) -> list[str | None]:
+    """The keys of all commands, in the palette's order; None: by name only."""
+    commands = gui._command_handle_from_uuid.values()
+    return [c.hotkey and (SHIFT + c.hotkey if c.modifier else c.hotkey) for c in commands]
