@@ -8,6 +8,7 @@ import pytest
 from tests.sources.targets import random_poses, target_of
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import home_pose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.target import Target
 from venus3d.sources.autopilot import TOP_SPEED, TOP_TURN_DEG, Autopilot
@@ -33,7 +34,7 @@ def corner_motion_px(camera: Camera, board: Board, a: Pose, b: Pose) -> float:
 
 
 @pytest.mark.parametrize(
-    ("speed", "dt_s", "most"), [(1.0, 0.04, 325), (2.0, 0.2, 40), (3.0, 0.2, 30)]
+    ("speed", "dt_s", "most"), [(1.0, 0.04, 460), (2.0, 0.2, 48), (3.0, 0.2, 34)]
 )
 def test_every_target_is_reached_and_held_still(
     targets: list[Target],
@@ -84,10 +85,15 @@ def test_the_board_covers_its_target(
 def test_steps_are_walked_in_order_one_turn_at_a_time(targets: list[Target]):
     """With a machine's hand each step changes only its own degree of freedom."""
     for target in targets[:10]:
+        turns = Pose(target.pose.R @ START.R.T, target.pose.t).vector()[:3]
+        if np.abs(turns).min() < 0.5:
+            continue  # too little for a step; the next one ends with it
         pilot, pose, steps = hand(tremor=0.0), START, []
         for _ in range(400):
             before, pose = pose, pilot.advance(pose, target, 0.04)
             steps.append(pilot.step)
+            if steps[-1] == 1:
+                np.testing.assert_allclose(pose.R, START.R, atol=1e-9)
             if len(steps) > 1 and steps[-2] == steps[-1] > 1 and not pilot.arrived:
                 turn = Pose(pose.R @ before.R.T, np.zeros(3)).rvec
                 others = np.delete(turn, steps[-1] - 2)
@@ -114,7 +120,7 @@ def test_a_large_motion_goes_too_far_and_comes_back(targets: list[Target]):
     wanted = target.steps[1].angle_deg
 
     def farthest(overshoot: float) -> float:
-        pilot, pose, most = hand(tremor=0.0, overshoot=overshoot), START, 0.0
+        pilot, pose, most = hand(tremor=0.0, overshoot=overshoot), home_pose(), 0.0
         while not pilot.arrived:
             pose = pilot.advance(pose, target, 0.02)
             if pilot.step == 2:

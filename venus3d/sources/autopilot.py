@@ -1,10 +1,11 @@
-"""Simulates the motion of a person's hand to a target, one step of eq. (15) at a time.
+"""Simulates the motion of a person's hand to a target, one step at a time, as the page tells them.
 
-Pure: poses and a time step in, a pose out. Squares the board up on the way to its place, then turns
-about X, Y and Z. Each motion has the bell-shaped speed of a human arm (minimum jerk; Flash and
-Hogan 1985, "The coordination of arm movements"), overshoots a little and is corrected; rests lie
-between. The hand trembles and places the board a little beside the target. Given the board's pose
-as *estimated*, it corrects the rest on arrival, as a person watching the screen does.
+Pure: poses and a time step in, a pose out. Moves the board as it is held to its place, then turns
+it by what is left about X, Y and Z. Each motion has the bell-shaped speed of a human arm (minimum
+jerk; Flash and Hogan 1985, "The coordination of arm movements"), overshoots a little and is
+corrected; rests lie between. The hand trembles and places the board a little beside the target.
+Given the board's pose as *estimated*, it corrects the rest on arrival, as a person watching the
+screen does.
 """
 
 from __future__ import annotations
@@ -150,14 +151,15 @@ class Autopilot:
             self._placement = draw * np.repeat([degrees, metres], 3)
         self._start_anew()
         place = target.pose.t + self._placement[3:]
-        upright = target.steps[0].after
         here = self._end
-        self._add(self._step, Pose(upright.R if self._step == 1 else here.R, place))
+        self._add(self._step, Pose(here.R, place))
+        left = Pose(target.pose.R @ here.R.T, place).vector()[:3]
         for number in range(max(2, self._step), 5):
-            after = target.steps[number - 1].after
             # Each turn has its own small error, which stays during the next ones.
-            off = np.where(np.arange(3) < number - 1, self._placement[:3], 0.0)
-            self._add(number, Pose(_turns(off) @ after.R, place))
+            so_far = np.arange(3) < number - 1
+            off = np.where(so_far, self._placement[:3], 0.0)
+            after = target.pose.R if number == 4 else _turns(np.where(so_far, left, 0.0)) @ here.R
+            self._add(number, Pose(_turns(off) @ after, place))
 
     def _mend(self, target: Target, seen: Pose) -> None:
         """Correct the difference that the screen shows."""

@@ -79,3 +79,17 @@ def test_it_agrees_with_the_nearest_of_many_poses(steps: Steps) -> None:
         near = [max(1000 * pose.distance_to(p) / 30, pose.angle_to_deg(p) / 10) for p in way]
         if abs(min(near) - 1) > 0.1:
             assert has_left_the_way(steps, pose, **NEAR) == (min(near) > 1)
+
+
+def test_a_board_that_covers_its_target_has_nothing_left_to_do(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """The silhouettes agree though one turn is beyond its tolerance: "Hold still" and "6° to go"
+    would contradict each other."""
+    now = TARGET.turned("z", -4)
+    first = pose_snapshot(default_board, paper_camera, now, TARGET)
+    assert first.remaining is not None and not first.remaining.is_over  # it may be passing by
+    still = pose_snapshot(default_board, paper_camera, now, TARGET, first)
+    assert still.match is not None and still.match.reached and not all(still.match.within)
+    assert still.remaining is not None and still.remaining.done == (True,) * 4
+    assert still.headline == still.remaining.current[0] == "Hold still"

@@ -33,7 +33,7 @@ class RemainingStep:
     step: Step
     """What remains of this step; `angle_deg` and `translation` are its amount."""
     done: bool
-    """Whether its degree of freedom is within tolerance."""
+    """Whether its degree of freedom is within tolerance, or the whole board is at its target."""
     prompt: Prompt
     """The instruction, or that the step is done."""
 
@@ -79,7 +79,7 @@ class RemainingSteps:
     @property
     def is_over(self) -> bool:
         """Whether nothing is left but to hold still."""
-        return self.match is not None and (self.match.reached or all(self.done))
+        return all(self.done)
 
     @property
     def current(self) -> tuple[str, Prompt]:
@@ -105,12 +105,14 @@ def remaining_steps(
         return None
     steps, done = target.steps, (False,) * 4
     if match is not None:
-        steps, done = match.steps, match.within
+        # A board that covers its target is there, whatever a step's own tolerance says.
+        steps, done = match.steps, (True,) * 4 if match.reached else match.within
     one, two, three, four = (
         RemainingStep(step, is_done, STEP_DONE if is_done else step_prompt(step))
         for step, is_done in zip(steps, done, strict=True)
     )
-    return RemainingSteps((one, two, three, four), 1 if match is None else match.active_step, match)
+    active = done.index(False) + 1 if False in done else 4
+    return RemainingSteps((one, two, three, four), active, match)
 
 
 def has_left_the_way(steps: Steps, pose: Pose, *, mm: float, deg: float) -> bool:

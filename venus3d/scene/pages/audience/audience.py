@@ -148,7 +148,7 @@ class Audience(Page[AudienceState]):
             straight = undistortion(snapshot.camera.scaled(size))
             self._view.show_picture(straight.straightened(rgb), straight.plane)
         else:
-            step = 1 if snapshot.match is None else snapshot.match.active_step
+            step = 1 if snapshot.remaining is None else snapshot.remaining.active
             colour = Theme(True).step_colours[step - 1]
             annotate(rgb, snapshot, newest.observation, step, colour)
             self._view.show_picture(rgb, plain_plane(size))

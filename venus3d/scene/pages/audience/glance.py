@@ -28,8 +28,9 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
     theme = Theme(dark)
     if moment.kind == "good":
         colour, dial = theme.reached, tick_html()
-    elif moment.step and moment.match is not None:
-        colour, dial = theme.steps[moment.step - 1], dial_html(moment.match, moment.step)
+    elif moment.step and moment.remaining is not None and moment.remaining.match is not None:
+        colour = theme.steps[moment.step - 1]
+        dial = dial_html(moment.remaining.match, moment.step)
     else:
         colour, dial = theme.info, f"<div class='v-sign'>{escape(moment.badge)}</div>"
     left = f"{moment.left:.2f}" if moment.kind == "step" else ""
@@ -66,10 +67,10 @@ def sheet(look: AudienceState, aspect: float = _SCREEN) -> str:
 
 
 def _chips(moment: AudienceViewModel, theme: Theme) -> str:
-    within = (False,) * 4 if moment.match is None else moment.match.within
+    all_done = (False,) * 4 if moment.remaining is None else moment.remaining.done
     cells = "".join(
         f"<i class='v-chip{' v-on' * (number == moment.step)}{' v-done' * done}' "
         f"style='--step:{colour}'>{'✓' if done else number}</i>"
-        for number, (done, colour) in enumerate(zip(within, theme.steps, strict=True), 1)
+        for number, (done, colour) in enumerate(zip(all_done, theme.steps, strict=True), 1)
     )
     return f"<div class='v-chips'>{cells}</div>"

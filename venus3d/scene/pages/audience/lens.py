@@ -20,11 +20,12 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.guidance.matching import Match
+from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.annotated_picture import CASING
 from venus3d.render.board_mesh import board_ghost, board_outline
 from venus3d.render.palette import ground, step_colour
+from venus3d.render.redrawing import looks_alike
 from venus3d.render.shapes import LabelShape, LineShape, Shape
 from venus3d.render.step_shapes import instruction_shapes
 from venus3d.scene.pages.audience.state import AudienceState
@@ -112,8 +113,6 @@ _GHOST_OPACITY = 0.25
 """Opacity at which the board in the picture shows through."""
 _BEHIND = 1.004
 """Relative distance of a line's casing, which the line then hides."""
-_SEEN_DEG, _SEEN_MM = 0.7, 2.0
-"""Below this motion (a hand's tremor) arrows are not rebuilt."""
 
 
 class LensOverlay:
@@ -125,40 +124,24 @@ class LensOverlay:
 
     def shapes(self, snapshot: Snapshot | None, look: AudienceState) -> tuple[Shape, ...]:
         """The shapes for this moment; none unless the lens view is on."""
-        if not look.lens or snapshot is None or snapshot.target is None:
+        if not look.lens or snapshot is None or snapshot.remaining is None:
             return ()
-        if snapshot.phase not in ("startup", "guiding"):
-            return ()
-        if self._drawn is None or not _looks_alike(self._drawn[0], snapshot):
-            self._drawn = (snapshot, _shapes(snapshot, snapshot.target.pose))
-        return self._drawn[1]
+        drawn, todo = self._drawn, snapshot.remaining
+        if (
+            drawn is None
+            or drawn[0].camera is not snapshot.camera
+            or not looks_alike(drawn[0].remaining, todo)
+        ):
+            self._drawn = drawn = (snapshot, _shapes(snapshot, todo))
+        return drawn[1]
 
 
-def _looks_alike(one: Snapshot, other: Snapshot) -> bool:
-    a, b = _to_do(one), _to_do(other)
-    same = one.target is other.target and one.camera is other.camera
-    if a is None or b is None or not same:
-        return same and a is b
-    return (
-        a.active_step == b.active_step
-        and float(np.abs(a.remaining_deg - b.remaining_deg).max()) < _SEEN_DEG
-        and float(np.abs(a.remaining_mm - b.remaining_mm).max()) < _SEEN_MM
-    )
-
-
-def _to_do(snapshot: Snapshot) -> Match | None:
-    match = snapshot.match
-    done = match is None or match.reached or all(match.within)
-    return None if done else match
-
-
-def _shapes(snapshot: Snapshot, target: Pose) -> tuple[Shape, ...]:
-    board = snapshot.board
+def _shapes(snapshot: Snapshot, todo: RemainingSteps) -> tuple[Shape, ...]:
+    board, target = snapshot.board, todo.steps[3].after
     goal = board_outline(board, target, "/target/board", ground(True).target, 4.0)
-    match = _to_do(snapshot)
-    if match is None:
+    if todo.from_upright or todo.is_over:
         return _cased(goal)
-    step = match.steps[match.active_step - 1]
+    step = todo.step(todo.active).step
     return (*_cased(goal), *_step_shapes(board, snapshot.camera, step))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from venus3d.engine.guidance.matching import Match
+from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.texts import STEP_SHORT_TITLES
 from venus3d.scene.pages.audience import texts
@@ -28,8 +28,8 @@ class AudienceViewModel:
     sentence: str
     step: int = 0
     """1 ... 4: the active step, or the one just done; 0 for none."""
-    match: Match | None = None
-    """The board's distance from its target, where it matters."""
+    remaining: RemainingSteps | None = None
+    """What is left to do, where it matters."""
     left: float = 1.0
     """0 ... 1: what is left of the step, as on the dial."""
     fresh: bool = False
@@ -59,10 +59,10 @@ def view_model_of(
     if todo is None or todo.match is None:
         return _unseen(snapshot)
     if todo.is_over:
-        return AudienceViewModel("good", *texts.HOLD_STILL, match=todo.match)
+        return AudienceViewModel("good", *texts.HOLD_STILL, remaining=todo)
     step, sentence = todo.active, todo.step(todo.active).prompt.holder
     left, title = share_left(todo.match, step), STEP_SHORT_TITLES[step - 1]
-    return AudienceViewModel("step", str(step), title, sentence, step, todo.match, left)
+    return AudienceViewModel("step", str(step), title, sentence, step, todo, left)
 
 
 def _unseen(snapshot: Snapshot) -> AudienceViewModel:
@@ -81,21 +81,19 @@ def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, AudienceViewM
     """What became right between two snapshots, and its message."""
     if before is None:
         return None
-    was = before.match
-    there = was is not None and (was.reached or all(was.within))
+    was = before.remaining
+    there = was is not None and was.is_over
     taken = before.phase in ("startup", "guiding") and now.phase == "captured" and there
     # A view captured by a key is known only when it counts.
     later = before.phase == "captured" and len(now.views) > len(before.views)
     if taken or later:
         return "captured", AudienceViewModel("good", *texts.CAPTURED, fresh=True)
     same = before.target is not None and before.target is now.target
-    if was is None or now.match is None or not same:
+    if was is None or now.remaining is None or not same:
         return None
-    step = was.active_step
-    if was.within[step - 1] or not now.match.within[step - 1]:
+    step = was.active
+    if was.step(step).done or not now.remaining.step(step).done:
         return None
     title = STEP_SHORT_TITLES[step - 1]
-    done = AudienceViewModel(
-        "good", "✓", title, texts.STEP_DONE.format(title=title), step, now.match
-    )
-    return "reached", done
+    sentence = texts.STEP_DONE.format(title=title)
+    return "reached", AudienceViewModel("good", "✓", title, sentence, step, now.remaining)
