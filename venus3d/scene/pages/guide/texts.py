@@ -53,7 +53,11 @@ ROWS = {
         "built step by step from an upright board.",
     ),
     "run": ("Run", "Stop taking pictures and go on."),
-    "page": ("Page", "The keys and what they do; what stands where on this page."),
+    "page": (
+        "Page",
+        "The keys and what they do; what stands where on this page; the whole scene, after you "
+        "have turned it.",
+    ),
 }
 """Label of a row of buttons, and its hint."""
 AUTOPILOT_HINT = " Autopilot lets a simulated hand move the board."
@@ -73,6 +77,7 @@ BUTTONS: dict[str, tuple[str, ...]] = {
     "autopilot": ("Autopilot ⇧P",),
     "help": ("Keys H",),
     "tour": ("Tour",),
+    "fit": ("Fit Home",),
 }
 """Labels of a button; of two, the second while it is on."""
 COMMANDS: dict[str, tuple[str, str]] = {
