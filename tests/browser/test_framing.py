@@ -115,8 +115,10 @@ def test_on_a_phone_the_scene_keeps_above_the_sheet(
 ) -> None:
     viewer.show(guiding)
     page = chromium.new_page(viewport={"width": 420, "height": 860})
+    page.set_default_timeout(60_000)
     page.goto(viewer.url)
     page.wait_for_selector("[data-engine]")
+    page.wait_for_selector(".v-title")
     page.wait_for_function(f"() => Math.abs(({BOX})().height - 344) < 2")
     page.mouse.click(200, 366)  # the sheet's handle
     page.wait_for_function(f"() => ({BOX})().height > 800")
