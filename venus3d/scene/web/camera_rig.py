@@ -24,6 +24,7 @@ from venus3d.engine.geometry.pose import Array
 from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera, between
 from venus3d.scene.web import texts
 from venus3d.scene.web.help import Command
+from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.scene_view import Host
 
 Framing = Callable[[float], SceneCamera]
@@ -111,7 +112,11 @@ class CameraRig:
     def command(self) -> Command:
         """Fits the tab in which it is asked for."""
         return Command(
-            texts.FIT_COMMAND, "home", texts.FIT_COMMAND_HINT, lambda: None, do_in_tab=self.fit
+            texts.FIT_COMMAND,
+            KEYS["fit"],
+            texts.FIT_COMMAND_HINT,
+            lambda: None,
+            do_in_tab=self.fit,
         )
 
     @property

@@ -15,6 +15,7 @@ KEYS: dict[str, str] = {
     "reset": "R",
     "steps_apart": "T",
     "viewpoint": "V",
+    "fit": "home",
     "autopilot": "shift+P",
     # guide
     "capture": "C",
