@@ -60,9 +60,9 @@ def notations_html(taught: TaughtPose, state: TeachState) -> str:
 def _row(name: str, note: str, notation: Notation, decimals: int = 4) -> str:
     rows = np.round(np.atleast_2d(notation.values), decimals) + 0.0  # no "-0.0000"
     width = decimals + (3 if decimals == 4 else 5)  # of "-1.0000", of "-180.00"
-    numbers = "\n".join(" ".join(f"{v:{width}.{decimals}f}" for v in row) for row in rows)
+    numbers = "\n".join("  ".join(f"{v:{width}.{decimals}f}" for v in row) for row in rows)
     button = copy_button(notation.python, texts.COPY, texts.COPY_HINT)
     return (
-        f"<div><div><b>{escape(name)}</b><small>{escape(note)}</small>"
-        f"<pre>{numbers}</pre></div>{button}</div>"
+        f"<div><div><b>{escape(name)}</b><small>{escape(note)}</small></div>{button}"
+        f"<pre>{numbers}</pre></div>"
     )
