@@ -32,7 +32,7 @@ class MeshShape:
     shaded: bool = False
     """Whether it is shaded (arrows are; boards keep their plain colours)."""
     on_top: bool = False
-    """Whether nothing may hide it."""
+    """Whether nothing occludes it in the offscreen projections."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,19 +88,4 @@ class PointShape:
     in_projection: Literal[False] = False
 
 
-@dataclass(frozen=True, eq=False)
-class GridShape:
-    """A level grid that fades with the distance."""
-
-    name: str
-    height: float
-    """Its y in the camera's frame, metres."""
-    cell: float
-    section: float
-    """Distances of the fine and of the strong lines, metres."""
-    colour: Colour
-    section_colour: Colour
-    in_projection: Literal[False] = False
-
-
-Shape = MeshShape | LineShape | LabelShape | FrustumShape | PointShape | GridShape
+Shape = MeshShape | LineShape | LabelShape | FrustumShape | PointShape

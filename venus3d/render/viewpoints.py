@@ -11,9 +11,7 @@ equal. A view fits the given points exactly into a window of any shape.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,13 +25,11 @@ FOV_RAD = float(np.radians(42.0))
 _LONG_LENS_RAD = float(np.radians(9.0))
 FLIGHT_SECONDS = 0.6
 """Duration of a flight between two views."""
-_FILLED = 0.88  # of the window's half width or height; the rest is margin
+FILLED, FILLED_IN_GUIDE = 0.88, 0.78
+"""Share of the window's width or height, whichever is tighter, that a view fills."""
 _BESIDE_THE_PICTURE = 1.06
-# On a phone the panels cover the lower part of a narrow window.
-_PHONE, _COVERED_ON_A_PHONE = 0.62, 0.62
-# Height of the target point above the middle there, in half heights.
-_VERY_NARROW, _RAISED = 0.55, 0.6
-_NARROWEST = 0.4
+BEHIND = np.array([0.6, 0.46, 0.55])
+"""Direction of the usual view of a guided calibration: from behind, above and beside the camera."""
 # From the target point to the eye; screens have -y up, so none may be exactly vertical.
 _DIRECTIONS: dict[Viewpoint, tuple[float, float, float]] = {
     "outside": (-0.56, -0.56, -0.61),
@@ -61,10 +57,17 @@ class SceneCamera:
     fov_rad: float
     """Vertical field of view."""
 
+    def in_window(self, points: Array, aspect: float) -> Array:
+        """(N, 2) where points (N, 3) appear in a window of this width over height: -1 ... 1 to the
+        right and down; NaN behind the eye."""
+        local = (points - self.position) @ self.axes.T
+        ahead = np.where(local[:, 2:] > 0, local[:, 2:], np.nan)
+        return local[:, :2] / ahead / np.tan(self.fov_rad / 2) / [aspect, 1.0]
+
     @property
     def axes(self) -> Array:
         """(3, 3) rows: right, down and forward in the window."""
-        return _axes(self.look_at - self.position)
+        return view_axes((self.look_at - self.position)[None])[0]
 
 
 def view_from(
@@ -91,56 +94,44 @@ def view_abreast(viewpoint: Viewpoint, points: Array, aspect: float) -> SceneCam
 
 
 def view_along(
-    forward: ArrayLike, points: Array, aspect: float, *, fov_rad: float = FOV_RAD
+    forward: ArrayLike,
+    points: Array,
+    aspect: float,
+    *,
+    fov_rad: float = FOV_RAD,
+    filled: float = FILLED,
 ) -> SceneCamera:
-    """The nearest view in this direction (3,) that holds all the points (N, 3).
+    """The nearest view in this direction (3,) in which the points (N, 3) fill this share of the
+    window's width or height."""
+    axes = view_axes(np.asarray(forward, dtype=np.float64)[None])
+    eye = eyes_along(axes, points, aspect, fov_rad=fov_rad, filled=filled)[0]
+    ahead = axes[0, 2]
+    depth = max(0.05, float(((points - eye) @ ahead).mean()))
+    return SceneCamera(eye, eye + depth * ahead, fov_rad)
+
+
+def eyes_along(
+    axes: Array,
+    points: Array,
+    aspect: float,
+    *,
+    fov_rad: float = FOV_RAD,
+    filled: float = FILLED,
+) -> Array:
+    """(D, 3) the eye of the nearest view that holds the points (N, 3), for each of these axes
+    (D, 3, 3), rows right, down and forward.
 
     With the eye at e and the window's slope t, a point p is seen if |p_x - e_x| <= t (p_z - e_z).
-    The two bounds on e_x meet where e_z is largest; likewise for y, where the slopes up and down
-    may differ. The farther of the two eyes is taken.
+    The two bounds on e_x meet where e_z is largest; likewise for y. The farther of the two eyes is
+    taken.
     """
-    axes = _axes(np.asarray(forward, dtype=np.float64))
-    local = points @ axes.T
-    slope = np.tan(fov_rad / 2) * np.array([aspect, 1.0])
-    ahead, back = _FILLED * slope, _FILLED * slope
-    if aspect < _PHONE:
-        ahead[1] = (1 - 2 * _COVERED_ON_A_PHONE) * slope[1]
-    low = (local[:, :2] - ahead * local[:, 2:]).max(axis=0)
-    high = (local[:, :2] + back * local[:, 2:]).min(axis=0)
-    depth = float(((high - low) / (ahead + back)).min())
-    eye = np.append((low + high + (ahead - back) * depth) / 2, depth)
-    middle = np.append(eye[:2], max(depth + 0.05, float(local[:, 2].mean())))
-    return SceneCamera(eye @ axes, middle @ axes, fov_rad)
-
-
-def view_kept_wide(eye: Array, at: Array, roomy: float, aspect: float) -> SceneCamera:
-    """From `eye` to `at`, (3,) metres; farther away in a window narrower than `roomy` (width over
-    height), and on a phone with `at` above the panels."""
-    aspect = max(_NARROWEST, aspect)
-    offset = max(1.0, roomy / aspect) * (eye - at)
-    low = np.zeros(3)
-    if aspect < _VERY_NARROW < roomy:
-        low[1] = _RAISED * np.tan(FOV_RAD / 2) * float(np.linalg.norm(offset))
-    return SceneCamera(at + offset + low, at + low, FOV_RAD)
-
-
-# The operator's view: behind, above and beside the camera.
-_GUIDE_EYE, _GUIDE_AT = np.array([-0.60, -0.42, -0.33]), np.array([0.015, 0.04, 0.235])
-_NEAR_TARGET = 0.45
-"""Largest target distance, metres, that this view shows at its usual place."""
-_ROOMY_ASPECT = 0.9
-"""Width over height of a window in which everything fits from there."""
-
-
-def guiding_view(back: float) -> Callable[[float], SceneCamera]:
-    """From behind the camera at camera, board and target, `back` times as far as usual."""
-    return partial(view_kept_wide, back * _GUIDE_EYE, back * _GUIDE_AT, _ROOMY_ASPECT)
-
-
-def steps_back(distance: float) -> float:
-    """Factor, 1 ... 2.5, by which to step back to see a target `distance` metres from the camera;
-    in halves, so that the view a person has turned to mostly stays."""
-    return float(min(2.5, max(1.0, np.ceil(2 * distance / _NEAR_TARGET) / 2)))
+    local = np.einsum("dij,nj->dni", axes, points)
+    slope = filled * np.tan(fov_rad / 2) * np.array([aspect, 1.0])
+    low = (local[:, :, :2] - slope * local[:, :, 2:]).max(axis=1)
+    high = (local[:, :, :2] + slope * local[:, :, 2:]).min(axis=1)
+    depth = ((high - low) / (2 * slope)).min(axis=1)
+    eyes = np.column_stack([(low + high) / 2, depth])
+    return np.asarray(np.einsum("dij,di->dj", axes, eyes), np.float64)
 
 
 def between(start: SceneCamera, end: SceneCamera, fraction: float) -> SceneCamera:
@@ -161,8 +152,9 @@ def between(start: SceneCamera, end: SceneCamera, fraction: float) -> SceneCamer
     return SceneCamera(look_at + length * direction, look_at, fov)
 
 
-def _axes(forward: Array) -> Array:
-    ahead = forward / np.linalg.norm(forward)
+def view_axes(forward: Array) -> Array:
+    """(D, 3, 3) rows right, down and forward of views along these vectors (D, 3), none vertical."""
+    ahead = forward / np.linalg.norm(forward, axis=1, keepdims=True)
     right = np.cross([0.0, 1.0, 0.0], ahead)  # down x forward
-    right = right / np.linalg.norm(right)
-    return np.stack([right, np.cross(ahead, right), ahead]).astype(np.float64)
+    right = right / np.linalg.norm(right, axis=1, keepdims=True)
+    return np.stack([right, np.cross(ahead, right), ahead], axis=1)

@@ -13,25 +13,27 @@ from typing import Any
 
 import numpy as np
 import pytest
+import viser
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
+from tests.waiting import PATIENCE_S
 from venus3d.render.viewpoints import SceneCamera
 from venus3d.scene.web.camera_rig import CameraRig
-from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.server import start_server
 
 EYE, AT = np.array([-0.5, -0.6, -0.7]), np.array([0.0, 0.0, 0.3])
 USUAL: dict[str, Any] = {"position": (3.0, 3.0, 3.0), "look_at": (0.0, 0.0, 0.0)}
 
 
 @pytest.fixture
-def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[LocalServer]:
+def rig(monkeypatch: pytest.MonkeyPatch) -> Iterator[CameraRig]:
     """A page whose rig has a view, and whose loop turns the cameras when that is due. A view is
     sent again after 0.05, 0.15, 0.35, 0.75 and 1.55 s."""
     monkeypatch.setattr("venus3d.scene.web.camera_rig._FIRST_RESENT_S", 0.05)
     server, _ = start_server("127.0.0.1", free_port())
     rig, stop = CameraRig(server), threading.Event()
-    rig.go(lambda aspect: SceneCamera(EYE, AT, 0.7), at_once=True)
+    rig.go(lambda _: SceneCamera(EYE, AT, 0.7), at_once=True)
 
     def loop() -> None:
         while not stop.wait(0.02):
@@ -40,50 +42,101 @@ def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[LocalServer]:
 
     thread = threading.Thread(target=loop, daemon=True)
     thread.start()
-    yield server
+    yield rig
     stop.set()
     thread.join()
     server.stop()
 
 
-def sent(client: RawClient, seconds: float) -> list[tuple[float, ...]]:
-    """The positions that the tab's camera was sent within this time."""
+def viser_of(rig: CameraRig) -> viser.ViserServer:
+    assert isinstance(rig.host, viser.ViserServer)
+    return rig.host
+
+
+def port_of(rig: CameraRig) -> int:
+    return viser_of(rig).get_port()
+
+
+def sent(client: RawClient, seconds: float, count: int = 1000) -> list[tuple[float, ...]]:
+    """The positions that the tab's camera was sent within this time, or the first so many."""
     end = time.monotonic() + seconds
     got: list[tuple[float, ...]] = []
-    while (left := end - time.monotonic()) > 0:
+    while len(got) < count and (left := end - time.monotonic()) > 0:
         try:
             window = client.window(timeout=left)
         except TimeoutError:
             break
-        got += [m["position"] for m in window if m["type"] == "SetCameraPositionMessage"]
+        messages = [m for m in window if m["type"] == "SetCameraPositionMessage"]
+        got += [m["position"] for m in messages if not m["initial"]]
     return got
 
 
-def test_a_view_is_sent_again_until_the_browser_shows_it(server: LocalServer) -> None:
-    with RawClient(server.get_port()) as client:
+def stays(client: RawClient, seconds: float) -> bool:
+    """Whether no position comes for this time, apart from what was on its way."""
+    sent(client, 0.6)
+    return sent(client, seconds) == []
+
+
+def test_a_view_is_sent_again_until_the_browser_shows_it(rig: CameraRig) -> None:
+    with RawClient(port_of(rig)) as client:
         client.backlog()
         client.look(**USUAL)
-        first = sent(client, 0.25)
-        assert len(first) in (2, 3) and np.allclose(first, EYE), "dropped, and nothing came back"
+        first = sent(client, PATIENCE_S, 2)
+        assert len(first) == 2 and np.allclose(first, EYE), "dropped, and nothing came back"
         client.look(**USUAL)  # changed again
-        assert len(sent(client, 0.3)) in (1, 2)
+        assert sent(client, PATIENCE_S, 1)
         client.look(position=EYE.tolist(), look_at=AT.tolist())
-        assert sent(client, 1.3) == []
+        assert stays(client, 1.7)
 
 
-def test_a_browser_that_never_answers_is_left_alone_in_the_end(server: LocalServer) -> None:
-    with RawClient(server.get_port()) as client:
+def test_a_browser_that_never_answers_is_left_alone_in_the_end(rig: CameraRig) -> None:
+    with RawClient(port_of(rig)) as client:
         client.backlog()
         client.look(**USUAL)
-        assert len(sent(client, 2.2)) == 6
+        assert len(sent(client, PATIENCE_S, 6)) == 6
+        assert sent(client, 1.0) == []
 
 
-def test_a_person_who_turns_an_unconfirmed_view_is_left_alone(server: LocalServer) -> None:
-    with RawClient(server.get_port()) as client:
+def test_a_person_who_turns_an_unconfirmed_view_is_left_alone(rig: CameraRig) -> None:
+    with RawClient(port_of(rig)) as client:
         client.backlog()
         client.look(**USUAL)
-        assert sent(client, 0.1)
+        assert sent(client, PATIENCE_S, 1)
         for step in range(3):
             client.look(position=(3.0, 2.9 - 0.1 * step, 3.0), look_at=(0.0, 0.0, 0.0))
-        sent(client, 0.1)
-        assert sent(client, 1.5) == []
+        assert stays(client, 1.7)
+
+
+def test_a_view_that_a_person_has_turned_stays_until_it_is_fitted_again(rig: CameraRig) -> None:
+    def framing(aspect: float) -> SceneCamera:
+        return SceneCamera(EYE * aspect, AT, 0.7)
+
+    goal, reset_view = framing(1280 / 720), framing(1.0)
+
+    def arrives() -> bool:
+        """Whether the flight ends at the page's view within a while."""
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            if any(np.allclose(place, goal.position) for place in sent(client, PATIENCE_S, 1)):
+                return True
+        return False
+
+    with RawClient(port_of(rig)) as client:
+        client.backlog()
+        client.look(**USUAL)
+        assert sent(client, PATIENCE_S, 1)
+
+        def turn(view: SceneCamera) -> None:
+            for share in (0.0, 0.05, 0.1):
+                client.look(position=(view.position + share).tolist(), look_at=AT.tolist())
+
+        turn(SceneCamera(EYE, AT, 0.7))
+        assert stays(client, 0.1)
+        rig.refit(framing)
+        assert sent(client, 0.8) == [], "not against a view that the person has turned"
+        rig.fit(next(iter(viser_of(rig).get_clients().values())))
+        assert arrives(), "on the key"
+        turn(goal)
+        assert stays(client, 0.1)
+        client.look(position=reset_view.position.tolist(), look_at=AT.tolist())
+        assert arrives(), "by viser's Reset View"

@@ -13,13 +13,18 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import viser
 
+from venus3d.engine.geometry.pose import Array
 from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera, between
+from venus3d.scene.web import texts
+from venus3d.scene.web.help import Command
+from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.scene_view import Host
 
 Framing = Callable[[float], SceneCamera]
@@ -35,13 +40,28 @@ each time."""
 _A_TURN = 0.5
 """Two reports nearer than this, relative to the distance looked at, are a person's movement; what a
 browser does while it starts are jumps."""
+_SAME = 0.01
+"""Two views that differ by less than this, relative to the distance looked at, are the same."""
+_TOLD_AFTER_S, _TOLD_S = 0.8, 6.0
+"""How long after its beginning a person is told what a movement means, and for how long."""
+_EDGE = 0.97
+"""Share of the window's half width and height beyond which something leaves the frame."""
 
 
 class CameraRig:
-    """The cameras of all tabs of a server, or of one tab. One thread calls `go` and `advance`."""
+    """The cameras of all tabs of a server, or of one tab. One thread calls `go`, `refit` and
+    `advance`.
+
+    A tab whose camera a person moves is left alone until `fit` or `go`, or until the person chooses
+    viser's "Reset View".
+    """
 
     def __init__(
-        self, host: Host, *, wake: Callable[[], None] = lambda: None, tolerance: float = 0.01
+        self,
+        host: Host,
+        *,
+        wake: Callable[[], None] = lambda: None,
+        tolerance: float = 0.01,
     ) -> None:
         """Nothing moves until `go`.
 
@@ -49,9 +69,11 @@ class CameraRig:
             wake: called on viser's threads when `advance` is due without a flight.
             tolerance: relative change of a window's aspect beyond which its view is set again.
         """
-        self._host, self._wake, self._tolerance = host, wake, tolerance
+        self.host = host
+        self._wake, self._tolerance = wake, tolerance
         self._tabs: dict[int, _Tab] = {}
-        self._view: Framing | None = None
+        self._framing: Framing | None = None
+        self._usual: SceneCamera | None = None
         self._lock = threading.Lock()
         if isinstance(host, viser.ClientHandle):
             self._come(host)
@@ -60,28 +82,74 @@ class CameraRig:
             host.on_client_connect(self._come)
             host.on_client_disconnect(self._leave)
 
-    def go(self, view: Framing, *, at_once: bool = False) -> None:
-        """Fly to this view, or jump there."""
-        self._view = view
-        if not isinstance(self._host, viser.ClientHandle):
-            first, usual = self._host.initial_camera, view(_USUAL_ASPECT)
-            first.position, first.look_at, first.fov = usual.position, usual.look_at, usual.fov_rad
-        now = time.monotonic()
+    def go(self, framing: Framing, *, at_once: bool = False) -> None:
+        """Fly to this view, or jump there, in every tab."""
         for tab in self._all:
-            tab.start = None if at_once else tab.seen
-            tab.begun, tab.aspect = now, 0.0 if at_once else tab.aspect
+            tab.turned_at = None
+        self.refit(framing, at_once=at_once)
+
+    def refit(self, framing: Framing, *, at_once: bool = False) -> None:
+        """The same, but only in tabs whose camera nobody has moved."""
+        self._framing = framing
+        if not isinstance(self.host, viser.ClientHandle):
+            # The goal of "Reset View", and what a new tab shows before its own view comes.
+            first, usual = self.host.initial_camera, framing(_USUAL_ASPECT)
+            self._usual = usual
+            first.position, first.look_at, first.fov = usual.position, usual.look_at, usual.fov_rad
+        for tab in self._all:
+            tab.leave(at_once=at_once)
+
+    def fit(self, client: viser.ClientHandle) -> None:
+        """Fly one tab back to the view that the page gives it."""
+        with self._lock:
+            tab = self._tabs.get(client.client_id)
+        if tab is not None:
+            tab.turned_at = None
+            tab.leave()
+            self._wake()
+
+    @property
+    def command(self) -> Command:
+        """Fits the tab in which it is asked for."""
+        return Command(
+            texts.FIT_COMMAND,
+            KEYS["fit"],
+            texts.FIT_COMMAND_HINT,
+            lambda: None,
+            do_in_tab=self.fit,
+        )
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of a window that shows the page's view."""
+        tabs = self._all
+        return next((tab.window for tab in tabs if tab.turned_at is None), _USUAL_ASPECT)
+
+    @property
+    def eyes(self) -> Array:
+        """(T, 3) the eyes of the tabs that show the page's view, without those in flight."""
+        goals = [tab.goal for tab in self._all if tab.is_at_goal]
+        return np.array([goal.position for goal in goals if goal is not None]).reshape(-1, 3)
+
+    def cuts_off(self, points: Array) -> bool:
+        """Whether one of these points (N, 3) is outside a window that shows the page's view."""
+        return any(tab.cuts_off(points) for tab in self._all)
 
     @property
     def is_due(self) -> bool:
         """Whether `advance` has something to do."""
-        return self._view is not None and any(tab.is_due(self._tolerance) for tab in self._all)
+        return self._framing is not None and any(tab.is_due(self._tolerance) for tab in self._all)
 
     def advance(self) -> None:
         """Advance the cameras."""
-        if self._view is not None:
-            for tab in self._all:
-                if tab.is_due(self._tolerance):
-                    tab.advance(self._view)
+        if self._framing is None:
+            return
+        for tab in self._all:
+            if tab.is_due(self._tolerance):
+                if tab.turned_at is None:
+                    tab.advance(self._framing)
+                else:
+                    tab.tell()
 
     @property
     def _all(self) -> tuple[_Tab, ...]:
@@ -90,14 +158,15 @@ class CameraRig:
 
     def _come(self, client: viser.ClientHandle) -> None:
         tab = _Tab(client)
+        tab.first = tab.reported = tab.seen
         with self._lock:
             self._tabs[client.client_id] = tab
 
         # Also when the window is resized. On the loop's thread: what is read there is what the
         # browser has just sent, and not what was set meanwhile.
         async def moved(_: object) -> None:
-            tab.report()
-            if self._view is not None and tab.is_due(self._tolerance):
+            tab.report(self._usual)
+            if self._framing is not None and tab.is_due(self._tolerance):
                 self._wake()
 
         client.camera.on_update(moved)
@@ -120,10 +189,17 @@ class _Tab:
     """The window's aspect when its view was last set."""
     goal: SceneCamera | None = None
     settled: bool = False
-    """Whether the browser has shown its goal once, or a person has turned it, or it never will."""
+    """Whether the browser has shown its goal once, or a person has moved it, or it never will."""
     resent: int = 0
     sent_at: float = 0.0
+    sent: deque[SceneCamera] = field(default_factory=lambda: deque(maxlen=100))
+    """The newest views: what the browser reports back."""
+    first: SceneCamera | None = None
+    """What the browser showed when it came; "Reset View" may lead back there."""
     reported: SceneCamera | None = None
+    turned_at: float | None = None
+    """When a person began to move the camera away from the page's view; None while it shows it."""
+    told: bool = False
 
     @property
     def seen(self) -> SceneCamera:
@@ -136,6 +212,9 @@ class _Tab:
         return camera.image_width / max(camera.image_height, 1)
 
     def is_due(self, tolerance: float) -> bool:
+        turned_at = self.turned_at
+        if turned_at is not None:
+            return not self.told and time.monotonic() - turned_at > _TOLD_AFTER_S
         other_shape = abs(self.window - self.aspect) > tolerance * self.window
         return self.start is not None or other_shape or self._unheard
 
@@ -146,26 +225,61 @@ class _Tab:
             return False
         return time.monotonic() - self.sent_at > _FIRST_RESENT_S * 2**self.resent
 
-    def report(self) -> None:
+    @property
+    def is_at_goal(self) -> bool:
+        return self.goal is not None and self.turned_at is None and self.start is None
+
+    def cuts_off(self, points: Array) -> bool:
+        if self.goal is None or not self.is_at_goal:
+            return False
+        places = np.abs(self.goal.in_window(points, self.aspect))
+        return not bool((places < _EDGE).all())  # NaN behind the eye
+
+    def leave(self, *, at_once: bool = False) -> None:
+        """Begin to fly, or to jump, from where it is; not from a view that a person has chosen."""
+        if self.turned_at is None:
+            self.start = None if at_once or self.goal is None else self.seen
+            self.begun = time.monotonic()
+            self.aspect = 0.0 if at_once else self.aspect
+
+    def report(self, reset_view: SceneCamera | None) -> None:
         """Note where the browser says that its camera is."""
         seen, before = self.seen, self.reported
         self.reported = seen
-        if self.settled or self.goal is None:
+        if self.goal is None:
             return
-        there = np.linalg.norm(seen.position - self.goal.position) < _THERE
-        self.settled = bool(there) or (before is not None and _is_turned(before, seen))
+        if not self.settled and np.linalg.norm(seen.position - self.goal.position) < _THERE:
+            self.settled = True
+        resets = [view for view in (reset_view, self.first) if view is not None]
+        if self.turned_at is not None:
+            if any(_is_same(seen, view) for view in resets):  # "Reset View" has been chosen
+                self.turned_at = None
+                self.leave()
+            return
+        known = any(_is_same(seen, view) for view in (*self.sent, *resets))
+        if not known and before is not None and _is_turned(before, seen):
+            self.settled, self.start = True, None
+            self.turned_at = time.monotonic()
 
-    def advance(self, view: Framing) -> None:
+    def tell(self) -> None:
+        """Tell the person, once, that the camera is theirs now, and how to give it back."""
+        self.told = True
+        self.client.add_notification(
+            texts.VIEW_TURNED, texts.VIEW_TURNED_HOW, auto_close_seconds=_TOLD_S
+        )
+
+    def advance(self, framing: Framing) -> None:
         again = self._unheard
         self.resent += again
         self.settled = self.settled or self.resent > _RESENT
         self.aspect, self.sent_at = self.window, time.monotonic()
-        self.goal = view(self.aspect)
-        shown, done = self.goal, (self.sent_at - self.begun) / FLIGHT_SECONDS
-        if self.start is not None and done < 1:
-            shown = between(self.start, self.goal, max(0.0, done))
+        self.goal = framing(self.aspect)
+        shown, done, start = self.goal, (self.sent_at - self.begun) / FLIGHT_SECONDS, self.start
+        if start is not None and done < 1:
+            shown = between(start, self.goal, max(0.0, done))
         else:
             self.start = None
+        self.sent.append(shown)
         with self.client.atomic():
             if again:
                 # viser sends nothing that it thinks is there already.
@@ -180,6 +294,15 @@ class _Tab:
 
 def _is_turned(before: SceneCamera, after: SceneCamera) -> bool:
     """Whether a person turned or moved the camera a little between two reports."""
-    moved = float(np.linalg.norm(after.position - before.position))
-    distance = float(np.linalg.norm(after.position - after.look_at))
-    return 1e-4 * distance < moved < _A_TURN * distance
+    return 1e-4 < _difference(before, after) < _A_TURN
+
+
+def _is_same(one: SceneCamera, other: SceneCamera) -> bool:
+    return _difference(one, other) < _SAME
+
+
+def _difference(one: SceneCamera, other: SceneCamera) -> float:
+    """How far eye and target point are apart, relative to the distance looked at."""
+    eyes = float(np.linalg.norm(other.position - one.position))
+    targets = float(np.linalg.norm(other.look_at - one.look_at))
+    return max(eyes, targets) / max(float(np.linalg.norm(one.position - one.look_at)), 1e-6)

@@ -32,6 +32,11 @@ class BoardGizmo:
             self._held = event.phase != "end"
             dragged(Pose.from_wxyz(event.target.wxyz, event.target.position))
 
+    @property
+    def is_held(self) -> bool:
+        """Whether somebody is dragging it."""
+        return self._held
+
     def follow(self, pose: Pose | None, *, shown: bool) -> None:
         """Go to the board, unless somebody holds the gizmo or the board is not seen. Hidden while
         the autopilot moves the board: it would cover the arrows."""

@@ -45,6 +45,15 @@ class Command:
     """What it does, in one short sentence without a full stop."""
     do: Callable[[], None]
     """Called on viser's threads: only queues, or changes a frozen state."""
+    do_in_tab: Callable[[viser.ClientHandle], None] | None = None
+    """Called instead of `do`, with the tab in which it was asked for."""
+
+    def run(self, client: viser.ClientHandle | None) -> None:
+        """Do it, asked for in this tab."""
+        if self.do_in_tab is None:
+            self.do()
+        else:
+            _in_tab(client, self.do_in_tab)
 
 
 def add_commands(host: Host, commands: Sequence[Command]) -> None:
@@ -60,7 +69,7 @@ def add_commands(host: Host, commands: Sequence[Command]) -> None:
             hotkey=key.removeprefix(SHIFT) if shifted else key,
             modifier="shift" if shifted else None,
         )
-        handle.on_trigger(lambda _, do=command.do: do())
+        handle.on_trigger(lambda event, command=command: command.run(event.client))
 
 
 def _check_keys(commands: Sequence[Command]) -> None:

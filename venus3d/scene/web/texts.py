@@ -6,7 +6,7 @@ HELP_INTRO = (
 )
 HELP_CAMERA = (
     "The scene: drag to look around, scroll to come nearer, right-drag to shift. The arrow keys "
-    "and W A S D Q E fly through it."
+    "and W A S D Q E fly through it. Home shows all of it again."
 )
 HELP_CLOSE = "Close (H or Esc)"
 HELP_CLOSE_HINT = "Back to the page."
@@ -29,6 +29,10 @@ KEY_NAMES = {
     "pageup": "Page up",
     "pagedown": "Page down",
 }
+FIT_COMMAND = "Fit the view"
+FIT_COMMAND_HINT = "Show the whole scene again, after you have turned or moved it"
+VIEW_TURNED = "The view stays as you turned it"
+VIEW_TURNED_HOW = "Home fits it to the scene again."
 BY_NAME = "By name only ({key}):"
 TOUR_NEXT, TOUR_BACK, TOUR_SKIP, TOUR_END = "Next", "Back", "Skip the tour", "Start"
 TOUR_NEXT_HINT = "Go on with the tour (Enter)."

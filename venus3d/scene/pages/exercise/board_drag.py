@@ -41,6 +41,11 @@ class BoardDrag:
         for gesture, button, modifier in _BINDINGS:
             node.on_drag(button, modifier=modifier)(self._callback(gesture))
 
+    @property
+    def is_held(self) -> bool:
+        """Whether somebody is dragging the board."""
+        return self._grabbed is not None
+
     def follow(self, pose: Pose) -> None:
         """Update the board's pose."""
         self._pose = pose

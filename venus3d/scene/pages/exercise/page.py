@@ -20,6 +20,7 @@ from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
 from venus3d.scene.web.panels import PanelStyle
 from venus3d.scene.web.scene_view import SceneView
+from venus3d.scene.web.steady_framing import SteadyFraming
 from venus3d.scene.web.theme import Theme
 
 Picture = NDArray[np.uint8]
@@ -44,9 +45,10 @@ class ExercisePage(ABC, Generic[View]):
         self._shown: View | None = None
         self._scene = SceneView(client)
         self._rig = CameraRig(client)
+        self._framing = SteadyFraming(self._rig)
         with client.atomic():
             self._lay_out(view)
-            commands = self._commands()
+            commands = (*self._commands(), self._rig.command)
             add_commands(client, commands)
             self._help = HelpOverlay(client, commands, dark=view.dark)
         self.show(view)
@@ -54,12 +56,11 @@ class ExercisePage(ABC, Generic[View]):
     @property
     def is_moving(self) -> bool:
         """Whether `advance` is due."""
-        return self._rig.is_due or self._scene.is_due
+        return self._rig.is_due
 
     def advance(self) -> None:
-        """Advance the tab's camera, and what faces it."""
+        """Advance the tab's camera."""
         self._rig.advance()
-        self._scene.refresh()
 
     def show(self, view: View) -> None:
         """Show one view on the page."""

@@ -16,8 +16,8 @@ import viser
 
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.exercise import Reach
-from venus3d.render.board_mesh import board_shape
-from venus3d.render.frustum import AXIS_LENGTH
+from venus3d.render.board_mesh import board_outline, board_shape
+from venus3d.render.framing import content_of
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.viewpoints import view_from
 from venus3d.scene.pages.exercise import html, plots
@@ -25,7 +25,12 @@ from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.board_drag import BoardDrag
 from venus3d.scene.pages.exercise.page import Ask, ExercisePage, Job
 from venus3d.scene.pages.exercise.practice_controls import PracticeControls, practice_commands
-from venus3d.scene.pages.exercise.shapes import picture_background, picture_finish, scene_shapes
+from venus3d.scene.pages.exercise.shapes import (
+    ORANGE,
+    picture_background,
+    picture_finish,
+    scene_shapes,
+)
 from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.panels import on_window
@@ -34,14 +39,11 @@ from venus3d.scene.web.theme import Theme
 
 _LEFT_WIDTH, _RIGHT_WIDTH = 380, 560
 _SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
-_PHONE = 0.62
-"""Aspect of the scene below which all panels are one sheet, the right one first."""
 _PLOT_HEIGHT = 150
 _PICTURE_SIZE = (480, 270)
 _JPEG_QUALITY = 80
 _UNITS = np.array([1.0, 1.0, 1.0, 1000.0, 1000.0, 1000.0])  # metres to the sliders' millimetres
 _SLIDER_STEPS = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
-_CAMERA_SHOWN = 1.3 * AXIS_LENGTH * np.eye(4, 3)  # the tips of its axes, and the lens
 
 
 class PracticePage(ExercisePage[PracticeViewModel]):
@@ -64,7 +66,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
             offscreen: draws the pictures; the caller closes it.
         """
         self._reach, self._offscreen = reach, offscreen
-        self._fitted: tuple[bool, bool] | None = None
+        self._fitted: bool | None = None
         self._ordered: dict[str, tuple[object, ...]] = {}
         super().__init__(client, ask, view)
 
@@ -104,7 +106,8 @@ class PracticePage(ExercisePage[PracticeViewModel]):
         self._scene.draw(scene_shapes(view), dark=view.dark)
         self._gizmo.follow(view.pose, shown=view.side == "outside")
         self._drag.follow(view.pose)
-        self._card.content = self._first_card.content = html.practice_card_html(view, theme)
+        self._card.content = html.practice_card_html(view, theme)
+        self._first_card.content = f"<div class='v-on-phones'>{self._card.content}</div>"
         self._bars.content = html.bars_html(view, theme)
         self._clock.content = html.clock_html(view)
         if before is None or _chosen(before) != _chosen(view):
@@ -124,15 +127,22 @@ class PracticePage(ExercisePage[PracticeViewModel]):
             self._gizmo.offer(view.attempt.free)
 
     def _look(self, view: PracticeViewModel, before: PracticeViewModel | None) -> None:
-        if before is not None and (before.side, before.target) == (view.side, view.target):
-            return
-        boards = [pose.apply(view.board.outline) for pose in (view.pose, view.target)]
-        points = np.concatenate([_CAMERA_SHOWN, *boards])
-        viewpoint = "camera" if view.side == "through" else "outside"
-        self._rig.go(
-            lambda aspect: view_from(viewpoint, view.camera, points, aspect),
-            at_once=before is None,
-        )
+        turned = before is None or before.side != view.side
+        if view.side == "outside":
+            # The target counts even where no help shows it.
+            goal = board_outline(view.board, view.target, "/target/board", ORANGE[view.dark])
+            self._framing.look(
+                content_of((*scene_shapes(view), goal)),
+                view.target.vector().tobytes(),
+                still=self._gizmo.is_held or self._drag.is_held,
+                asked=turned,
+            )
+        elif turned:
+            ahead = view.target.t[None]
+            self._rig.go(
+                lambda aspect: view_from("camera", view.camera, ahead, aspect),
+                at_once=before is None,
+            )
 
     def _commands(self) -> tuple[Command, ...]:
         return practice_commands(self._ask)
@@ -152,10 +162,9 @@ class PracticePage(ExercisePage[PracticeViewModel]):
     def _fit(self, client: viser.ClientHandle) -> None:
         """Set the panel widths that suit the window."""
         camera = client.camera
-        form = camera.image_height < _SMALL_SCREEN_HEIGHT, camera.aspect < _PHONE
-        if form != self._fitted:
-            self._fitted = low, phone = form
-            self._first_card.visible = phone
+        low = camera.image_height < _SMALL_SCREEN_HEIGHT
+        if low != self._fitted:
+            self._fitted = low
             self._left.set_width(_SMALL_LEFT_WIDTH if low else _LEFT_WIDTH)
             self._gui.main_panel.set_width(_SMALL_RIGHT_WIDTH if low else _RIGHT_WIDTH)
 
@@ -179,7 +188,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
         gui.main_panel.dock_right()
         gui.set_panel_label(say.PICTURE_TITLE)
         self._style.add()
-        self._first_card = gui.add_html("", visible=False)
+        self._first_card = gui.add_html("")  # a phone's sheet begins with this panel
         self._picture = self._make_picture(_PICTURE_SIZE[0], _JPEG_QUALITY)
         self._legend = gui.add_html("")
         self._target_title = gui.add_html(html.title_html(say.TARGET_PICTURE_TITLE))

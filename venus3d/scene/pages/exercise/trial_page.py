@@ -15,16 +15,15 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import viser
 
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.render.describe import SceneOptions, describe
+from venus3d.render.framing import content_of
 from venus3d.render.redrawing import looks_alike
 from venus3d.render.shapes import Shape
-from venus3d.render.viewpoints import guiding_view, steps_back, view_kept_wide
 from venus3d.scene.pages.exercise import html, plots
 from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.page import Ask, ExercisePage, Job, press_commands
@@ -62,9 +61,8 @@ _SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
 _AROUND_THE_PICTURE = 230
 _SHARE_BESIDE_THE_SCENE = 0.68
 _PLOT_HEIGHT = 330
-# The scene beside the picture is narrow; from behind the camera, left and right match it.
-_NARROW = 0.45  # width over height
-_BEHIND, _BEHIND_AT = np.array([0.0, -1.1, -1.1]), np.array([0.0, 0.08, 0.55])
+_AHEAD = np.array([0.0, 1.18, 1.65])
+"""Direction of the view beside the picture: from behind, so that left and right match it."""
 
 
 class TrialPage(ExercisePage[TrialViewModel]):
@@ -142,12 +140,17 @@ class TrialPage(ExercisePage[TrialViewModel]):
         self._gui.main_panel.set_width(self._right_width(self._client.camera.image_height))
 
     def _look(self, view: TrialViewModel, before: TrialViewModel | None) -> None:
-        if before is not None and _looked_at(before) == _looked_at(view):
+        if self._layout == "result":
             return
-        if self._layout == "steps":
-            self._rig.go(guiding_view(_looked_at(view)), at_once=True)
-        else:
-            self._rig.go(partial(view_kept_wide, _BEHIND, _BEHIND_AT, _NARROW), at_once=True)
+        content = content_of(_shapes(view, self._layout, self._drawn))
+        goal = view.target.vector().tobytes() if view.target is not None else b""
+        is_held = self._gizmo is not None and self._gizmo.is_held
+        self._framing.look(
+            content,
+            (self._layout, goal),
+            forward=_AHEAD if self._layout == "picture" else None,
+            still=is_held or (before is not None and not len(content.boards)),
+        )
 
     def _right_width(self, height: int) -> int:
         """Width of the right panel in a window of this height, pixels."""
@@ -218,10 +221,3 @@ def _shapes(
         return describe(view.snapshot, SceneOptions(step=view.step, dark=view.dark), drawn)
     bare = replace(view.snapshot, target=None, match=None, remaining=None)
     return describe(bare, SceneOptions(dark=view.dark))
-
-
-def _looked_at(view: TrialViewModel) -> float:
-    """The viewing distance of the steps' scene; 0 for the other layouts."""
-    if layout_of(view) != "steps" or view.target is None:
-        return 0.0
-    return steps_back(float(np.linalg.norm(view.target.t)))

@@ -53,7 +53,11 @@ ROWS = {
         "built step by step from an upright board.",
     ),
     "run": ("Run", "Stop taking pictures and go on."),
-    "page": ("Page", "The keys and what they do; what stands where on this page."),
+    "page": (
+        "Page",
+        "The keys and what they do; what stands where on this page; the whole scene, after you "
+        "have turned it.",
+    ),
 }
 """Label of a row of buttons, and its hint."""
 AUTOPILOT_HINT = " Autopilot lets a simulated hand move the board."
@@ -73,6 +77,7 @@ BUTTONS: dict[str, tuple[str, ...]] = {
     "autopilot": ("Autopilot ⇧P",),
     "help": ("Keys H",),
     "tour": ("Tour",),
+    "fit": ("Fit Home",),
 }
 """Labels of a button; of two, the second while it is on."""
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -83,11 +88,6 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "next": ("Next step", "Show the step after"),
     "play": ("Play the steps", "Show the four steps as an animation, or stop it"),
     "strip": ("Steps side by side", "Spread the four steps out, or put them back"),
-    "all_steps": (
-        "Show all steps",
-        "Where each of the four steps ends, in place, or only this one",
-    ),
-    "surroundings": ("Floor and figure", "Show or hide the floor and who holds the board"),
     "follow": ("Follow the board's step", "Show the step that the board is on"),
     "theme": ("Light or dark", "Change the page's brightness"),
     "words": ("Holder's or camera's words", "Whose left and right the whole page means"),

@@ -29,6 +29,7 @@ from venus3d.scene.pages.guide.parameters_panel import ParametersPanel
 from venus3d.scene.pages.guide.progress_panel import progress_html
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.web.buttons import ButtonRow
+from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.panels import PanelStyle, fit_width
@@ -52,6 +53,7 @@ class GuideView:
         self,
         server: viser.ViserServer,
         ask: Callable[[Intent], None],
+        rig: CameraRig,
         layers: Sequence[Layer] = (),
         *,
         dark: bool,
@@ -61,12 +63,14 @@ class GuideView:
         """Lay everything out, each layer in its own tab.
 
         Args:
+            rig: turns the scene's cameras.
             simulated: whether there is a simulated hand.
             tour: show new browsers around.
         """
         self._server, self._gui = server, server.gui
         self._style = PanelStyle(server.gui)
-        self._ask, self._layers, self._simulated = ask, layers, simulated
+        self._ask, self._rig = ask, rig
+        self._layers, self._simulated = layers, simulated
         theme = Theme(dark)
         self._make_guidance()
         self._make_left(theme)
@@ -159,14 +163,14 @@ class GuideView:
         self.projections = ProjectionsPanel(gui)
         self.controls = ControlPanel(gui, self._ask, simulated=self._simulated)
         title, hint = say.ROWS["page"]
-        labels = {name: say.BUTTONS[name][0] for name in ("help", "tour")}
+        labels = {name: say.BUTTONS[name][0] for name in ("help", "tour", "fit")}
         ButtonRow(gui, title, labels, self._asked_about_page, hint=hint)
         self.built = BuiltPanel(gui)
         self.method = MethodPanel(gui, self._ask)
 
     def _make_commands(self, tour: bool) -> None:
         panels = (self.controls, self.alternatives, *self._layers, self.method)
-        commands = tuple(command for panel in panels for command in panel.commands)
+        commands = (*(c for panel in panels for c in panel.commands), self._rig.command)
         add_commands(self._server, commands)
         steps = [TourStep(*texts, marks) for texts, marks in zip(say.TOUR, _MARKS, strict=True)]
         self.tour = Tour(self._server, TOUR_KEY, steps, at_first=tour)
@@ -174,7 +178,7 @@ class GuideView:
 
     def _asked_about_page(self, what: str, client: viser.ClientHandle | None) -> None:
         if client is not None:
-            (self.help.toggle if what == "help" else self.tour.start)(client)
+            {"help": self.help.toggle, "tour": self.tour.start, "fit": self._rig.fit}[what](client)
 
     def _set_theme(self, theme: Theme) -> None:
         if self._style.show(theme):

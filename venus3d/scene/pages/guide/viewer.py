@@ -35,7 +35,7 @@ from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
 from venus3d.scene.pages.guide.view import GuideView
-from venus3d.scene.pages.guide.viewpoint import guide_view
+from venus3d.scene.pages.guide.viewpoint import subject_of
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command
@@ -45,6 +45,7 @@ from venus3d.scene.web.picture_feed import PictureFeed, SeenPicture
 from venus3d.scene.web.projections_panel import RemainingTiles, Tiles
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.steady_framing import SteadyFraming
 from venus3d.scene.web.theme import Theme
 
 _NOTE_SECONDS = 6.0
@@ -189,13 +190,15 @@ class Viewer(Page[ViewState]):
     # -- drawing ---------------------------------------------------------------------------------
 
     def _lay_out(self, server: LocalServer) -> None:
-        self._scene = SceneView(server, wake=self.nudge)
-        self._rig = CameraRig(server, wake=self.nudge, tolerance=0.15)
-        self._looking_at, view_at_first = guide_view((), 0)
-        self._rig.go(view_at_first, at_once=True)
+        self._scene = SceneView(server)
+        self._rig = CameraRig(server, wake=self.nudge)
+        self._framing = SteadyFraming(self._rig)
+        nothing = subject_of((), 0)
+        self._framing.look(nothing.content, nothing.name)
         self.view = GuideView(
             server,
             self._ask,
+            self._rig,
             self.layers,
             dark=self._state.dark,
             simulated=self._draggable,
@@ -213,7 +216,7 @@ class Viewer(Page[ViewState]):
 
     @property
     def _is_moving(self) -> bool:
-        return self._moved or self._moves_now or self._rig.is_due or self._scene.is_due
+        return self._moved or self._moves_now or self._rig.is_due
 
     @property
     def _moves_now(self) -> bool:
@@ -236,7 +239,6 @@ class Viewer(Page[ViewState]):
         self._moved = moves
         if self._rig.is_due:
             self._rig.advance()
-        self._scene.refresh()
 
     def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is None or snapshot.target is None:
@@ -269,17 +271,15 @@ class Viewer(Page[ViewState]):
             dark=state.dark,
             sweep=state.sweep,
             show_live=not state.playing,
-            all_steps=state.all_steps,
-            surroundings=state.surroundings,
         )
         # An arrow stays while the board only trembles, and the strip while its pictures would.
         stays = still_shows if state.strip else looks_alike
         if not stays(self._drawn, snapshot.remaining):
             self._drawn = snapshot.remaining
-        shapes = with_layers = describe(snapshot, options, self._drawn)
+        shapes = describe(snapshot, options, self._drawn)
         for layer in self.layers:
-            with_layers = layer.put(snapshot, with_layers, Theme(state.dark))
-        self._scene.draw(with_layers, dark=state.dark)
+            shapes = layer.put(snapshot, shapes, Theme(state.dark))
+        self._scene.draw(shapes, dark=state.dark)
         self._look(shapes, state)
         for layer in self.layers:
             layer.bind(self._scene)
@@ -295,10 +295,15 @@ class Viewer(Page[ViewState]):
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         """Turn the tabs' cameras where needed."""
-        looking_at, view = guide_view(shapes, state.target)
-        if looking_at != self._looking_at:
-            self._looking_at = looking_at
-            self._rig.go(view, at_once=True)
+        subject = subject_of(shapes, state.target)
+        is_held = self._gizmo is not None and self._gizmo.is_held
+        plays = state.playing and subject.name == self._framing.subject
+        self._framing.look(
+            subject.content,
+            subject.name,
+            forward=subject.forward,
+            still=is_held or plays or subject.is_empty,
+        )
 
     def _order_built(self, snapshot: Snapshot | None, state: ViewState) -> None:
         """Have the target's steps from upright drawn, if they are asked for and not drawn."""

@@ -1,36 +1,50 @@
-"""The scene camera of a guided calibration: from behind the camera at camera, board and target, or
-at the strip of steps."""
+"""What the scene of a guided calibration is about, and what of it a view must show."""
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.geometry.pose import Array
+from venus3d.render.framing import Content, content_of
 from venus3d.render.shapes import LineShape, Shape
-from venus3d.render.strip import STRIP_CENTRE, bounds_of
-from venus3d.render.viewpoints import FOV_RAD, guiding_view, steps_back, view_kept_wide
-from venus3d.scene.web.camera_rig import Framing
+
+_LEVEL = np.array([0.0, 0.25, 1.0])
+"""Direction in which the strip of steps is seen: from behind the camera, slightly from above."""
+# Where camera and board will be, before a board is seen.
+_EXPECTED = np.array(np.meshgrid([-0.13, 0.13], [-0.09, 0.09], [0.0, 0.4])).reshape(3, -1).T
 
 
-def guide_view(shapes: tuple[Shape, ...], target: int) -> tuple[object, Framing]:
-    """What is looked at, and the view of it. Tabs turn only when the subject changes: the strip
-    appears, changes or disappears, or the target of number `target` is far away."""
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What the scene is about."""
+
+    name: Hashable
+    """Another subject is framed anew: another target, the strip of steps or the search shown or
+    put away."""
+    content: Content
+    forward: Array | None = None
+    """(3,) the direction in which it is seen; None: from where it is seen best."""
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing but the camera."""
+        return self.forward is None and len(self.content.boards) == 0
+
+
+def subject_of(shapes: Iterable[Shape], target: int) -> Subject:
+    """The subject of these shapes; `target` is the number of the target, 0 without one."""
+    shapes = tuple(shapes)
     strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
     goals = [s.pose for s in shapes if isinstance(s, LineShape) and s.name == "/target/board"]
+    kinds = {shape.name.split("/")[1] for shape in shapes} & {"strip", "search", "views"}
+    # Another pose with the same number is another target.
+    name = (target, goals[0].vector().tobytes() if goals else b"", frozenset(kinds))
     if strip:
-        # Another pose with the same number is another strip.
-        return (target, goals[0].vector().tobytes()), _strip_view(bounds_of(strip))
-    back = steps_back(goals[0].distance_to(Pose.identity()) if goals else 0.0)
-    return back, guiding_view(back)
-
-
-def _strip_view(bounds: Array) -> Framing:
-    """From behind the camera at a strip with bounds (2, 3), metres."""
-    x, y, z = STRIP_CENTRE
-    width = 1.1 * float(bounds[1, 0] - bounds[0, 0])
-    # Boards in front of the steps' common depth (start poses) look larger and need room too.
-    distance = 0.5 * width / np.tan(FOV_RAD / 2) + max(0.0, z - float(bounds[0, 2]))
-    eye = np.array([x, y - 0.25 * distance, z - distance])
-    return partial(view_kept_wide, eye, np.array([x, y, z]), 1.0)
+        return Subject(name, content_of(strip), _LEVEL)
+    content = content_of(shapes)
+    if not len(content.boards):
+        content = replace(content, points=np.concatenate([content.points, _EXPECTED]))
+    return Subject(name, content)

@@ -33,7 +33,6 @@ from venus3d.render.board_mesh import board_ghost, board_outline, outline_segmen
 from venus3d.render.colour_scale import colours_of
 from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import LabelShape, LineShape, PointShape, Shape
-from venus3d.render.viewpoints import steps_back
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.maps import figure
 
@@ -45,6 +44,8 @@ _AGED = 0.6  # share of the background's colour in dots of earlier batches
 # Lowest corner and side of the box, metres, at the usual viewing distance.
 _BOX, _SIDE = np.array([-0.14, 0.17, 0.10]), 0.14
 _FURTHEST_M = 1.2
+_NEAR_TARGET = 0.45
+"""Largest target distance, metres, at which they have their usual size."""
 
 
 def shown_after(search_trace: SearchTrace, seconds: float) -> int:
@@ -61,7 +62,7 @@ def search_shapes(
     colours, moves = ground(dark), search_trace.steps[:shown]
     is_last = shown == len(search_trace.steps)
     # Relative to the usual viewing distance; the box grows with it.
-    back = steps_back(float(np.linalg.norm(search_trace.end[3:])))
+    back = _steps_back(float(np.linalg.norm(search_trace.end[3:])))
     poses, colour, fresh = _dots(search_trace, shown, dark)
     shapes: list[Shape] = [
         PointShape("/search/places", poses[:, 3:], colour, back * _DOT),
@@ -81,6 +82,12 @@ def search_shapes(
         LabelShape("/search/best_label", word, pose.t, colours.text, in_projection=False),
         PointShape("/search/best_angles", _in_box(best[None], back), marked, 2.2 * back * _DOT),
     )
+
+
+def _steps_back(distance: float) -> float:
+    """Factor, 1 ... 2.5, by which box and dots grow for a target `distance` metres from the camera,
+    which is seen from farther away; in halves."""
+    return float(np.clip(np.ceil(2 * distance / _NEAR_TARGET) / 2, 1.0, 2.5))
 
 
 def caption(search_trace: SearchTrace, shown: int, number: int, *, in_px: bool) -> str:

@@ -1,0 +1,169 @@
+"""The view of a guided calibration: large, whole, no board edge-on, no arrow as a dot.
+
+The places in the window and the angles are worked out here again, with OpenCV's projection and from
+the poses themselves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose, interpolate
+from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
+from venus3d.engine.planning.limits import Limits
+from venus3d.render.describe import SceneOptions, describe
+from venus3d.render.framing import best_direction, content_of
+from venus3d.render.shapes import FrustumShape, LabelShape, MeshShape, PointShape, Shape
+from venus3d.render.viewpoints import SceneCamera
+from venus3d.scene.web.steady_framing import SteadyFraming
+
+FAR_AWAY = Pose(np.eye(3), np.array([40.0, 40.0, 40.0]))
+
+
+def in_window(view: SceneCamera, points: Array, aspect: float) -> Array:
+    """(N, 2) places in the window, -1 ... 1 to the right and down; OpenCV's projection."""
+    ahead = (view.look_at - view.position) / np.linalg.norm(view.look_at - view.position)
+    right = np.cross([0.0, 1.0, 0.0], ahead)
+    right = right / np.linalg.norm(right)
+    R = np.stack([right, np.cross(ahead, right), ahead])
+    f = 1 / np.tan(view.fov_rad / 2)
+    K = np.array([[f / aspect, 0, 0], [0, f, 0], [0, 0, 1.0]])
+    pixels, _ = cv2.projectPoints(points, cv2.Rodrigues(R)[0], -R @ view.position, K, None)
+    return np.asarray(pixels, np.float64).reshape(-1, 2)
+
+
+def every_point(shapes: tuple[Shape, ...], camera: Camera) -> Array:
+    """(N, 3) every vertex of what is drawn, and the corners of the frustum."""
+    points: list[Array] = [np.zeros((1, 3))]
+    for shape in shapes:
+        if isinstance(shape, FrustumShape):
+            w, h = camera.width / camera.fx / 2, camera.height / camera.fy / 2
+            points.append(0.14 * np.array([[x, y, 1] for x in (-w, w) for y in (-h, h)]))
+        elif isinstance(shape, LabelShape):
+            points.append(shape.position[None])
+        elif isinstance(shape, MeshShape):
+            points.append(shape.pose.apply(np.asarray(shape.mesh.vertices, np.float64)))
+        elif not isinstance(shape, PointShape):
+            points.append(shape.pose.apply(shape.segments.reshape(-1, 3)))
+    return np.concatenate(points)
+
+
+class OneTab:
+    """A rig with one tab that flies in no time."""
+
+    def __init__(self, aspect: float) -> None:
+        self.aspect, self.views = aspect, 0
+        self.view: SceneCamera | None = None
+
+    def go(self, framing: Any, *, at_once: bool = False) -> None:
+        self.view = framing(self.aspect)
+        self.views += 1
+
+    refit = go
+
+    @property
+    def eyes(self) -> Array:
+        assert self.view is not None
+        return self.view.position[None]
+
+    def cuts_off(self, points: Array) -> bool:
+        assert self.view is not None
+        return bool(np.abs(in_window(self.view, points, self.aspect)).max() > 0.97)
+
+
+@pytest.fixture(scope="module")
+def moments(
+    paper_camera: Camera, default_board: Board
+) -> list[tuple[Snapshot, tuple[Shape, ...], Array]]:
+    """200 moments of a session, what is drawn in each, and its points: 40 targets, and the board on
+    its way to each."""
+    camera, board, rng = paper_camera, default_board, np.random.default_rng(20200720)
+    limits, poses = Limits.for_board(board, camera), []
+    low, high = [-60, -60, -90, -0.3, -0.2, 0.2], [60, 60, 90, 0.3, 0.2, 1.0]
+    while len(poses) < 41:
+        vectors = rng.uniform(low, high, (400, 6))
+        accepted = vectors[limits.accepts(camera, board, vectors)]
+        poses += [Pose.from_vector(vector) for vector in accepted[:3]]
+    seen: list[tuple[Snapshot, tuple[Shape, ...], Array]] = []
+    for start, target in pairwise(poses[:41]):
+        for share in np.sort(rng.uniform(0, 1, 5)):
+            pose = interpolate(start, target, float(share))
+            snapshot = pose_snapshot(board, camera, pose, target)
+            assert snapshot.match is not None
+            shapes = describe(snapshot, SceneOptions(step=snapshot.match.active_step))
+            seen.append((snapshot, shapes, every_point(shapes, camera)))
+    return seen
+
+
+@pytest.mark.parametrize("aspect", [0.61, 0.85, 1.22])
+def test_200_moments_of_a_session_are_large_whole_and_never_edge_on(
+    aspect: float,
+    moments: list[tuple[Snapshot, tuple[Shape, ...], Array]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The three windows: 1280 x 720, 1920 x 1080 between their panels, and a phone."""
+    monkeypatch.setattr("venus3d.scene.web.steady_framing._REST_S", 0.0)  # they come at once here
+    rig = OneTab(aspect)
+    framing: Any = SteadyFraming(rig)  # pyright: ignore[reportArgumentType]
+    spans, boards, arrows = [], [], []
+    for snapshot, shapes, points in moments:
+        assert snapshot.target is not None and snapshot.pose is not None
+        framing.look(content_of(shapes), snapshot.target.pose.vector().tobytes())
+        assert rig.view is not None
+        places = in_window(rig.view, points, aspect)
+        assert np.abs(places).max() < 1, "cut off"
+        spans.append(np.ptp(places, axis=0).max() / 2)
+        for pose in (snapshot.pose, snapshot.target.pose):
+            sight = (pose.t - rig.view.position) / np.linalg.norm(pose.t - rig.view.position)
+            boards.append(np.degrees(np.arcsin(sight @ pose.R[:, 2])))
+        for shape in shapes:
+            if isinstance(shape, MeshShape) and shape.name == "/steps/1/arrow":
+                along, at = shape.pose.R[:, 2], shape.pose.t
+                sight = (at - rig.view.position) / np.linalg.norm(at - rig.view.position)
+                arrows.append(np.degrees(np.arccos(abs(along @ sight))))
+        axes = rig.view.axes
+        assert axes[0, 0] > 0.2 and axes[1, 1] > 0.2, "right is right, and down is down"
+    assert len(spans) == 200
+    assert np.median(spans) >= 0.7
+    assert np.mean(np.abs(boards) >= 20) >= 0.95
+    assert np.mean(np.array(boards) > 0) >= 0.95, "the printed side is seen"
+    assert np.mean(np.array(arrows) >= 20) >= 0.95
+    assert rig.views < 80, "a view that is good stays"
+
+
+def test_a_good_view_stays_and_a_bad_one_does_not(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    def direction(tilt: float, present: Array | None = None) -> Array:
+        target = Pose.from_vector([0, tilt, 0, 0, 0, 0.5])
+        shapes = describe(
+            pose_snapshot(default_board, paper_camera, target, target), SceneOptions()
+        )
+        return best_direction(content_of(shapes), 0.85, present)
+
+    first = direction(0)
+    assert direction(3, first) is not None
+    np.testing.assert_array_equal(direction(3, first), first)
+    # A board that lies along this direction would be seen edge-on.
+    edge_on = np.degrees(np.arctan2(first[0], first[2])) + 90
+    for tilt in (edge_on, edge_on - 180):
+        if abs(tilt) < 60:
+            assert direction(tilt, first) @ first < np.cos(np.radians(20))
+
+
+def test_what_is_only_background_does_not_count(paper_camera: Camera, default_board: Board) -> None:
+    pose = Pose.from_vector([20, 10, 0, 0, 0, 0.4])
+    shapes = describe(pose_snapshot(default_board, paper_camera, pose, pose), SceneOptions())
+    board = next(shape for shape in shapes if shape.name == "/board/live")
+    assert isinstance(board, MeshShape)
+    floor = replace(board, name="/room/floor", pose=FAR_AWAY)
+    with_floor, without = (content_of(s).points for s in ((*shapes, floor), shapes))
+    np.testing.assert_array_equal(with_floor, without)
