@@ -6,12 +6,15 @@ Names are stable paths, and none is a prefix of another. All poses are in the ca
     /camera/axes/x, /camera/axes/x_label             and y, z
     /board/live                                      the board as estimated now
     /target/board, /target/label                     the goal
-    /steps/N/outline                                 where the board is after step N
+    /steps/N/outline                                 where the board is after step N; of the other
+                                                     steps only when asked for
     /steps/N/before, /steps/N/after                  active step only: faint outline; tinted board
     /steps/N/arrow, /steps/N/label                   active step only, unless done: what, how much
     /steps/N/sector, axis, axis_label                active turn only
     /steps/N/trail_1 ... trail_4                     active move only: the same at the corners
     /strip/N/...                                     the same with /strip/N/caption, side by side
+    /ground/grid, /ground/below_board, below_target  floor and drop lines (`surroundings.py`)
+    /figure/body, /figure/left_upper_arm ...         who holds the board
 """
 
 from __future__ import annotations
@@ -34,6 +37,7 @@ from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import LabelShape, Shape
 from venus3d.render.step_shapes import instruction_shapes, pose_during
 from venus3d.render.strip import caption, strip_shapes
+from venus3d.render.surroundings import surroundings
 from venus3d.render.texts import TARGET_LABEL
 
 
@@ -50,6 +54,10 @@ class SceneOptions:
     """Progress of the active step's board, 0 (before) ... 1 (after)."""
     show_live: bool = True
     """Whether the current board is drawn."""
+    all_steps: bool = False
+    """Whether the other steps' ends are drawn too."""
+    surroundings: bool = True
+    """Whether floor, drop lines and the board's holder are drawn."""
 
 
 def describe(
@@ -72,9 +80,11 @@ def describe(
         still = static_shapes(camera, board, steps.steps, options, now.done)
         if steps is not now:
             still = tuple(_with_amount(shape, now) for shape in still)
-    if snapshot.pose is None or not options.show_live:
-        return still
-    return (*still, board_shape(board, snapshot.pose))
+    pose = snapshot.pose if options.show_live else None
+    if options.surroundings and not options.strip:
+        goal = None if snapshot.target is None else snapshot.target.pose
+        still = (*still, *surroundings(board, pose, goal, options.dark))
+    return still if pose is None else (*still, board_shape(board, pose))
 
 
 @lru_cache(maxsize=16)
@@ -98,7 +108,9 @@ def static_shapes(
     for step, is_done in zip(steps, done, strict=True):
         if step.number == options.step:
             shapes += active_shapes(board, camera, step, options, instruct=not is_done)
-        elif not step.is_idle and step.number != 4:  # step 4 ends where the target is drawn
+        elif (
+            options.all_steps and not step.is_idle and step.number != 4
+        ):  # step 4 ends where the target is drawn
             full = step_colour(step.number, options.dark)
             quiet = mixed(full, ground(options.dark).background, 0.5)
             name = f"/steps/{step.number}/outline"
@@ -158,6 +170,6 @@ def _with_amount(shape: Shape, now: RemainingSteps) -> Shape:
 @lru_cache(maxsize=16)
 def _target_shapes(board: Board, pose: Pose, dark: bool) -> tuple[Shape, ...]:
     colours = ground(dark)
-    outline = board_outline(board, pose, "/target/board", colours.target, 3.0)
+    outline = board_outline(board, pose, "/target/board", colours.target, 2.0)
     below = pose.apply([0, board.height / 2 + 0.7 * board.square, 0])
     return outline, LabelShape("/target/label", TARGET_LABEL, np.asarray(below), colours.target)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+import trimesh
 
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import AXES, Array, Pose
@@ -15,6 +17,7 @@ from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape
 DEPTH = 0.14
 """Distance of the frustum's picture from the lens, metres."""
 AXIS_LENGTH = 0.07
+_trimesh: Any = trimesh  # its annotations leave most return types open
 
 
 @lru_cache(maxsize=8)
@@ -24,6 +27,7 @@ def camera_shapes(camera: Camera, *, dark: bool) -> tuple[Shape, ...]:
     here = Pose.identity()
     shapes: list[Shape] = [
         frustum(camera),
+        MeshShape("/camera/body", _body(), here, colours.camera, in_projection=False, shaded=True),
         LineShape("/camera/border", border_segments(camera), here, colours.camera, 2.0, False),
         LineShape("/camera/axis", _axis_segments(), here, colours.camera, 1.5, False),
     ]
@@ -39,6 +43,18 @@ def camera_shapes(camera: Camera, *, dark: bool) -> tuple[Shape, ...]:
             LabelShape(f"{name}_label", axis, at, mixed(colour, colours.text, 0.2), False)
         )
     return tuple(shapes)
+
+
+@lru_cache(maxsize=1)
+def _body() -> trimesh.Trimesh:
+    """A small camera behind its lens, which is at the origin; nothing of it is in front of z = 0,
+    where it would be in the way of a view through the camera."""
+    house = _trimesh.creation.box([0.046, 0.032, 0.026])
+    house.apply_translation([0.0, 0.0, -0.029])
+    grip = _trimesh.creation.box([0.016, 0.008, 0.015])
+    grip.apply_translation([0.0, -0.02, -0.029])
+    tube = _trimesh.creation.cylinder(0.013, segment=[[0, 0, -0.018], [0, 0, -0.003]], sections=24)
+    return _trimesh.util.concatenate([house, grip, tube])
 
 
 def frustum(camera: Camera) -> FrustumShape:

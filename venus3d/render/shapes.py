@@ -32,7 +32,7 @@ class MeshShape:
     shaded: bool = False
     """Whether it is shaded (arrows are; boards keep their plain colours)."""
     on_top: bool = False
-    """Whether nothing occludes it in the offscreen projections."""
+    """Whether nothing may hide it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,4 +88,19 @@ class PointShape:
     in_projection: Literal[False] = False
 
 
-Shape = MeshShape | LineShape | LabelShape | FrustumShape | PointShape
+@dataclass(frozen=True, eq=False)
+class GridShape:
+    """A level grid that fades with the distance."""
+
+    name: str
+    height: float
+    """Its y in the camera's frame, metres."""
+    cell: float
+    section: float
+    """Distances of the fine and of the strong lines, metres."""
+    colour: Colour
+    section_colour: Colour
+    in_projection: Literal[False] = False
+
+
+Shape = MeshShape | LineShape | LabelShape | FrustumShape | PointShape | GridShape

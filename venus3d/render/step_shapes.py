@@ -143,7 +143,7 @@ def _turn_shapes(
     # In whole degrees, so that an animation makes few meshes.
     done = sector(angle if sweep >= 1 else float(round(sweep * angle)), radius)
     return [
-        MeshShape(f"{name}/arrow", arrow, place.frame, colour, shaded=True),
+        MeshShape(f"{name}/arrow", arrow, place.frame, colour, shaded=True, on_top=True),
         MeshShape(f"{name}/sector", done, place.frame, colour, 0.4),
         LineShape(f"{name}/axis", place.axis_ends[None], Pose.identity(), colour, 2.0, seen),
         LabelShape(f"{name}/axis_label", step.axis.upper(), letter_at, colour, seen),

@@ -16,6 +16,7 @@ from venus3d.render.board_mesh import board_outline, board_shape
 from venus3d.render.palette import ground, step_colour, step_style
 from venus3d.render.shapes import (
     FrustumShape,
+    GridShape,
     LabelShape,
     LineShape,
     MeshShape,
@@ -102,9 +103,9 @@ def bounds_of(shapes: Sequence[Shape]) -> Array:
 
 
 def moved_shape(shape: Shape, by: Pose) -> Shape:
-    """The shape moved by `by`; frustum and points stay."""
+    """The shape moved by `by`; frustum, points and floor stay."""
     if isinstance(shape, LabelShape):
         return replace(shape, position=by.apply(shape.position))
-    if isinstance(shape, FrustumShape | PointShape):
+    if isinstance(shape, FrustumShape | PointShape | GridShape):
         return shape
     return replace(shape, pose=by @ shape.pose)

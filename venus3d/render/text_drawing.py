@@ -13,8 +13,13 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.render.palette import text_on
-from venus3d.render.shapes import LabelShape
+from venus3d.render.palette import luminance, mixed
+from venus3d.render.shapes import Colour, LabelShape
+
+_PILL: Colour = (12, 15, 20)
+_TICK = "✓"
+_DARK = 0.12
+"""Luminance below which a colour is lost on a pill."""
 
 
 @lru_cache(maxsize=32)
@@ -48,35 +53,54 @@ def wrapped_lines(text: str, face: Any, width_px: float) -> tuple[str, ...]:
     return tuple(lines)
 
 
+@lru_cache(maxsize=256)
+def pill_picture(text: str, colour: Colour, height_px: int) -> NDArray[np.uint8]:
+    """A label as RGBA (H, W, 4): white on a dark pill with an edge of this colour."""
+    face = font(round(0.56 * height_px), bold=True)
+    width = round(max(face.getlength(text) + 0.8 * height_px, height_px))
+    image = Image.new("RGBA", (width, height_px), (*_PILL, 0))
+    draw = ImageDraw.Draw(image)
+    # On light ground the colours are dark, and so is the pill.
+    edge = colour if luminance(colour) > _DARK else mixed(colour, (255, 255, 255), 0.5)
+    draw.rounded_rectangle(
+        (0, 0, width - 1, height_px - 1),
+        radius=height_px / 2,
+        fill=(*_PILL, 235),
+        outline=edge,
+        width=max(2, height_px // 13),
+    )
+    left = (width - face.getlength(text)) / 2
+    for i, part in enumerate(text.split(_TICK)):
+        if i:  # a sign that the font lacks
+            corners = height_px * np.array([[0.04, 0.52], [0.16, 0.66], [0.36, 0.34]])
+            line = [(left + x, y) for x, y in corners.tolist()]
+            draw.line(line, fill=(255, 255, 255), width=max(2, height_px // 11), joint="curve")
+            left += face.getlength(_TICK)
+        draw.text((left, height_px / 2), part, fill=(255, 255, 255), font=face, anchor="lm")
+        left += face.getlength(part)
+    return np.asarray(image)
+
+
 def paint_labels(
     picture: NDArray[np.uint8], labels: Sequence[LabelShape], camera: Camera
 ) -> NDArray[np.uint8]:
     """RGB picture with the labels at their points as `camera` sees them. A label just outside is
     drawn at the border; one behind the camera is left out."""
     image = Image.fromarray(picture)
-    draw = ImageDraw.Draw(image)
-    size = int(np.clip(image.height / 13, 11, 44))
-    face, stroke = font(size, bold=True), max(1, size // 8)
+    tall = int(np.clip(image.height / 9, 15, 56))
     taken: list[tuple[float, float, float, float]] = []
     for label in labels:
         x, y = (float(v) for v in camera.project(label.position))
         if not np.isfinite([x, y]).all():
             continue
-        half = face.getlength(label.text) / 2 + stroke
+        pill = Image.fromarray(pill_picture(label.text, label.colour, tall))
+        half, gap = pill.width / 2, 0.55 * tall
         x = float(np.clip(x, half + 2, image.width - half - 2))
-        y = float(np.clip(y, 0.7 * size, image.height - 0.7 * size))
+        y = float(np.clip(y, gap, image.height - gap))
         # Overlapping labels: the later one moves below the earlier one.
         for x0, y0, x1, y1 in taken:
-            if x - half < x1 and x + half > x0 and y - 0.6 * size < y1 and y + 0.6 * size > y0:
-                y = y1 + 0.6 * size if y1 + 1.2 * size < image.height else y0 - 0.6 * size
-        taken.append((x - half, y - 0.6 * size, x + half, y + 0.6 * size))
-        draw.text(
-            (x, y),
-            label.text,
-            fill=label.colour,
-            font=face,
-            anchor="mm",
-            stroke_width=stroke,
-            stroke_fill=text_on(label.colour),
-        )
+            if x - half < x1 and x + half > x0 and y - gap < y1 and y + gap > y0:
+                y = y1 + gap if y1 + 2 * gap < image.height else y0 - gap
+        taken.append((x - half, y - gap, x + half, y + gap))
+        image.paste(pill, (round(x - half), round(y - tall / 2)), pill)
     return np.asarray(image)

@@ -14,6 +14,8 @@ KEYS: dict[str, str] = {
     "previous_step": "P",
     "reset": "R",
     "steps_apart": "T",
+    "all_steps": "shift+R",
+    "surroundings": "shift+B",
     "viewpoint": "V",
     "fit": "home",
     "autopilot": "shift+P",

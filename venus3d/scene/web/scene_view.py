@@ -8,6 +8,7 @@ are in the camera's frame.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,18 +21,25 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.render.palette import ground
 from venus3d.render.shapes import (
     FrustumShape,
+    GridShape,
     LabelShape,
     LineShape,
     MeshShape,
     PointShape,
     Shape,
 )
+from venus3d.render.viewpoints import SceneCamera
+from venus3d.scene.web.labels import SceneLabel, put_labels
+from venus3d.scene.web.shared_view import SharedView
 
 Host = viser.ViserServer | viser.ClientHandle
 """Where a page or a scene lives: all tabs, or one."""
 
 _FRUSTUM_PICTURE_WIDTH = 320
-_LABEL_SCALE = 1.25
+_LIFTED = 0.25
+"""Share of the way from the eye at which shapes are drawn that nothing may hide: smaller and
+nearer, so that they look the same."""
+_FADES_AT = 4.0  # metres from the eye
 
 
 @dataclass
@@ -43,9 +51,22 @@ class _Node:
 class SceneView:
     """The 3D scene of a server, or of one tab. Used by one thread."""
 
-    def __init__(self, host: Host) -> None:
-        """An empty scene with the camera's up direction and even light."""
-        self._host = host
+    def __init__(
+        self, host: Host, *, wake: Callable[[], None] = lambda: None, plain_labels: bool = False
+    ) -> None:
+        """An empty scene with the camera's up direction and even light.
+
+        Args:
+            wake: called on viser's threads when `refresh` is due, since a tab's view moves.
+            plain_labels: viser's own labels, which a recording can hold.
+        """
+        self._host, self._plain_labels = host, plain_labels
+        self._view = SharedView(host, wake)
+        self._eye: Array | None = None
+        """(3,) the point from which what nothing may hide is drawn in front; None while it moves,
+        and if tabs look from different points."""
+        self._drawn: tuple[tuple[Shape, ...], bool] = ((), True)
+        self._drawn_from: tuple[object, bool] = (None, False)
         self._nodes: dict[str, _Node] = {}
         self._picture: NDArray[np.uint8] | None = None
         scene = host.scene
@@ -72,13 +93,37 @@ class SceneView:
 
     def draw(self, shapes: tuple[Shape, ...], *, dark: bool) -> None:
         """Show these shapes and no others of ours."""
+        self._drawn = shapes, dark
+        view, at_rest = self._drawn_from = self._view_now()
+        eye = None if self._plain_labels or view is None or not at_rest else view.position
+        moved, self._eye = eye is not self._eye, eye
         with self._host.atomic():
             for shape in shapes:
-                self._draw_one(shape, dark)
+                self._draw_one(shape, dark, anew=moved and _is_lifted(shape))
             drawn = {shape.name for shape in shapes}
             for name, node in self._nodes.items():
                 if name not in drawn:
                     node.handle.visible = False
+            labels = [
+                (shape, self._nodes[shape.name].handle)
+                for shape in shapes
+                if isinstance(shape, LabelShape)
+            ]
+            put_labels(labels, None if self._plain_labels else view, self._view.window_px)
+
+    @property
+    def is_due(self) -> bool:
+        """Whether `refresh` is due, now or soon."""
+        return not self._view.at_rest or self._view_now() != self._drawn_from
+
+    def refresh(self) -> None:
+        """Draw the same shapes again for the point of view of now."""
+        if self._view_now() != self._drawn_from:
+            shapes, dark = self._drawn
+            self.draw(shapes, dark=dark)
+
+    def _view_now(self) -> tuple[SceneCamera | None, bool]:
+        return self._view.now(), self._view.at_rest
 
     def set_picture(self, rgb: NDArray[np.uint8]) -> None:
         """Put the live picture (H, W, 3) RGB into the frustum."""
@@ -89,33 +134,47 @@ class SceneView:
             if isinstance(node.shape, FrustumShape):
                 node.handle.image = self._picture
 
-    def _draw_one(self, shape: Shape, dark: bool) -> None:
+    def _draw_one(self, shape: Shape, dark: bool, *, anew: bool) -> None:
         node = self._nodes.get(shape.name)
-        if node is not None and node.shape is shape:
+        if node is not None and node.shape is shape and not anew:
             node.handle.visible = True
             return
         if node is not None and not _same_kind(node.shape, shape):
             node.handle.remove()
             node = None
         if node is None:
-            self._nodes[shape.name] = _Node(shape, self._create(shape, dark))
+            node = self._nodes[shape.name] = _Node(shape, self._create(shape, dark))
+            self._lift(node)
             return
         if isinstance(shape, MeshShape):
             _update_mesh(node, shape)
         elif isinstance(shape, LineShape):
             _update_line(node, shape)
         elif isinstance(shape, LabelShape):
-            node.handle.text = shape.text
-            node.handle.position = tuple(shape.position)
+            node.handle.show(shape)
         elif isinstance(shape, PointShape):
             node.handle.points, node.handle.colors = shape.points, shape.colours
             node.handle.point_size = shape.size
+        elif isinstance(shape, GridShape):
+            node.handle.cell_color, node.handle.section_color = shape.colour, shape.section_colour
         else:
             node.handle.fov, node.handle.aspect = shape.fov_y_rad, shape.aspect
             node.handle.scale = shape.scale
             node.handle.color = ground(dark).camera
         node.handle.visible = True
         node.shape = shape
+        self._lift(node)
+
+    def _lift(self, node: _Node) -> None:
+        """Draw a shape that nothing may hide in front of all else."""
+        shape = node.shape
+        if not (isinstance(shape, MeshShape) and shape.on_top):
+            return
+        place, scale = shape.pose.t, 1.0
+        if self._eye is not None:
+            scale = _LIFTED
+            place = self._eye + scale * (place - self._eye)
+        node.handle.position, node.handle.scale = place, scale
 
     def _create(self, shape: Shape, dark: bool) -> Any:
         scene = self._host.scene
@@ -144,12 +203,20 @@ class SceneView:
                 **_place(shape.pose),
             )
         if isinstance(shape, LabelShape):
-            return scene.add_label(
+            return SceneLabel(self._host, shape)
+        if isinstance(shape, GridShape):
+            return scene.add_grid(
                 shape.name,
-                shape.text,
-                position=shape.position,
-                font_screen_scale=_LABEL_SCALE,
-                anchor="center-center",
+                plane="xz",
+                cell_size=shape.cell,
+                section_size=shape.section,
+                cell_color=shape.colour,
+                section_color=shape.section_colour,
+                infinite_grid=True,
+                fade_distance=_FADES_AT,
+                fade_strength=1.5,
+                shadow_opacity=0.0,
+                position=(0.0, shape.height, 0.0),
             )
         if isinstance(shape, PointShape):
             return scene.add_point_cloud(
@@ -173,6 +240,10 @@ class SceneView:
             jpeg_quality=75,
             cast_shadow=False,
         )
+
+
+def _is_lifted(shape: Shape) -> bool:
+    return isinstance(shape, MeshShape) and shape.on_top
 
 
 def _same_kind(old: Shape, new: Shape) -> bool:

@@ -12,6 +12,9 @@ from pathlib import Path
 from venus3d.render.palette import ground, hex_of, mixed, step_colour
 from venus3d.render.shapes import Colour
 
+_END: dict[bool, Colour] = {True: (0, 0, 0), False: (255, 255, 255)}
+"""What the scene's ground fades to."""
+
 
 @dataclass(frozen=True)
 class Theme:
@@ -65,6 +68,8 @@ class Theme:
             "ground": hex_of(own.background),
             "tile": hex_of(mixed(own.background, own.text, 0.05)) if self.dark else "#ffffff",
             "line": hex_of(mixed(own.background, own.text, 0.17)),
+            "sky": hex_of(mixed(own.background, own.text, 0.1)),
+            "depth": hex_of(mixed(own.background, _END[self.dark], 0.6)),
             "done": self.reached,
             "warning": self.info,
         }

@@ -56,11 +56,12 @@ class ExercisePage(ABC, Generic[View]):
     @property
     def is_moving(self) -> bool:
         """Whether `advance` is due."""
-        return self._rig.is_due
+        return self._rig.is_due or self._scene.is_due
 
     def advance(self) -> None:
-        """Advance the tab's camera."""
+        """Advance the tab's camera, and what faces it."""
         self._rig.advance()
+        self._scene.refresh()
 
     def show(self, view: View) -> None:
         """Show one view on the page."""

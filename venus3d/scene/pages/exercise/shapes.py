@@ -25,6 +25,7 @@ from venus3d.render.overlay import AXIS_COLOURS, draw_axes, draw_outline
 from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import Colour, LabelShape, LineShape, Shape
 from venus3d.render.step_shapes import arc_ends, instruction_shapes, protractor
+from venus3d.render.surroundings import surroundings
 from venus3d.render.text_drawing import paint_labels
 from venus3d.scene.pages.exercise.texts import TARGET_LABEL
 from venus3d.scene.pages.exercise.view_model import PracticeViewModel
@@ -41,11 +42,13 @@ _HEAD = 4.5  # length of an arrow's head, in shaft widths
 def scene_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
     """All shapes of the trainee's 3D scene."""
     camera = camera_shapes(view.camera, dark=view.dark)
+    board = board_shape(view.board, view.pose)
     if view.side == "through":
         # From inside the camera, only the edge of its picture is visible.
         camera = tuple(shape for shape in camera if shape.name == "/camera/border")
-    board = board_shape(view.board, view.pose)
-    return (*camera, board, *_help_shapes(view, for_camera=view.side == "through"))
+        return (*camera, board, *_help_shapes(view, for_camera=True))
+    around = surroundings(view.board, view.pose, view.target, view.dark)
+    return (*camera, board, *around, *_help_shapes(view, for_camera=False))
 
 
 def picture_background(dark: bool) -> Colour:

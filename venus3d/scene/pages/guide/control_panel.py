@@ -33,6 +33,8 @@ CONTROLS: dict[str, tuple[Intent, str | None]] = {
     "next": (TurnStep(1), KEYS["next_step"]),
     "play": (Toggle("playing"), KEYS["play_steps"]),
     "strip": (Toggle("strip"), KEYS["steps_apart"]),
+    "all_steps": (Toggle("all_steps"), KEYS["all_steps"]),
+    "surroundings": (Toggle("surroundings"), KEYS["surroundings"]),
     "follow": (Toggle("follow"), KEYS["follow"]),
     "theme": (Toggle("dark"), KEYS["theme"]),
     "words": (Toggle("camera_words"), KEYS["words"]),
@@ -49,7 +51,7 @@ _ROWS: dict[str, tuple[str, ...]] = {
     "run": ("pause", "autopilot"),
 }
 _WITH_A_TARGET = frozenset(
-    ("skip", "previous", "play", "next", "follow", "strip", "words", "built")
+    ("skip", "previous", "play", "next", "follow", "strip", "all_steps", "words", "built")
 )
 _TO_END = frozenset(("capture", "undo", "finish"))
 

@@ -59,7 +59,16 @@ class Finish:
 
 
 Option = Literal[
-    "playing", "follow", "strip", "dark", "paused", "autopilot", "camera_words", "built"
+    "playing",
+    "follow",
+    "strip",
+    "all_steps",
+    "surroundings",
+    "dark",
+    "paused",
+    "autopilot",
+    "camera_words",
+    "built",
 ]
 """What can be switched, as in `ViewState`."""
 

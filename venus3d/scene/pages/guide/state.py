@@ -28,6 +28,10 @@ class ViewState:
     """Whether the step shown follows the board."""
     strip: bool = False
     """Whether all four steps are shown side by side."""
+    all_steps: bool = False
+    """Whether the ends of the other steps are drawn too."""
+    surroundings: bool = True
+    """Whether the floor and the figure who holds the board are drawn."""
     playing: bool = False
     sweep: float = 1.0
     """0 ... 1: the animation's progress in the step shown."""

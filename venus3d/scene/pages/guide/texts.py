@@ -88,6 +88,11 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "next": ("Next step", "Show the step after"),
     "play": ("Play the steps", "Show the four steps as an animation, or stop it"),
     "strip": ("Steps side by side", "Spread the four steps out, or put them back"),
+    "all_steps": (
+        "Show all steps",
+        "Where each of the four steps ends, in place, or only this one",
+    ),
+    "surroundings": ("Floor and figure", "Show or hide the floor and who holds the board"),
     "follow": ("Follow the board's step", "Show the step that the board is on"),
     "theme": ("Light or dark", "Change the page's brightness"),
     "words": ("Holder's or camera's words", "Whose left and right the whole page means"),

@@ -190,7 +190,7 @@ class Viewer(Page[ViewState]):
     # -- drawing ---------------------------------------------------------------------------------
 
     def _lay_out(self, server: LocalServer) -> None:
-        self._scene = SceneView(server)
+        self._scene = SceneView(server, wake=self.nudge)
         self._rig = CameraRig(server, wake=self.nudge)
         self._framing = SteadyFraming(self._rig)
         nothing = subject_of((), 0)
@@ -216,7 +216,7 @@ class Viewer(Page[ViewState]):
 
     @property
     def _is_moving(self) -> bool:
-        return self._moved or self._moves_now or self._rig.is_due
+        return self._moved or self._moves_now or self._rig.is_due or self._scene.is_due
 
     @property
     def _moves_now(self) -> bool:
@@ -239,6 +239,7 @@ class Viewer(Page[ViewState]):
         self._moved = moves
         if self._rig.is_due:
             self._rig.advance()
+        self._scene.refresh()
 
     def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
         if snapshot is None or snapshot.target is None:
@@ -271,6 +272,8 @@ class Viewer(Page[ViewState]):
             dark=state.dark,
             sweep=state.sweep,
             show_live=not state.playing,
+            all_steps=state.all_steps,
+            surroundings=state.surroundings,
         )
         # An arrow stays while the board only trembles, and the strip while its pictures would.
         stays = still_shows if state.strip else looks_alike

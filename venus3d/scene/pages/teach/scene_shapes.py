@@ -20,6 +20,7 @@ from venus3d.render.palette import ground
 from venus3d.render.shapes import LabelShape, LineShape, Shape
 from venus3d.render.step_shapes import instruction_shapes, pose_during
 from venus3d.render.strip import bounds_of, strip_shapes
+from venus3d.render.surroundings import surroundings
 from venus3d.render.viewpoints import SceneCamera, view_abreast, view_from
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.comparison import comparison_points, comparison_shapes
@@ -58,14 +59,18 @@ def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
         hidden = (*hidden, "/target/label")
     if state.viewpoint == "camera":
         # From inside the camera, its own picture and axes are in the way.
-        hidden = (*hidden, "/camera/frustum", "/camera/ax")
+        hidden = (*hidden, "/camera/frustum", "/camera/ax", "/camera/body")
     grown = _grown_sector(taught, state)
     shapes = [
         grown if grown and shape.name == grown.name else _adapted(shape, taught, state)
         for shape in static_shapes(camera, board, taught.steps, options)
         if not shape.name.startswith(hidden)
     ]
-    shapes.append(board_shape(board, board_pose_at(taught, state)))
+    pose = board_pose_at(taught, state)
+    shapes.append(board_shape(board, pose))
+    # From inside the camera and from behind the board the figure would be in the way.
+    if state.viewpoint in ("outside", "above"):
+        shapes += surroundings(board, pose, taught.pose, state.dark)
     if taught.refusals:
         shapes.append(_refused(taught, state.dark))
     return tuple(shapes)

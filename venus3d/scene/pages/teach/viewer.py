@@ -112,7 +112,7 @@ class TeachViewer(Page[TeachState]):
 
     def _lay_out(self, server: LocalServer) -> None:
         self._looking_at: tuple[object, ...] | None = None
-        self._scene = SceneView(server)
+        self._scene = SceneView(server, wake=self.nudge)
         self._rig = CameraRig(server, wake=self.nudge)
         self._view = TeachView(
             server,
@@ -131,7 +131,7 @@ class TeachViewer(Page[TeachState]):
 
     @property
     def _is_moving(self) -> bool:
-        return self._state.playing or self._rig.is_due
+        return self._state.playing or self._rig.is_due or self._scene.is_due
 
     def _draw(self, changed: bool, seconds: float) -> None:
         before = self._state
@@ -142,6 +142,7 @@ class TeachViewer(Page[TeachState]):
             self._draw_state(self._state)
         if self._rig.is_due:
             self._rig.advance()
+        self._scene.refresh()
 
     def _pose_of(self, state: TeachState) -> TaughtPose:
         key = (state.vector, state.order)

@@ -34,7 +34,7 @@ the unpacker, and its digits."""
 def recording_of(server: LocalServer, page: ExportedPage) -> str:
     """The base64 recording of the page's animation on this server, which needs no browser."""
     server.scene.reset()
-    view = SceneView(server)
+    view = SceneView(server, plain_labels=True)
     states, dark = animation_states(page, FPS), page.state.dark
     shapes = [scene_shapes(page.taught, state) for state in states]
     _look(server, scene_view_of(page.taught, states[0], shapes[0], ASPECT))

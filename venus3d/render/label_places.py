@@ -1,0 +1,45 @@
+"""Where labels stand on a screen, so that none covers another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from venus3d.engine.geometry.pose import Array
+from venus3d.render.shapes import LabelShape
+from venus3d.render.viewpoints import SceneCamera
+
+HEIGHT_PX = 30.0
+"""Of a label, with a gap below it."""
+_LETTER_PX, _ENDS_PX = 9.0, 24.0
+_NEAR = 0.02
+
+
+def places_apart(
+    labels: Sequence[LabelShape], view: SceneCamera, window_px: tuple[int, int]
+) -> list[Array]:
+    """A point (3,) for each label, camera frame, metres: its own, or one below or above it in the
+    window where an earlier label would cover it."""
+    focal = window_px[1] / 2 / np.tan(view.fov_rad / 2)
+    taken: list[tuple[float, float, float]] = []  # middle and half width, pixels
+    places: list[Array] = []
+    for label in labels:
+        x, y, z = view.axes @ (label.position - view.position)
+        if z < _NEAR:  # behind the eye
+            places.append(label.position)
+            continue
+        at = focal * np.array([x, y]) / z
+        half = (_LETTER_PX * len(label.text) + _ENDS_PX) / 2
+        beside = [row for u, row, reach in taken if abs(u - at[0]) < reach + half]
+        row = _free_row(float(at[1]), beside)
+        taken.append((float(at[0]), row, half))
+        places.append(label.position + (row - at[1]) * z / focal * view.axes[1])
+    return places
+
+
+def _free_row(wanted: float, rows: Sequence[float]) -> float:
+    """The height nearest to the wanted one that is a label's height from each of these."""
+    edges = [wanted, *(row + side * HEIGHT_PX for row in rows for side in (1, -1))]
+    free = [e for e in edges if all(abs(e - row) > HEIGHT_PX - 1e-6 for row in rows)]
+    return min(free, key=lambda edge: abs(edge - wanted))
