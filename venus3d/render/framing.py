@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from venus3d.engine.geometry.pose import Array
 from venus3d.render.shapes import (
     FrustumShape,
+    GridShape,
     LabelShape,
     LineShape,
     MeshShape,
@@ -96,6 +97,8 @@ def points_of(shape: Shape) -> Array:
         return shape.position.reshape(1, 3)
     if isinstance(shape, PointShape):
         return shape.points.reshape(-1, 3)
+    if isinstance(shape, GridShape):  # it has no end
+        return np.zeros((0, 3))
     if isinstance(shape, FrustumShape):
         return _frustum_points(shape)
     return shape.pose.apply(_outermost(_own_points(shape)))
