@@ -77,3 +77,12 @@ def test_steps_differ_for_every_colour_vision(vision: str, dark: bool) -> None:
 def test_each_step_has_a_number_and_its_own_words() -> None:
     assert [s.number for s in STEP_STYLES] == [1, 2, 3, 4]
     assert len({s.title for s in STEP_STYLES}) == 4
+
+
+@pytest.mark.parametrize("dark", [True, False])
+def test_no_step_looks_done_or_like_a_warning(dark: bool) -> None:
+    """Green means done and nothing else, yellow a warning and nothing else."""
+    for taken in (ground(dark).reached, ground(dark).warning):
+        for style in STEP_STYLES:
+            apart = np.linalg.norm(lab(linear(style.colour(dark))) - lab(linear(taken)))
+            assert apart > 40, style.title

@@ -1,9 +1,9 @@
 """Colours on dark and on light ground: one per step, safe for colour-blind people.
 
-The steps' hues are Okabe and Ito's reddish purple, vermillion, bluish green and blue, with tones
-that maximise the smallest distance between any two under normal sight and all three kinds of colour
-blindness. The axes are red, green, blue as usual. A colour never stands alone: each step has a
-number and a word too.
+The steps' hues are Okabe and Ito's reddish purple, vermillion, sky blue and blue, with tones that
+keep any two apart under normal sight and all three kinds of colour blindness. Green and yellow are
+left for "done" and for warnings. An axis has the colour of the step that turns about it. A colour
+never stands alone: each step has a number and a word too.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ class StepStyle:
 
 
 STEP_STYLES: tuple[StepStyle, StepStyle, StepStyle, StepStyle] = (
-    StepStyle(1, STEP_TITLES[0], STEP_SHORT_TITLES[0], (196, 120, 180), (173, 30, 208)),
-    StepStyle(2, STEP_TITLES[1], STEP_SHORT_TITLES[1], (240, 100, 30), (191, 76, 0)),
-    StepStyle(3, STEP_TITLES[2], STEP_SHORT_TITLES[2], (60, 240, 165), (45, 125, 105)),
-    StepStyle(4, STEP_TITLES[3], STEP_SHORT_TITLES[3], (90, 135, 250), (5, 30, 90)),
+    StepStyle(1, STEP_TITLES[0], STEP_SHORT_TITLES[0], (193, 100, 145), (173, 30, 208)),
+    StepStyle(2, STEP_TITLES[1], STEP_SHORT_TITLES[1], (232, 91, 13), (191, 76, 0)),
+    StepStyle(3, STEP_TITLES[2], STEP_SHORT_TITLES[2], (81, 223, 255), (0, 122, 140)),
+    StepStyle(4, STEP_TITLES[3], STEP_SHORT_TITLES[3], (107, 118, 255), (5, 30, 90)),
 )
 """Steps 1 ... 4."""
 
