@@ -96,7 +96,7 @@ def open_audience(options: GuideOptions) -> Audience | None:
 
 def _attach(audience: Audience, viewer: Viewer) -> None:
     """Connect the operator's choice for the second monitor, and its failures."""
-    audience.on_failure = viewer.say
+    audience.on_failure = viewer.warn
     viewer.extend(lambda server: AudienceControls(server, audience).commands)
     announce(announcement(audience))
 

@@ -4,6 +4,7 @@ two metres: one headline, one sentence and four short facts."""
 from __future__ import annotations
 
 from html import escape
+from typing import NamedTuple
 
 from venus3d.engine.guidance.prompts import HOLD_HEADLINE, HOLD_STILL, Wording
 from venus3d.engine.guidance.remaining import RemainingSteps
@@ -20,6 +21,17 @@ PICTURE_LEGEND_HTML = (
 """Legend of the live picture during the steps."""
 
 
+class Note(NamedTuple):
+    """A sentence below an instruction; empty for none."""
+
+    text: str = ""
+    warns: bool = False
+    """Whether something is wrong, which makes it yellow."""
+
+
+NO_NOTE = Note()
+
+
 def guide_card(
     colour: str,
     badge: str,
@@ -28,7 +40,7 @@ def guide_card(
     *,
     amount: str = "",
     below: str = "",
-    note: str = "",
+    note: Note = NO_NOTE,
     foot: str = "",
     eyebrow: str = "",
 ) -> str:
@@ -36,7 +48,8 @@ def guide_card(
     left = f"<div class='v-amount'>{escape(amount)}<small>{say.TO_GO}</small></div>"
     left = left if amount else ""
     above = f"<small>{escape(eyebrow)}</small> " if eyebrow else ""
-    said = f"<div class='v-note'>{escape(note)}</div>" if note else ""
+    warns = " v-warns" if note.warns else ""
+    said = f"<div class='v-note{warns}'>{escape(note.text)}</div>" if note.text else ""
     return (
         f"<div class='v-guide' role='status' style='--step:{colour}'>"
         f"<div class='v-head'><span class='v-badge'>{escape(badge)}</span>"
@@ -50,7 +63,7 @@ def second_line(text: str) -> str:
     return f"<div class='v-second'>{escape(text)}</div>" if text else ""
 
 
-def hold_card(theme: Theme, remaining: RemainingSteps, shown: int, note: str) -> str:
+def hold_card(theme: Theme, remaining: RemainingSteps, shown: int, note: Note) -> str:
     """The card for a board at its target that must be held still."""
     below = step_chips(remaining, shown, theme)
     return guide_card(theme.reached, "✓", HOLD_HEADLINE, HOLD_STILL.holder, below=below, note=note)
@@ -60,7 +73,7 @@ def step_card(
     remaining: RemainingSteps,
     number: int,
     theme: Theme,
-    note: str,
+    note: Note,
     foot: str = "",
     wording: Wording = "holder",
 ) -> str:

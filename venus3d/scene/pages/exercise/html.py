@@ -18,7 +18,14 @@ from venus3d.scene.pages.exercise.plots import HELP_COLOURS, detour_of
 from venus3d.scene.pages.exercise.trial_plan import HelpTimes
 from venus3d.scene.pages.exercise.view_model import PracticeViewModel, TrialViewModel
 from venus3d.scene.web.board_keys import board_keys_html, key_html
-from venus3d.scene.web.step_card import guide_card, hold_card, second_line, step_card, step_chips
+from venus3d.scene.web.step_card import (
+    Note,
+    guide_card,
+    hold_card,
+    second_line,
+    step_card,
+    step_chips,
+)
 from venus3d.scene.web.step_texts import FROM_UPRIGHT
 from venus3d.scene.web.theme import Theme
 from venus3d.storage.exercise import REACHED, ExerciseRow
@@ -258,15 +265,15 @@ def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
 
 def steps_html(view: TrialViewModel, theme: Theme) -> str:
     """The large text of the steps, as in a guided calibration."""
-    snapshot, remaining = view.snapshot, view.snapshot.remaining
+    snapshot, remaining, note = view.snapshot, view.snapshot.remaining, Note(view.note)
     if remaining is None or remaining.from_upright:
         sentence, chips = snapshot.instruction.holder, step_chips(remaining, view.step, theme)
         below = f"{chips}{second_line(FROM_UPRIGHT)}" if chips else ""
-        text = guide_card(theme.info, "?", snapshot.headline, sentence, below=below, note=view.note)
+        text = guide_card(theme.info, "?", snapshot.headline, sentence, below=below, note=note)
     elif remaining.is_over:
-        text = hold_card(theme, remaining, view.step, view.note)
+        text = hold_card(theme, remaining, view.step, note)
     else:
-        text = step_card(remaining, view.step, theme, view.note)
+        text = step_card(remaining, view.step, theme, note)
     return f"<div class='v-wide'>{text}</div>"
 
 

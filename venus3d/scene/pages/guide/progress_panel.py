@@ -125,8 +125,8 @@ def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:
 
 
 def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
-    """Styles of the nine lines: one colour per kind of parameter."""
-    colours = [theme.info] * 2 + [theme.reached] * 2 + [theme.quiet] * 5
+    """Styles of the nine lines: one look per kind of parameter, in colours that mean nothing."""
+    colours = [theme.good] * 2 + [theme.quiet] * 7
     solid: tuple[float, ...] = ()
     dashes = [solid] * 4 + [(6.0, 5.0)] * 5
     series: list[uplot.Series] = [{"label": say.TREND_VIEWS}]
@@ -145,7 +145,7 @@ def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
 
 def trend_caption(theme: Theme) -> str:
     """Caption of the plot: what it shows, and which line is which."""
-    looks = zip((theme.info, theme.reached, theme.quiet), "━━┅", say.TREND_KEYS, strict=True)
+    looks = zip((theme.good, theme.quiet, theme.quiet), "━━┅", say.TREND_KEYS, strict=True)
     keys = " &nbsp; ".join(
         f"<span style='color:{colour}'>{stroke} {name}</span>" for colour, stroke, name in looks
     )

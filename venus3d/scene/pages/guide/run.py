@@ -109,7 +109,7 @@ def run_guide(
         def again() -> Source:
             return _opened(options, board)
 
-        saver = stack.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.say)))
+        saver = stack.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.warn)))
         live = LiveGuide(session, source, tracker, viewer, saver.put, again, monitors)
         return result(live.run(), viewer.notes)
 

@@ -34,7 +34,7 @@ from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.panels import PanelStyle, fit_width
 from venus3d.scene.web.projections_panel import ProjectionsPanel, Sources
-from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
+from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML, Note
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
 
@@ -89,7 +89,7 @@ class GuideView:
         state: ViewState,
         tiles: Sources | None,
         built: Sources | None,
-        note: str,
+        note: Note,
         drawn_by: str,
     ) -> None:
         """Show one moment.

@@ -46,6 +46,7 @@ from venus3d.scene.web.projections_panel import RemainingTiles, Tiles
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.steady_framing import SteadyFraming
+from venus3d.scene.web.step_card import NO_NOTE, Note
 from venus3d.scene.web.theme import Theme
 
 _NOTE_SECONDS = 6.0
@@ -88,7 +89,7 @@ class Viewer(Page[ViewState]):
         self._intents: queue.SimpleQueue[intents.Intent] = queue.SimpleQueue()
         self._snapshot: Snapshot | None = None
         self._moved = False
-        self._note, self._note_until, self._saved = "", 0.0, ""
+        self._note, self._note_until, self._saved = NO_NOTE, 0.0, ""
         self._offscreen = Offscreen() if step_pictures and projections is None else None
         own = None if self._offscreen is None else Projections(self._offscreen)
         self._projections = projections or own
@@ -143,8 +144,11 @@ class Viewer(Page[ViewState]):
 
     def say(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
         """Show a sentence for some seconds."""
-        self._note, self._note_until = text, time.monotonic() + seconds
-        self.wake()
+        self._tell(Note(text), seconds)
+
+    def warn(self, text: str) -> None:
+        """Show for some seconds that something went wrong."""
+        self._tell(Note(text, warns=True), _NOTE_SECONDS)
 
     def no_pictures(self, text: str) -> None:
         """Say instead of an instruction that no pictures come; empty: they come again."""
@@ -230,9 +234,9 @@ class Viewer(Page[ViewState]):
             return state if snapshot is None else state.seeing(snapshot)
 
         state, moves = self._advance(advanced), self._moves_now
-        over = bool(self._note) and time.monotonic() > self._note_until
+        over = bool(self._note.text) and time.monotonic() > self._note_until
         if over:
-            self._note = ""
+            self._note = NO_NOTE
         # Once more after a movement has ended, to show its last moment.
         if changed or over or moves or self._moved:
             self._draw_page(snapshot, state, self._note)
@@ -241,7 +245,7 @@ class Viewer(Page[ViewState]):
             self._rig.advance()
         self._scene.refresh()
 
-    def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: str) -> None:
+    def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: Note) -> None:
         if snapshot is None or snapshot.target is None:
             self._tiles.forget()
         self._order_built(snapshot, state)
@@ -250,7 +254,7 @@ class Viewer(Page[ViewState]):
         with self.server.atomic():
             if snapshot is not None:
                 self._draw_scene(snapshot, state)
-                note = note or self._standing_note(snapshot)
+                note = note if note.text else self._standing_note(snapshot)
             tiles, built = self._tiles.shown(), self._built.shown()
             self.view.show(snapshot, state, tiles, built, note, drawn_by)
             if self._gizmo is not None and snapshot is not None:
@@ -287,14 +291,18 @@ class Viewer(Page[ViewState]):
         for layer in self.layers:
             layer.bind(self._scene)
 
-    def _standing_note(self, snapshot: Snapshot) -> str:
+    def _tell(self, note: Note, seconds: float) -> None:
+        self._note, self._note_until = note, time.monotonic() + seconds
+        self.wake()
+
+    def _standing_note(self, snapshot: Snapshot) -> Note:
         """The note while there is no newer one."""
         caption = next((layer.caption for layer in self.layers if layer.caption), "")
         if caption:
-            return caption
+            return Note(caption)
         if self._saved and snapshot.phase in ("converged", "finished"):
-            return self._saved
-        return snapshot.warnings[-1] if snapshot.warnings else ""
+            return Note(self._saved)
+        return Note(snapshot.warnings[-1], warns=True) if snapshot.warnings else NO_NOTE
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
         """Turn the tabs' cameras where needed."""
