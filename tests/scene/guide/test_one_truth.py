@@ -291,9 +291,10 @@ def cards_shall_say(told: Told, now: Any, wording: Wording) -> dict[str, Any]:
 
 
 def scene_says(viewer: Viewer) -> dict[str, Any]:
+    # Without a browser, labels are viser's own.
     scene, names = viewer._scene, viewer.scene_names
     return {
-        "labels": {n: scene.node(n).text for n in names if re.match(r"/steps/\d/label", n)},
+        "labels": {n: scene.node(n)._plain.text for n in names if re.match(r"/steps/\d/label", n)},
         "arrows": {n for n in names if re.match(r"/steps/\d/arrow", n)},
         "ends": {n for n in names if re.match(r"/steps/\d/after", n)},
     }
@@ -416,7 +417,7 @@ def test_the_steps_side_by_side_say_the_same(
 
         def captions() -> list[str]:
             nodes = [viewer._scene.node(f"/strip/{n}/caption") for n in (1, 2, 3, 4)]
-            return ["" if node is None else node.text for node in nodes]
+            return ["" if n is None or n._plain is None else n._plain.text for n in nodes]
 
         wait_until(lambda facts=facts: all(map(str.endswith, captions(), facts)), "captions")
     viewer.change(lambda state: replace(state, strip=False))
