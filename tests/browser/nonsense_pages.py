@@ -17,6 +17,7 @@ import pytest
 
 from tests.browser.keyboard import hotkeys, pressed
 from tests.ports import free_port
+from tests.scene.teach_server import ServedTeaching, served_teaching
 from tests.waiting import wait_until
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
@@ -43,18 +44,15 @@ from venus3d.scene.pages.guide.control_panel import CONTROLS
 from venus3d.scene.pages.guide.method_panel import OFFERED
 from venus3d.scene.pages.guide.uncertainty.maps import MAP_KINDS
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.pages.teach.actions import Action, Answer, after_action
+from venus3d.scene.pages.teach.actions import Action, Answer, PageAction, after_action
 from venus3d.scene.pages.teach.controls import (
     HOTKEYS,
     LOOK_ROW,
-    MORE_ROW,
+    MENU_ROWS,
     PAGE_ROW,
-    SHOW_ROW,
     STEP_ROW,
-    TEMPO_ROW,
 )
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
-from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.web.server import start_server
 from venus3d.storage.exercise import ExerciseFile
 
@@ -199,26 +197,25 @@ def test_uncertainty(viewer: Viewer, open_page: Callable[[], Any], guiding: Snap
 
 
 @pytest.fixture
-def teaching(paper_camera: Camera, default_board: Board) -> Iterator[TeachViewer]:
-    with Offscreen("painter") as offscreen:
-        viewer = TeachViewer(
+def teaching(paper_camera: Camera, default_board: Board) -> Iterator[ServedTeaching]:
+    with (
+        Offscreen("painter") as offscreen,
+        served_teaching(
             PoseAnalysis(paper_camera, default_board),
             offscreen,
-            paper_camera,
-            port=free_port(),
             lessons=shipped_lessons(),
             save=lambda state, kind: (f"pose.{kind}", b"content"),
             kinds=("html", "png"),
-        )
-        yield viewer
-        viewer.close()
+        ) as served,
+    ):
+        yield served
 
 
-TEACH_LEFT_ROWS = (PAGE_ROW, TEMPO_ROW, MORE_ROW)
-TEACH_RIGHT_ROWS = (STEP_ROW, LOOK_ROW, SHOW_ROW)
+TEACH_ROWS = ((PAGE_ROW,), (STEP_ROW[:3], LOOK_ROW))
+TEACH_MENU = tuple(actions for _, actions, _ in MENU_ROWS)
 
 
-def test_teach(chromium: Any, teaching: TeachViewer) -> None:
+def test_teach(chromium: Any, teaching: ServedTeaching) -> None:
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.set_default_timeout(60_000)
     page.goto(teaching.url)
@@ -245,20 +242,35 @@ def test_teach(chromium: Any, teaching: TeachViewer) -> None:
 
     teaching.change(lambda state: state.opened(0, asking))
     page.wait_for_selector(".v-question")
-    for within, rows in ((left, TEACH_LEFT_ROWS), (right, TEACH_RIGHT_ROWS)):
+    for within, rows in zip((left, right), TEACH_ROWS, strict=True):
         for row, actions in enumerate(rows):
             for place, action in enumerate(actions):
                 does(button(page, row, place, within), action)
-    known = hotkeys(teaching.server.gui)
+    menu = ".mantine-Modal-body"
+
+    def in_menu(row: int, place: int) -> Press:
+        def press() -> None:
+            button(page, 0, 3, right)()
+            button(page, row, place, menu)()
+            page.wait_for_selector(menu, state="detached")
+
+        return press
+
+    for row, actions in enumerate(TEACH_MENU):
+        for place, action in enumerate(actions):
+            does(in_menu(row, place), action)
+    known = hotkeys(teaching.server.tabs[0].client.gui)
     for action, hotkey in HOTKEYS.items():
-        if hotkey is not None and action not in (Answer(4), Answer(5)):  # no question has so many
+        # No question has so many answers; the menu was opened above.
+        unasked = action in (Answer(4), Answer(5), PageAction.MENU)
+        if hotkey is not None and not unasked:
             does(key(page, hotkey), action)
             does(command(page, known.index(hotkey)), action)
     for lesson in (1, 0):
         entry(page, 0, lesson, left)()
         becomes(teaching, "lesson", lesson)
     with page.expect_download() as download:
-        button(page, len(TEACH_LEFT_ROWS), 1, left)()
+        in_menu(len(TEACH_MENU), 1)()
     assert download.value.suggested_filename == "pose.png"
     page.close()
 
@@ -336,7 +348,7 @@ def test_practice(
         page.goto(server.url)
         page.wait_for_selector(".v-do")
         (tab,) = practice.tabs
-        asked, left = Asked(tab.exercise), "[data-dock-leaf]:has(.v-do)"
+        asked, left = Asked(tab.model), "[data-dock-leaf]:has(.v-do)"
         for place in (3, 5, 0):
             asked.after(entry(page, 0, place, left), ChooseLevel(LEVELS[place]))
         for place in (1, 2, 3, 0):

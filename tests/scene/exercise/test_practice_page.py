@@ -10,7 +10,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.scene.pages.exercise.board_drag import dragged_pose
 from venus3d.scene.pages.exercise.practice_page import fitting
-from venus3d.scene.pages.exercise.server import PictureTurns
+from venus3d.scene.web.tabs import PictureTurns
 
 
 def test_the_grabbed_point_stays_under_the_pointer_in_the_projection(paper_camera: Camera) -> None:

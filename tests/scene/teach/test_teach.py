@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
+from tests.ports import free_port
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -61,16 +62,16 @@ def test_an_own_lesson_comes_first_and_a_wrong_name_is_one_sentence(
     class ServedError(Exception):
         pass
 
-    def viewer(*_: object, **options: object) -> None:
+    def server(*_: object, **options: object) -> None:
         served.update(options)
         raise ServedError
 
-    monkeypatch.setattr(teach, "TeachViewer", viewer)
+    monkeypatch.setattr(teach, "TeachServer", server)
     own = tmp_path / "mine.toml"
     own.write_text(OWN, encoding="utf-8")
     for choice, title, number in ((str(own), "Mine", 0), ("gimbal-lock", "", None)):
         with pytest.raises(ServedError):
-            teach.run_teach(TeachOptions(lesson=choice))
+            teach.run_teach(TeachOptions(lesson=choice, port=free_port()))
         lessons = served["lessons"]
         assert isinstance(lessons, tuple) and len(lessons) >= 6
         chosen = lessons[served["lesson"]]  # type: ignore[index]

@@ -11,17 +11,20 @@ from scipy.spatial.transform import Rotation
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground
 from venus3d.render.shapes import LabelShape, MeshShape
-from venus3d.scene.pages.teach.actions import LookFrom, after_action
-from venus3d.scene.pages.teach.camera_pictures import TeachPictures
+from venus3d.scene.pages.teach.actions import LookFrom, PageAction, after_action
 from venus3d.scene.pages.teach.comparison import comparison_words
 from venus3d.scene.pages.teach.controls import HOTKEYS
+from venus3d.scene.pages.teach.lesson_html import card_html, heading_html, steps_html
+from venus3d.scene.pages.teach.pictures import TeachPictures
 from venus3d.scene.pages.teach.scene_shapes import board_pose_at, camera_shapes_at, scene_shapes
 from venus3d.scene.pages.teach.state import FREE_VECTOR, SECONDS_PER_STEP, TeachState, Vector
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
+from venus3d.scene.web.theme import Theme
 
 BUSY = (False, False, False, False)
 REFUSED: Vector = (20.0, 10.0, 30.0, 190.0, -60.0, 420.0)
@@ -102,6 +105,8 @@ def test_every_hotkey_changes_something() -> None:
     state = TeachState(lessons=lessons).opened(0).page_turned(1).carried_to(0.3)
     state = replace(state, vector=FREE_VECTOR)
     for action in HOTKEYS:
+        if action is PageAction.MENU:
+            continue  # opens in the tab, whatever it shows
         before = replace(state, viewpoint="camera") if action != LookFrom("camera") else state
         assert after_action(before, action) != before, action
 
@@ -173,42 +178,44 @@ def test_two_readings_stand_apart_by_the_angle_that_scipy_finds(study: PoseAnaly
         assert comparison_words(taught, state).turn == 1
 
 
-def test_pictures_mark_what_is_refused_and_frame_the_step(
+def test_pictures_mark_what_is_refused_and_are_drawn_once(
     painter: Offscreen, study: PoseAnalysis
 ) -> None:
     pictures, warning = TeachPictures(painter), np.array(ground(True).warning)
 
     def warned(vector: Vector) -> int:
-        picture = pictures.camera_picture(study(vector), TeachState(), fine=False)
+        state = TeachState(vector=vector)
+        picture = pictures.camera_picture(study(vector), state, fine=False)
         return int((np.abs(picture.astype(int) - warning).sum(axis=2) < 12).sum())
 
     assert warned(FREE_VECTOR) == 0 and warned(REFUSED) > 2000
     taught = study(FREE_VECTOR)
     drawn = [
-        pictures.steps_picture(taught, TeachState(progress=w), fine=False) for w in (1.0, 2.0, 4.0)
+        pictures.step_picture(taught, step, True, fine=fine)
+        for step in taught.steps
+        for fine in (False, True)
     ]
-    sheets = [sheet for sheet in drawn if sheet is not None]
-    assert [sheet.shape for sheet in sheets] == [sheets[0].shape] * 3
-    assert not np.array_equal(sheets[0], sheets[1]) and not np.array_equal(sheets[1], sheets[2])
+    assert drawn[1].shape > drawn[0].shape
+    assert not np.array_equal(drawn[0], drawn[2]), "another step"
+    again = pictures.step_picture(study(FREE_VECTOR), taught.steps[0], True, fine=True)
+    assert again is drawn[1], "another tab gets the same"
+    light = pictures.step_picture(taught, taught.steps[0], False, fine=True)
+    assert light.mean() > again.mean() + 50
 
 
-def test_a_fine_sheet_gives_way_to_a_hand_and_is_kept_when_there_is_none(
-    painter: Offscreen, study: PoseAnalysis
-) -> None:
-    """The hand on a slider once waited a quarter of a second for four fine tiles."""
-    pictures, taught = TeachPictures(painter), study(FREE_VECTOR)
-    asked: list[bool] = []
-
-    def until_the_second_tile() -> bool:
-        asked.append(True)
-        return len(asked) < 3
-
-    cut_short = pictures.steps_picture(
-        taught, TeachState(), fine=True, wanted=until_the_second_tile
-    )
-    assert cut_short is None and len(asked) == 3
-    quick = pictures.steps_picture(taught, TeachState(), fine=False)
-    fine = pictures.steps_picture(taught, TeachState(), fine=True)
-    later = pictures.steps_picture(taught, TeachState(progress=1.0), fine=False)
-    assert quick is not None and fine is not None and later is not None
-    assert later.shape == fine.shape > quick.shape, "another frame around the same fine tiles"
+def test_the_steps_card_marks_the_step_and_tells_both_sides(study: PoseAnalysis) -> None:
+    taught, theme = study(FREE_VECTOR), Theme(True)
+    assert "data-marked='3'" in heading_html("", TeachState(progress=2.5).step)
+    told = steps_html(taught, ["a", "b", "c", "d"], theme)
+    for step in taught.steps:
+        words = step_prompt(step)
+        assert words.camera in told
+        assert words.holder[1:] in told
+    for viewpoint, first, then in (("outside", "right", "left"), ("holder", "left", "right")):
+        state = replace(TeachState(progress=1.0), viewpoint=viewpoint)  # type: ignore[arg-type]
+        card = card_html(taught, state, theme)
+        assert card.index(f"mm to {'the' if first == 'right' else 'your'} {first}") < card.index(
+            f"mm to {'your' if then == 'left' else 'the'} {then}"
+        )
+    tilt = card_html(taught, TeachState(progress=2.0), theme)
+    assert tilt.count("Tilt the top edge") == 1, "the same for both sides is said once"

@@ -24,6 +24,7 @@ from websockets.exceptions import WebSocketException
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
+from tests.scene.teach_server import served_teaching
 from tests.waiting import wait_until
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
@@ -33,7 +34,6 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.scene.pages.audience.audience import Audience
-from venus3d.scene.pages.exercise import texts as exercise_texts
 from venus3d.scene.pages.exercise.practice import Practice, PracticeSettings
 from venus3d.scene.pages.exercise.practice_page import PracticePage
 from venus3d.scene.pages.exercise.run import PracticeServer, trial_server
@@ -44,7 +44,6 @@ from venus3d.scene.pages.exercise.trial_plan import plan_of
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import PoseAnalysis, TaughtPose
-from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.web import texts as common
 from venus3d.scene.web.server import start_server
 from venus3d.storage.exercise import ExerciseFile
@@ -306,16 +305,24 @@ def test_a_teaching_page_that_breaks_is_drawn_anew(
         fault()
         return study(vector, order)
 
-    teach = TeachViewer(faulty, painter, paper_camera, port=free_port())
-    try:
-        page_of(teach.port, "/target/board")
+    with (
+        served_teaching(faulty, painter) as teach,
+        RawClient(teach.port) as tab,
+        RawClient(teach.port) as other,
+    ):
+        came = ""
+        tab.look(), other.look()
+        while "/target/board" not in came or "GuiImageMessage" not in came:
+            came += str(tab.window(timeout=20))
+        left_alone, came = teach.page(1), ""
         fault.due = 1
         teach.change(lambda state: state.with_vector((10.0, 20.0, 30.0, 0.0, 0.0, 400.0)))
         wait_until(lambda: fault.raised == 1)
-        page_of(teach.port, common.DRAWN_ANEW, "/target/board", "GuiImageMessage")
+        wanted = common.DRAWN_ANEW, "/target/board", "GuiImageMessage"
+        while not all(part in came for part in wanted):
+            came += str((tab, other)[teach.server.tabs[0].client.client_id].window(timeout=20))
         assert teach.state.vector[1] == 20.0
-    finally:
-        teach.close()
+        assert teach.page(1) is left_alone
 
 
 def test_a_second_page_that_breaks_is_drawn_anew_and_the_operator_is_told(
@@ -364,7 +371,7 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
             one.look(), other.look()
             wait_until(lambda: len(practice.tabs) == 2 and all(t.shown for t in practice.tabs))
             first, second = practice.tabs
-            pages, trainee = (first.page, second.page), first.exercise
+            pages, trainee = (first.page, second.page), first.model
             assert isinstance(trainee, Practice)
             monkeypatch.setattr(PracticePage, "show", faulty)
             trainee.name = "Anna"
@@ -377,7 +384,7 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
                 came += str(tab.window(timeout=20))
             # At once again: it stands still and says so, and the others go on.
             fault.due, first.shown = 1, None
-            while exercise_texts.BROKEN not in came:
+            while common.TAB_BROKEN not in came:
                 came += str(tab.window(timeout=20))
             assert practice.tabs == (second,) and loop.is_alive()
     finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from viser import _messages as messages
 
 from tests.ports import free_port
 from tests.scene.raw_client import AHEAD, RawClient, instance
+from tests.scene.teach_server import served_teaching
 from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -29,7 +31,6 @@ from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import plan_of
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
-from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.web.incoming import is_heard
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.viser_private import widget_of
@@ -273,8 +274,12 @@ def opened_page(
         viewer = Viewer(port=free_port())
         return viewer.server.gui, viewer.close
     if page == "teach":
-        teach = TeachViewer(PoseAnalysis(camera, board), painter, camera, port=free_port())
-        return teach.server.gui, teach.close
+        stack = ExitStack()
+        teach = stack.enter_context(served_teaching(PoseAnalysis(camera, board), painter))
+        client = stack.enter_context(RawClient(teach.port))
+        client.look()
+        teach.page().toggle_menu()
+        return teach.server.tabs[0].client.gui, stack.close
     server, _ = start_server("127.0.0.1", free_port())
     if page == "trial":
         target = Pose.from_vector([0, 0, 0, 0, 0, 0.5])

@@ -14,6 +14,7 @@ import pytest
 from tests.browser.keyboard import hotkeys
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
+from tests.scene.teach_server import served_teaching
 from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -28,7 +29,6 @@ from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import plan_of
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
-from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.web.board_keys import BOARD_KEYS
 from venus3d.scene.web.help import key_name
 from venus3d.scene.web.keys import KEYS
@@ -59,11 +59,12 @@ def gui_of(
     }
     guide = Viewer(port=free_port(), draggable_board=True)
     AudienceControls(guide.server, SimpleNamespace(state=AudienceState()))  # pyright: ignore
-    teach = TeachViewer(
-        PoseAnalysis(paper_camera, default_board), painter, paper_camera, port=free_port()
-    )
-    found: dict[str, Any] = {"guide": guide.server.gui, "teach": teach.server.gui}
-    with closing(guide), closing(teach), closing(file):
+    found: dict[str, Any] = {"guide": guide.server.gui}
+    teaching = served_teaching(PoseAnalysis(paper_camera, default_board), painter)
+    with closing(guide), teaching as teach, RawClient(teach.port) as tab, closing(file):
+        tab.look()
+        teach.page()
+        found["teach"] = teach.server.tabs[0].client.gui
         for name, exercise in exercises.items():
             with RawClient(exercise.server.get_port()) as client:
                 client.look()

@@ -14,6 +14,7 @@ from urllib.parse import SplitResult, urlsplit
 
 from websockets import Headers
 
+_PROXIED = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-real-ip")
 _PORTS = {"http": 80, "https": 443}
 
 
@@ -43,6 +44,18 @@ def check(headers: Headers, host: str) -> None:
         raise RefusedError(
             "Another page may not connect; open this one by the address that the program printed."
         )
+
+
+def came_from_here(headers: Headers, peer: str) -> bool:
+    """Whether a connection from this address, with these headers, was opened on this machine. A
+    proxy here would bring strangers in from a loopback address, but it says for whom it asks."""
+    try:
+        address = ipaddress.ip_address(peer)
+    except ValueError:
+        return False
+    mapped = getattr(address, "ipv4_mapped", None)  # ::ffff:127.0.0.1
+    here = (mapped or address).is_loopback
+    return here and not any(name in headers for name in _PROXIED)
 
 
 def _split(address: str) -> SplitResult | None:

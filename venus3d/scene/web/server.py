@@ -20,7 +20,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from venus3d.engine.errors import VenusError
-from venus3d.scene.web.handshake import RefusedError, check
+from venus3d.scene.web.handshake import RefusedError, came_from_here, check
 from venus3d.scene.web.incoming import is_heard, is_point_of_view
 from venus3d.scene.web.page_script import with_script
 from venus3d.scene.web.texts import PORT_TAKEN
@@ -86,6 +86,11 @@ class LocalServer(viser.ViserServer):
         """The page's address on this machine."""
         host = self.get_host()
         return f"http://{'localhost' if host in _EVERYWHERE else host}:{self.get_port()}"
+
+    def is_on_this_machine(self, client_id: int) -> bool:
+        """Whether this tab's browser runs on this machine and has not come through a proxy."""
+        connection = connection_of(self._sockets, client_id)
+        return came_from_here(connection.request.headers, connection.remote_address[0])
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse: the camera's picture stays on this machine."""

@@ -25,13 +25,13 @@ from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.options import PracticeOptions, TrialOptions
 from venus3d.scene.pages.exercise.practice import Practice, PracticeSettings
 from venus3d.scene.pages.exercise.practice_page import PracticePage
-from venus3d.scene.pages.exercise.server import ExerciseServer
 from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_page import TrialPage
 from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import Plan, plan_of, targets_of
 from venus3d.scene.web.page import announce_page
 from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.tabs import TabServer
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
@@ -69,7 +69,7 @@ def run_practice(options: PracticeOptions) -> None:
     print(say.WRITTEN.format(path=path))
 
 
-class PracticeServer(ExerciseServer):
+class PracticeServer(TabServer[Practice]):
     """All trainees of one server, and the file of their times."""
 
     def __init__(
@@ -175,11 +175,11 @@ def run_trial(options: TrialOptions) -> TrialResult:
 
 def trial_server(
     server: LocalServer, trial: Trial, pictures: TrialPictures, *, simulated: bool = False
-) -> ExerciseServer:
+) -> TabServer[Trial]:
     """Accept visitors of this trial; the caller closes the server afterwards."""
     trial.view()
     make_page = partial(TrialPage, pictures=pictures, simulated=simulated)
-    return ExerciseServer(server, say.TRIAL, lambda _: trial, make_page)
+    return TabServer(server, say.TRIAL, lambda _: trial, make_page)
 
 
 def _run_on_a_page(

@@ -1,7 +1,5 @@
 """Texts of practice and trial."""
 
-BROKEN = "This page has stopped after an error. Reload it to continue."
-STANDS_STILL = "a tab's page could not be redrawn; it has stopped until it is reloaded"
 PRACTICE, TRIAL = "Practice", "Trial"
 HOLD_STILL = "Hold still"
 POSE = "pose"

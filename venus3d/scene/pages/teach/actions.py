@@ -1,4 +1,5 @@
-"""Actions of a teaching page, by button, key or palette, and how they change its state."""
+"""What a person may ask of a teaching page, by button, key, palette or slider, and how it changes
+the page's state."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ from enum import Enum, auto
 from typing import Literal, get_args
 
 from venus3d.lessons.lesson import VIEWPOINTS, Arrangement, Viewpoint
-from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.state import TeachState, Vector
 
 FileKind = Literal["html", "png", "mp4", "gif"]
 """File types of a saved lesson."""
@@ -30,6 +31,10 @@ class PageAction(Enum):
     FREE = auto()
     RESET = auto()
     BRIGHTNESS = auto()
+    LEAD = auto()
+    """Lead the class, or let go."""
+    MENU = auto()
+    """Open or close this tab's menu."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,30 @@ class Save:
 
 
 Action = PageAction | LookFrom | Arrange | Answer | Save
+
+
+@dataclass(frozen=True)
+class SetPose:
+    """Set the target's six numbers."""
+
+    vector: Vector
+
+
+@dataclass(frozen=True)
+class OpenLesson:
+    """Open this lesson; None: free."""
+
+    number: int | None
+
+
+@dataclass(frozen=True)
+class CarryTo:
+    """Carry the board to this share of its way, 0 ... 1."""
+
+    share: float
+
+
+Request = Action | SetPose | OpenLesson | CarryTo
 _CHANGES: dict[PageAction, Callable[[TeachState], TeachState]] = {
     PageAction.PLAY: lambda state: state.play(not state.playing),
     PageAction.NEXT_STEP: TeachState.step_on,
@@ -76,14 +105,16 @@ _CHANGES: dict[PageAction, Callable[[TeachState], TeachState]] = {
     PageAction.FREE: lambda state: state.opened(None),
     PageAction.RESET: TeachState.reset,
     PageAction.BRIGHTNESS: lambda state: replace(state, dark=not state.dark),
+    PageAction.LEAD: lambda state: state,
+    PageAction.MENU: lambda state: state,
 }
 
 
-def after_action(state: TeachState, action: Action) -> TeachState:
-    """The state after the action; saving a file changes nothing on the page."""
-    match action:
+def after_action(state: TeachState, request: Request) -> TeachState:
+    """The state after the request. Menu, saving and leading change nothing in it."""
+    match request:
         case PageAction():
-            return _CHANGES[action](state)
+            return _CHANGES[request](state)
         case LookFrom(None):
             number = VIEWPOINTS.index(state.viewpoint) + 1
             return replace(state, viewpoint=VIEWPOINTS[number % len(VIEWPOINTS)])
@@ -93,5 +124,11 @@ def after_action(state: TeachState, action: Action) -> TeachState:
             return state.with_arrangement(arrangement)
         case Answer(number):
             return state.answered(number)
+        case SetPose(vector):
+            return state.with_vector(vector)
+        case OpenLesson(number):
+            return state.opened(number)
+        case CarryTo(share):
+            return state.carried_to(share)
         case Save():
             return state

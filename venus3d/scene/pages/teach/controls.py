@@ -1,23 +1,33 @@
-"""Buttons, hotkeys and palette commands of a teaching page."""
+"""Buttons, hotkeys, palette commands and the menu of a teaching page."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
+from threading import Lock
 from typing import Any
 
 import viser
 
 from venus3d.lessons.lesson import VIEWPOINTS
 from venus3d.scene.pages.teach import texts
-from venus3d.scene.pages.teach.actions import Action, Answer, Arrange, LookFrom, PageAction, Save
+from venus3d.scene.pages.teach.actions import (
+    Action,
+    Answer,
+    Arrange,
+    FileKind,
+    LookFrom,
+    PageAction,
+    Save,
+)
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
 from venus3d.scene.web.keys import KEYS
+from venus3d.scene.web.theme import Theme
 
-Act = Callable[[Action, viser.ClientHandle | None], None]
-"""Called on viser's threads with an action and the tab that asked, or None."""
+Act = Callable[[Action], None]
+"""Called on viser's threads with an action."""
 
 HOTKEYS: dict[Action, Any] = {
     PageAction.PLAY: KEYS["go_on"],
@@ -37,14 +47,20 @@ HOTKEYS: dict[Action, Any] = {
     PageAction.FREE: KEYS["free"],
     PageAction.RESET: KEYS["reset"],
     PageAction.BRIGHTNESS: KEYS["theme"],
+    PageAction.MENU: KEYS["menu"],
     **{Answer(number): str(number) for number in range(1, 6)},
 }
-STEP_ROW = (PageAction.PREVIOUS_STEP, PageAction.PLAY, PageAction.NEXT_STEP)
+STEP_ROW = (PageAction.PREVIOUS_STEP, PageAction.PLAY, PageAction.NEXT_STEP, PageAction.MENU)
 TEMPO_ROW = (PageAction.SPEED, PageAction.LOOP)
 LOOK_ROW = tuple(LookFrom(viewpoint) for viewpoint in VIEWPOINTS)
-SHOW_ROW = (Arrange("strip"), Arrange("axes"), Arrange("order"))
 PAGE_ROW = (PageAction.PREVIOUS_PAGE, PageAction.NEXT_PAGE)
-MORE_ROW = (PageAction.RESET, PageAction.NEXT_ORDER, PageAction.BRIGHTNESS)
+SHOW_ROW = (Arrange("strip"), Arrange("axes"), Arrange("order"), PageAction.NEXT_ORDER)
+MORE_ROW = (PageAction.RESET, PageAction.FREE, PageAction.BRIGHTNESS)
+MENU_ROWS: tuple[tuple[str, tuple[Action, ...], str], ...] = (
+    (texts.SHOW, SHOW_ROW, texts.SHOW_HINT),
+    (texts.TEMPO, TEMPO_ROW, texts.TEMPO_HINT),
+    (texts.MORE_TITLE, MORE_ROW, texts.MORE_HINT),
+)
 
 
 class StateButtons:
@@ -55,41 +71,116 @@ class StateButtons:
     ) -> None:
         """Create the row in the current panel."""
         self._actions = tuple(actions)
-        self._row = ButtonRow(gui, title, self._labels(TeachState()), act, hint=hint)
+        labels = labels_of(self._actions, TeachState())
+        self._row = ButtonRow(gui, title, labels, lambda action, _: act(action), hint=hint)
 
-    def show(self, state: TeachState) -> None:
-        """Update the labels."""
-        self._row.show(self._labels(state))
-
-    def _labels(self, state: TeachState) -> dict[Action, str]:
-        return {action: label_of(action, state) for action in self._actions}
-
-
-def make_commands(server: viser.ViserServer, act: Act, saved: Iterable[Save]) -> HelpOverlay:
-    """Add every action to the command palette, most with a hotkey; returns the help that lists
-    them. `saved` are the available file types."""
-
-    def command(action: Action) -> Command:
-        label, description = texts.COMMANDS[action]
-        return Command(label, HOTKEYS.get(action), description, partial(act, action, None))
-
-    commands = [command(action) for action in HOTKEYS]
-    add_commands(server, commands)
-    for action in saved:
-        # A file is for the tab that asked, not for the projector.
-        commands.append(command(action))
-        label, description = texts.COMMANDS[action]
-        handle = server.gui.add_command(label, description=description)
-        handle.on_trigger(lambda event, action=action: act(action, event.client))
-    return HelpOverlay(server, commands)
+    def show(self, state: TeachState, *, visible: bool = True, leads: bool = False) -> None:
+        """Update the labels, or hide the row."""
+        labels = labels_of(self._actions, state, leads=leads)
+        self._row.show(labels if visible else {})
 
 
-def label_of(action: Action, state: TeachState) -> str:
+class Menu:
+    """The menu of one tab, with what is not needed all the time. It lies over the page until
+    something is chosen."""
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        act: Act,
+        kinds: tuple[FileKind, ...],
+        *others: Command,
+    ) -> None:
+        """Nothing is open; `kinds` are the available file types, `others` the page's other
+        commands."""
+        self._client, self._act = client, act
+        self._saves = tuple(Save(kind) for kind in kinds)
+        self._lock = Lock()
+        self._open: tuple[Any, Any] | None = None  # the modal and its style sheet
+        self._state, self._theme = TeachState(), Theme(True)
+        self._help = self._make_commands(others)
+
+    def show(self, state: TeachState, theme: Theme) -> None:
+        """Use this state's labels and these colours from now on."""
+        self._state, self._theme = state, theme
+        self._help.show(theme)
+        with self._lock:
+            if self._open is not None and self._open[1].content != theme.sheet:
+                self._open[1].content = theme.sheet
+
+    def toggle(self) -> None:
+        """Open or close it."""
+        with self._lock, self._client.atomic():
+            if self._open is not None:
+                self._close()
+                return
+            gui = self._client.gui
+            modal = gui.add_modal(texts.MENU_TITLE)
+            with modal:
+                sheet = gui.add_html(self._theme.sheet)
+                for title, actions, hint in MENU_ROWS:
+                    labels = labels_of(actions, self._state)
+                    ButtonRow(gui, title, labels, self._chosen, hint=hint)
+                if self._saves:
+                    labels = labels_of(self._saves, self._state)
+                    ButtonRow(gui, texts.SAVE, labels, self._chosen, hint=texts.SAVE_HINT)
+                others = {"help": texts.HELP_BUTTON, "close": texts.MENU_CLOSE}
+                ButtonRow(gui, texts.MENU_TITLE, others, self._other, hint=texts.MENU_CLOSE_HINT)
+            self._open = (modal, sheet)
+
+    def _chosen(self, action: Action, _: object) -> None:
+        self.close()
+        self._act(action)
+
+    def _other(self, what: str, _: object) -> None:
+        self.close()
+        if what == "help":
+            self._help.toggle(self._client)
+
+    def close(self) -> None:
+        """Close it, if it is open."""
+        with self._lock:
+            self._close()
+
+    def _close(self) -> None:
+        if self._open is not None:
+            self._open[0].close()
+            self._open = None
+
+    def _make_commands(self, others: Iterable[Command]) -> HelpOverlay:
+        """Add every action to the command palette, most with a hotkey; the help lists them."""
+        actions = (*HOTKEYS, PageAction.LEAD, *self._saves)
+        commands = [
+            Command(label, HOTKEYS.get(action), description, partial(self._act, action))
+            for action in actions
+            for label, description in (texts.COMMANDS[action],)
+        ]
+        commands += others
+        add_commands(self._client, commands)
+        closes = self._client.gui.add_command(
+            texts.MENU_CLOSE, description=texts.MENU_CLOSE_HINT, hotkey="escape"
+        )
+        closes.on_trigger(lambda _: self.close())
+        return HelpOverlay(self._client, commands)
+
+
+def labels_of(
+    actions: Iterable[Action], state: TeachState, *, leads: bool = False
+) -> dict[Action, str]:
+    """The labels of these actions' buttons; `leads`: whether this tab leads the class."""
+    return {action: _label_of(action, state, leads) for action in actions}
+
+
+def _label_of(action: Action, state: TeachState, leads: bool) -> str:
     """A button's label, with a tick if it is on."""
     if action is PageAction.PLAY and state.playing:
         return texts.PAUSE
     if action is PageAction.BRIGHTNESS and not state.dark:
         return texts.DARK
+    if action is PageAction.LEAD and leads:
+        return texts.LET_GO
+    if isinstance(action, Save):
+        return texts.SAVE_LABELS[action.kind]
     text = texts.LABELS[action].format(speed=texts.SPEED_NAMES[state.speed])
     match action:
         case LookFrom(viewpoint):

@@ -3,22 +3,25 @@ Right: the current step in words and numbers."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from html import escape
 
 import numpy as np
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.engine.geometry.decomposition import Step
+from venus3d.engine.guidance.prompts import Prompt, step_prompt
 from venus3d.render.map_pictures import (
     distortion_magnification,
     distortion_picture,
     largest_shift_px,
 )
-from venus3d.render.palette import STEP_STYLES, step_style
+from venus3d.render.palette import step_style
 from venus3d.render.projections import Picture
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.comparison import comparison_words
+from venus3d.scene.pages.teach.learner import TabView
 from venus3d.scene.pages.teach.scene_shapes import amount_text
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
@@ -112,42 +115,73 @@ def question_html(state: TeachState) -> str:
     return _wrapped(f"<div class='v-question'>{body}</div>")
 
 
+def holder_sentence(words: Prompt) -> str:
+    """The instruction for the board's holder; empty if it is the same for both sides."""
+    if words.holder == words.camera:
+        return ""
+    return texts.HOLDER.format(words=words.holder[0].lower() + words.holder[1:])
+
+
+def class_html(view: TabView) -> str:
+    """Who leads the class; empty without one."""
+    text = {"follows": texts.FOLLOWS, "may-lead": texts.MAY_LEAD, "alone": ""}.get(view.role)
+    if text is None:
+        told = {0: texts.LEADS_NONE, 1: texts.LEADS_ONE}.get(view.others, texts.LEADS)
+        text = told.format(others=view.others)
+    return _wrapped(f"<div class='v-class'>{escape(text)}</div>") if text else ""
+
+
+def heading_html(text: str, marked: int = 0) -> str:
+    """A heading; the style sheet marks the card of this step (0: none)."""
+    return f"<div class='v-steps' data-marked='{marked}'><h3>{text}</h3></div>"
+
+
+def steps_html(taught: TaughtPose, sources: Sequence[str], theme: Theme) -> str:
+    """The four steps, each a card with amount, words for both sides, and its picture, `sources` of
+    HTML images."""
+    cards = "".join(
+        _step_card(step, source, theme.steps[step.number - 1])
+        for step, source in zip(taught.steps, sources, strict=True)
+    )
+    return f"<div class='v-steps v-cards'><div class='v-grid'>{cards}</div></div>"
+
+
+def _step_card(step: Step, source: str, colour: str) -> str:
+    prompt, amount = step_prompt(step), "–" if step.is_idle else amount_text(step, 1.0)
+    words, held = escape(prompt.camera), escape(holder_sentence(prompt))
+    alt = escape(texts.STEP_ALT.format(number=step.number, words=prompt.camera), quote=True)
+    return (
+        f"<div class='v-tile' data-step='{step.number}' style='--step:{colour}'>"
+        f"<div class='v-told'><b>{step.number}</b><strong>{step_style(step.number).title}</strong>"
+        f"<i>{escape(amount)}</i><span>{words}</span><span class='v-held'>{held}</span></div>"
+        f"<img alt=\"{alt}\" src='{source}'></div>"
+    )
+
+
 def card_html(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
-    """Headline, amount, sentence and the four steps in one row."""
-    body = _comparison(taught, state, theme) if state.compares else _steps(taught, state, theme)
+    """The current step: headline, amount, and the sentence for the picture and for the hands."""
+    body = _comparison(taught, state, theme) if state.compares else _step(taught, state, theme)
     return f"<div class='v-progress v-wide'>{body}</div>"
 
 
-def _steps(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
+def _step(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
     step = taught.steps[state.step - 1]
-    holder = state.viewpoint == "holder"
-    words = step_prompt(step).holder if holder else step_prompt(step).camera
-    who = texts.SIDES["holder" if holder else "camera"]
-    colour = theme.steps[step.number - 1]
-    if state.at_rest:
-        now = _now(theme.good, texts.THERE_HEADLINE, "", texts.THERE_SENTENCE, "")
-    elif state.progress == 0.0:
-        now = _now(theme.good, texts.START_HEADLINE, "", texts.START_SENTENCE, "")
-    else:
-        headline = texts.STEP.format(number=step.number, title=step_style(step.number).title)
-        whole = amount_text(step, 1.0)
-        amount = "" if step.is_idle else escape(amount_text(step, state.sweep))
-        if amount and state.sweep < 1:
-            amount += f"<small>{escape(texts.OF.format(whole=whole))}</small>"
-        now = _now(colour, headline, amount, words, who)
-    return f"{now}<div class='v-four'>{_chips(taught, state, theme)}</div>"
-
-
-def _chips(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
-    cells: list[str] = []
-    for style, step in zip(STEP_STYLES, taught.steps, strict=True):
-        on = " class='v-on'" if step.number == state.step and not state.at_rest else ""
-        whole = "–" if step.is_idle else amount_text(step, 1.0)
-        cells.append(
-            f"<div{on} style='--step:{theme.steps[step.number - 1]}'><b>{step.number}</b>"
-            f"<span>{style.short_title}</span><i>{escape(whole)}</i></div>"
-        )
-    return "".join(cells)
+    if state.at_rest or (state.focus is not None and step.is_idle):
+        return _now(theme.good, texts.THERE_HEADLINE, "", (texts.THERE_SENTENCE, ""))
+    if state.progress == 0.0:
+        return _now(theme.good, texts.START_HEADLINE, "", (texts.START_SENTENCE, ""))
+    headline = texts.STEP.format(number=step.number, title=step_style(step.number).title)
+    amount = "" if step.is_idle else escape(amount_text(step, state.sweep))
+    if amount and state.sweep < 1:
+        whole = texts.OF.format(whole=amount_text(step, 1.0))
+        amount += f"<small>{escape(whole)}</small>"
+    words = step_prompt(step)
+    told = [(words.camera, texts.SIDES["camera"]), (words.holder, texts.SIDES["holder"])]
+    if words.camera == words.holder:
+        told = [(words.camera, texts.SIDES["both"])]
+    elif state.viewpoint == "holder":
+        told.reverse()
+    return _now(theme.steps[step.number - 1], headline, amount, *told)
 
 
 def _comparison(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
@@ -156,14 +190,17 @@ def _comparison(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
         colour = theme.info if state.progress > 1 else theme.good
     else:
         colour = theme.steps[words.axis + 1]
-    return _now(colour, words.headline, words.amount, words.sentence, "")
+    return _now(colour, words.headline, words.amount, (words.sentence, ""))
 
 
-def _now(colour: str, headline: str, amount: str, sentence: str, who: str) -> str:
-    """`amount` is HTML, the rest text."""
+def _now(colour: str, headline: str, amount: str, *told: tuple[str, str]) -> str:
+    """`amount` is HTML, the rest text; `told` are sentences and for whom they are."""
     right = f"<i>{amount}</i>" if amount else ""
-    small = f"<div class='v-who'>{escape(who)}</div>" if who else ""
+    sentences = "".join(
+        f"<p>{escape(sentence)}{f' <small>{escape(who)}</small>' if who else ''}</p>"
+        for sentence, who in told
+    )
     return (
         f"<div class='v-now' style='--step:{colour}'><div class='v-top'><b>{escape(headline)}</b>"
-        f"{right}</div><p>{escape(sentence)}</p>{small}</div>"
+        f"{right}</div>{sentences}</div>"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,12 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import Lesson
 from venus3d.scene.pages.teach import texts
-from venus3d.scene.pages.teach.actions import Answer
+from venus3d.scene.pages.teach.actions import Answer, OpenLesson, PageAction, SetPose
 from venus3d.scene.pages.teach.controls import PAGE_ROW, Act, StateButtons
+from venus3d.scene.pages.teach.learner import TabView
 from venus3d.scene.pages.teach.lesson_html import (
     acceptance_html,
+    class_html,
     comparison_html,
     focal_uncertainty_html,
     lens_picture,
@@ -24,9 +25,9 @@ from venus3d.scene.pages.teach.lesson_html import (
 )
 from venus3d.scene.pages.teach.notations_panel import NotationsPanel
 from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState, Vector
-from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.web.buttons import ChoiceList
 from venus3d.scene.web.pose_panel import PosePanel
+from venus3d.scene.web.tabs import Ask
 from venus3d.scene.web.theme import Theme
 
 _ANSWERS = 5
@@ -40,17 +41,18 @@ class LessonPanel:
         self,
         gui: viser.GuiApi,
         act: Act,
+        ask: Ask,
         lessons: tuple[Lesson, ...],
-        on_pose: Callable[[Vector], object],
-        on_lesson: Callable[[int | None], object],
     ) -> None:
-        """`on_pose` gets the sliders' values, `on_lesson` a lesson's number, None for free."""
+        """Create everything; `ask` gets what the list and the sliders ask for."""
         self._titles = {number: lesson.title for number, lesson in enumerate(lessons)}
         self._titles[_FREE] = texts.FREE
 
         def chosen(number: int) -> None:
-            on_lesson(None if number == _FREE else number)
+            ask(OpenLesson(None if number == _FREE else number))
 
+        self._class = gui.add_html("", visible=False)
+        self._lead = StateButtons(gui, texts.CLASS, (PageAction.LEAD,), act, texts.CLASS_HINT)
         self._choice = ChoiceList(
             gui,
             texts.LESSON,
@@ -68,15 +70,22 @@ class LessonPanel:
         self._lens = gui.add_image(blank, format="jpeg", jpeg_quality=85, visible=False)
         self._lens_legend = gui.add_html("", visible=False)
         gui.add_html(f"<div class='v-progress'><h3>{texts.POSE_TITLE}</h3></div>")
-        self.pose = PosePanel(gui, lambda vector: on_pose(_vector(vector)), FREE_VECTOR)
+        self.pose = PosePanel(gui, lambda vector: ask(SetPose(_vector(vector))), FREE_VECTOR)
         self._notations = NotationsPanel(gui)
         self._fit = gui.add_html("")
         self._why = gui.add_html("", visible=False)
         self._shown: dict[str, object] = {}
 
-    def show(self, taught: TaughtPose, state: TeachState, theme: Theme) -> None:
-        """Show one pose; unchanged parts are not touched."""
+    def show(self, view: TabView, theme: Theme) -> None:
+        """Show one view; unchanged parts are not touched."""
+        taught, state, follows = view.taught, view.state, view.role == "follows"
+        self._put(self._class, class_html(view))
+        self._lead.show(state, visible=view.may_lead, leads=view.role == "leads")
         self._show_lesson(state)
+        self._choice.visible = not follows
+        self._pages.show(state, visible=not follows)
+        if self._changed("free", not follows):
+            self.pose.enable([not follows] * 6)
         self._put(self._question, question_html(state))
         self._show_answers(state)
         self._put(self._why, comparison_html(taught, state))
@@ -91,7 +100,7 @@ class LessonPanel:
 
     def _answer_button(self, gui: viser.GuiApi, act: Act, number: int) -> Any:
         button = gui.add_button(str(number), visible=False, hint=texts.ANSWER_HINT)
-        button.on_click(lambda event: act(Answer(number), event.client))
+        button.on_click(lambda _: act(Answer(number)))
         return button
 
     def _show_lesson(self, state: TeachState) -> None:

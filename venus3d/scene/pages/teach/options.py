@@ -30,6 +30,9 @@ class TeachOptions:
     .mp4 or .gif (the animation)."""
     dark: Switch = False
     """With --export: .html, .mp4 or .gif in dark colours, for a dark room."""
+    follow_me: Switch = False
+    """The tabs of a class show what the teacher's shows, until the teacher lets go. That is the tab
+    opened first on the machine that this runs on."""
     host: str = "127.0.0.1"
     """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
     port: int = 8080
@@ -43,4 +46,6 @@ class TeachOptions:
                 "--dark goes with --export and a file that is shown on a screen (.html, .mp4, "
                 ".gif): a sheet is for paper, and on the page the key B does it."
             )
+        if self.follow_me and self.export is not None:
+            raise VenusError("--follow-me is for the page; leave it out with --export.")
         check_range("--port", self.port, 1, 65535)

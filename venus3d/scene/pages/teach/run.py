@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from contextlib import closing
-from functools import partial
+from contextlib import ExitStack, closing
+from functools import lru_cache, partial
 
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.lessons.lesson import Lesson
 from venus3d.lessons.reading import lesson_of, shipped_lessons
 from venus3d.render.offscreen import Offscreen
+from venus3d.render.viewpoints import SceneCamera
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import FILE_KINDS, FileKind
 from venus3d.scene.pages.teach.export.files import export_files, lesson_of_pose
+from venus3d.scene.pages.teach.learner import Classroom, Learner, Look
 from venus3d.scene.pages.teach.options import TeachOptions
+from venus3d.scene.pages.teach.page import SaveFile, TeachPage
+from venus3d.scene.pages.teach.pictures import TeachPictures
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import AnalysePose, PoseAnalysis
-from venus3d.scene.pages.teach.viewer import TeachViewer
 from venus3d.scene.web.page import announce_page
+from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.tabs import TabServer
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.threads.latency import low_latency
 
@@ -26,22 +31,78 @@ def run_teach(options: TeachOptions) -> None:
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     analyse = PoseAnalysis(camera, options.board.board())
     lessons, chosen = _lessons(options.lesson)
-    with closing(Offscreen()) as offscreen:
-        viewer = TeachViewer(
+    with ExitStack() as stack:
+        offscreen = stack.enter_context(closing(Offscreen()))
+        server, note = start_server(options.host, options.port)
+        stack.callback(server.stop)
+        teach = TeachServer(
+            server,
             analyse,
             offscreen,
-            camera,
-            host=options.host,
-            port=options.port,
             lessons=lessons,
             lesson=chosen,
+            follow_me=options.follow_me,
             save=partial(_saved_file, analyse, offscreen),
             kinds=FILE_KINDS,
         )
-        with closing(viewer), low_latency():
-            announce_page(texts.ANNOUNCED, viewer.url, *viewer.notes)
-            while True:
-                viewer.wait(1.0)
+        stack.enter_context(closing(teach))
+        how = texts.FOLLOW_ME.format(url=server.url) if options.follow_me else ""
+        announce_page(texts.ANNOUNCED, server.url, note, offscreen.note, how)
+        with low_latency():
+            teach.run()
+
+
+class TeachServer(TabServer[Learner]):
+    """All tabs of one server, each with a learner of its own."""
+
+    def __init__(
+        self,
+        server: LocalServer,
+        analyse: AnalysePose,
+        offscreen: Offscreen,
+        *,
+        lessons: tuple[Lesson, ...] = (),
+        lesson: int | None = None,
+        follow_me: bool = False,
+        save: SaveFile | None = None,
+        kinds: tuple[FileKind, ...] = (),
+        dark: bool = True,
+    ) -> None:
+        """Accept learners. The caller closes server and renderer afterwards.
+
+        Args:
+            analyse: called on the drawing thread; a few milliseconds at most.
+            lesson: the number of the lesson open at first; None: free.
+            follow_me: whether one tab, on this machine, leads all others.
+            save, kinds: makes files, and the available types; called on separate threads.
+        """
+        self._first = TeachState(dark=dark, lessons=lessons).opened(lesson)
+        self._analyse = lru_cache(maxsize=64)(analyse)
+        self._room = Classroom(lambda: set(server.get_clients())) if follow_me else None
+        pictures = TeachPictures(offscreen)
+        super().__init__(
+            server,
+            texts.ANNOUNCED,
+            self._learner,
+            partial(TeachPage, lessons=lessons, pictures=pictures, save=save, kinds=kinds),
+        )
+
+    def _learner(self, number: int) -> Learner:
+        client = self.server.get_clients()[number]
+
+        def look() -> Look:
+            camera = client.camera
+            view = SceneCamera(camera.position.copy(), camera.look_at.copy(), camera.fov)
+            return view, camera.image_width / max(camera.image_height, 1)
+
+        return Learner(
+            self._analyse,
+            self._first,
+            number=number,
+            room=self._room,
+            may_lead=self.server.is_on_this_machine(number),
+            look=look,
+        )
 
 
 def _saved_file(

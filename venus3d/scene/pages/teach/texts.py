@@ -45,6 +45,15 @@ LENS_LEGEND = (
     "drawn {times:g} times as long. The largest shift is {shift:.1f} px."
 )
 
+# -- the class, with --follow-me ------------------------------------------------------------------
+
+CLASS, CLASS_HINT = "Class", "Whether all other tabs show what this one shows."
+LEADS = "You lead the class: {others} other tabs follow."
+LEADS_ONE = "You lead the class: one other tab follows."
+LEADS_NONE = "You lead the class. Whoever opens this page follows."
+FOLLOWS = "You follow the teacher. Answers, and light or dark, are your own."
+MAY_LEAD = "The class goes its own ways. If you lead, all tabs show what this one shows."
+
 # -- two results side by side ----------------------------------------------------------------------
 
 COLUMNS = {
@@ -98,6 +107,7 @@ LOCKED_TRY = "Move the X and the Z slider and watch."
 
 PICTURE_TITLE = "What the camera sees"
 STEPS_PICTURE_TITLE = "The four steps as the camera sees them"
+STEP_ALT = "Step {number}: {words}"
 STEP = "Step {number} of 4: {title}"
 OF = "of {whole}"
 START_HEADLINE = "An upright board"
@@ -105,13 +115,18 @@ START_SENTENCE = "Half a metre in front of the lens. From here, four steps lead 
 THERE_HEADLINE = "This is the pose"
 THERE_SENTENCE = "Space bar: watch the board get here in four steps."
 SIDES = {
-    "camera": "as seen in the camera's picture",
-    "holder": "for the person who holds the board",
+    "camera": "in the picture",
+    "holder": "for your hands",
+    "both": "in the picture and for your hands",
 }
+HOLDER = "For your hands: {words}"
 
 # -- controls --------------------------------------------------------------------------------------
 
-STEPS, STEPS_HINT = "Steps", "Let the board go through the four steps, or one of them."
+STEPS, STEPS_HINT = (
+    "Steps",
+    "Let the board go through the four steps, or one of them. Menu: comparisons, files and more.",
+)
 PROGRESS, PROGRESS_HINT = (
     "Way (%)",
     "Drag to carry the board along its way: 0 is upright, 100 is the pose.",
@@ -124,10 +139,13 @@ SHOW, SHOW_HINT = (
     "All four steps side by side; the camera's axes and the board's own; two orders of turns. "
     "Press once more for the steps where they happen.",
 )
-PAGE, PAGE_HINT = (
+MORE_TITLE, MORE_HINT = (
     "More",
-    "The pose that the page began with; two orders of turns, the next pair; brightness.",
+    "The pose that the page began with; a page without a lesson; brightness.",
 )
+MENU_TITLE = "Menu"
+MENU_CLOSE, MENU_CLOSE_HINT = "Close  Esc", "All keys, or back to the page"
+HELP_BUTTON = "All keys  H"
 SAVE, SAVE_HINT = "Save as", "A file to hand out: it works without this program and offline."
 SAVING = "{kind}: the file is being made. This can take a minute; go on as you like."
 SAVED = "{name} is done: it is among your browser's downloads."
@@ -135,6 +153,10 @@ SAVING_FAILED = "The file could not be made; the window that venus3d was started
 NOTHING_TO_SAVE = "Files cannot be written here."
 FILE_NAME = "venus3d-{name}.{kind}"
 ANNOUNCED = "Lessons"
+FOLLOW_ME = (
+    "The tab opened first on this machine ({url}) leads the class; all others show what it shows, "
+    "until it lets go. Only tabs on this machine may lead."
+)
 
 PAUSE, DARK = "❚❚ Pause ␣", "Dark  B"
 IS_ON = "✓ {label}"
@@ -142,6 +164,7 @@ LABELS: dict[Action, str] = {
     PageAction.PREVIOUS_STEP: "◀  P",
     PageAction.PLAY: "▶ Play ␣",
     PageAction.NEXT_STEP: "N  ▶",
+    PageAction.MENU: "☰ Menu  ⇧M",
     PageAction.SPEED: "{speed} speed  Z",
     PageAction.LOOP: "Loop  ⇧Z",
     LookFrom("outside"): "Outside",
@@ -153,10 +176,13 @@ LABELS: dict[Action, str] = {
     Arrange("order"): "Orders  Y",
     PageAction.NEXT_ORDER: "Next order  ⇧Y",
     PageAction.RESET: "Pose again  R",
+    PageAction.FREE: "Free page  0",
     PageAction.BRIGHTNESS: "Light  B",
+    PageAction.LEAD: "Lead the class",
     PageAction.PREVIOUS_PAGE: "◀ Back  Page up",
     PageAction.NEXT_PAGE: "Next page  Page down ▶",
 }
+LET_GO = "Let the class go"
 SPEED_NAMES = {0.5: "½×", 1.0: "1×", 2.0: "2×"}
 SAVE_LABELS: dict[FileKind, str] = {
     "html": "Web page",
@@ -192,6 +218,11 @@ COMMANDS: dict[Action, tuple[str, str]] = {
     PageAction.FREE: ("Try it yourself", "No lesson: just the sliders"),
     PageAction.RESET: ("Pose again", "The pose that this page began with"),
     PageAction.BRIGHTNESS: ("Light or dark", "Change the page's brightness"),
+    PageAction.MENU: ("Menu", "Comparisons, speed, files to hand out and more"),
+    PageAction.LEAD: (
+        "Lead the class, or let go",
+        "With --follow-me, in a tab on the machine that venus3d runs on",
+    ),
     Answer(1): ("Answer 1", "Give the first answer"),
     Answer(2): ("Answer 2", "Give the second answer"),
     Answer(3): ("Answer 3", "Give the third answer"),

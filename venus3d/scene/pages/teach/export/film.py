@@ -17,10 +17,10 @@ from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground, picture_background
 from venus3d.render.projections import Picture, with_header, with_step_header
 from venus3d.render.text_drawing import font, wrapped_lines
-from venus3d.scene.pages.teach.camera_pictures import with_refusal
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.export.animation import ExportedPage, animation_states
 from venus3d.scene.pages.teach.export.comparison_picture import comparison_picture
+from venus3d.scene.pages.teach.pictures import with_refusal
 from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at, shown_step
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose

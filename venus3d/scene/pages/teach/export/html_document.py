@@ -25,11 +25,12 @@ from venus3d.scene.pages.teach import texts as teach_texts
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.export.animation import ExportedPage
 from venus3d.scene.pages.teach.export.scene_recording import ASPECT, player_scripts
-from venus3d.scene.pages.teach.export.sentences import holder_sentence, pose_sentence
+from venus3d.scene.pages.teach.export.sentences import pose_sentence
 from venus3d.scene.pages.teach.lesson_html import (
     acceptance_html,
     comparison_html,
     focal_uncertainty_html,
+    holder_sentence,
     lens_picture,
 )
 from venus3d.scene.web.lesson_text import lesson_text_html
@@ -144,7 +145,7 @@ def _figures(page: ExportedPage, dark: bool) -> str:
 def _step(step: Step, picture: Picture, dark: bool) -> str:
     style, words = step_style(step.number), step_prompt(step).camera
     colour = style.colour(dark)
-    alt = escape(texts.STEP_ALT.format(number=step.number, words=words), quote=True)
+    alt = escape(teach_texts.STEP_ALT.format(number=step.number, words=words), quote=True)
     look = f"--step:{hex_of(colour)};--on:{hex_of(text_on(colour))}"
     held = f"<br><small>{escape(holder_sentence(step_prompt(step)))}</small>"
     return (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from venus3d.engine.guidance.prompts import Prompt
 from venus3d.scene.pages.teach.export import texts
 from venus3d.scene.pages.teach.state import Vector
 
@@ -22,13 +21,6 @@ def pose_sentence(vector: Vector) -> str:
     places = [*(places or [texts.AHEAD]), texts.AWAY.format(amount=f"{vector[5]:g}")]
     turned = texts.TURNED.format(turns=_listed(turns)) if turns else texts.NOT_TURNED
     return f"{turned} {texts.PLACED.format(places=_listed(places))}"
-
-
-def holder_sentence(words: Prompt) -> str:
-    """The instruction for the board's holder; empty if it is the same for both sides."""
-    if words.holder == words.camera:
-        return ""
-    return texts.HOLDER.format(words=words.holder[0].lower() + words.holder[1:])
 
 
 def _listed(parts: list[str]) -> str:

@@ -14,7 +14,8 @@ from venus3d.render.palette import ground, step_style, text_on
 from venus3d.render.projections import Picture, Projections
 from venus3d.render.text_drawing import fitting_font, font, wrapped_lines
 from venus3d.scene.pages.teach.export import texts
-from venus3d.scene.pages.teach.export.sentences import holder_sentence, pose_sentence
+from venus3d.scene.pages.teach.export.sentences import pose_sentence
+from venus3d.scene.pages.teach.lesson_html import holder_sentence
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
 

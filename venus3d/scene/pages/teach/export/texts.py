@@ -6,7 +6,6 @@ SHEET_START = (
     "From the upright board, {millimetres} mm in front of the camera. The turns are about the "
     "camera's axes."
 )
-HOLDER = "For your hands: {words}"
 
 PAGE_OF = "Page {page} of {pages}"
 BACK, ON = "Back", "Next page"
@@ -17,7 +16,6 @@ SCENE_HINT = (
     "finger."
 )
 POSE_TITLE = "The pose in six numbers"
-STEP_ALT = "Step {number}: {words}"
 QUESTION = "A question"
 RIGHT, WRONG = "Right.", "Not quite."
 NOT_TURNED = "The board is not turned;"

@@ -1,7 +1,7 @@
-"""The server of an exercise: every tab has its own page.
+"""A server where every tab has a page of its own.
 
     viser's pool  lays pages out for new tabs; queues requests
-    the caller's  `step`, repeatedly: requests and the clock -> each exercise -> its page;
+    the caller's  `step`, repeatedly: requests and the clock -> each tab's model -> its page;
     thread        then the pictures, in turns
 
 Scenes and pictures share one thread on purpose: two would contend for Python's lock at each of the
@@ -13,23 +13,68 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import count
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 import viser
 
 from venus3d.engine.errors import StorageError
-from venus3d.scene.pages.exercise.exercise import Exercise
-from venus3d.scene.pages.exercise.page import Ask, ExercisePage, Job
-from venus3d.scene.pages.exercise.texts import BROKEN, STANDS_STILL
-from venus3d.scene.pages.exercise.view_model import ExerciseView, Request
+from venus3d.scene.web.camera_rig import FAR, NEAR
 from venus3d.scene.web.drawing import Failures, tell_tab
 from venus3d.scene.web.server import LocalServer
-from venus3d.scene.web.texts import DRAWING_FAILED
+from venus3d.scene.web.texts import DRAWING_FAILED, TAB_BROKEN, TAB_STOPPED
 
+Job = Callable[[], None]
+"""Draws one picture and delivers it."""
+Ask = Callable[[Any], None]
+"""Called on viser's threads; only queues the request."""
+
+
+class TabModel(Protocol):
+    """What one tab is about: its state machine. Used by one thread, but for `last_view`."""
+
+    def handle(self, request: Any, /) -> None:
+        """Carry out a person's request."""
+
+    def tick(self, now_s: float, /) -> None:
+        """Advance the clock."""
+
+    def view(self) -> Any:
+        """What is to be shown now; the same object until something has changed."""
+        ...
+
+    @property
+    def last_view(self) -> Any:
+        """The view made last, for other threads."""
+        ...
+
+
+class TabPage(Protocol):
+    """One tab's panels and scene."""
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether something on it moves by itself."""
+        ...
+
+    def show(self, view: Any, /) -> None:
+        """Show one view."""
+
+    def advance(self) -> None:
+        """Go on with what moves."""
+
+    def pictures(self) -> Iterable[tuple[str, Job]]:
+        """The pictures that are due, by name: those whose contents have changed."""
+        ...
+
+    def warn(self, text: str, /) -> None:
+        """Report an error in a persistent note."""
+
+
+Model = TypeVar("Model", bound=TabModel)
 _FORGIVEN_S = 60.0
 """Seconds after a page was reloaded after which the next failure counts as the first."""
 _PERIOD_S = 1 / 30
@@ -38,51 +83,51 @@ _ROUND_S = 0.12
 
 
 @dataclass(eq=False)
-class Tab:
-    """One tab and its exercise."""
+class Tab(Generic[Model]):
+    """One tab, its model and its page."""
 
     client: viser.ClientHandle
-    exercise: Exercise[Any]
-    page: ExercisePage[Any]
-    requests: queue.SimpleQueue[Request]
-    shown: ExerciseView | None = None
+    model: Model
+    page: TabPage
+    requests: queue.SimpleQueue[Any]
+    shown: Any = None
     """None: to be drawn."""
     failed_at: float = -np.inf
     """Clock time at which its page was reloaded, seconds."""
 
 
-class ExerciseServer:
+class TabServer(Generic[Model]):
     """All tabs of one server. Closing a tab discards its page."""
 
     def __init__(
         self,
         server: LocalServer,
         title: str,
-        exercise_of: Callable[[int], Exercise[Any]],
-        make_page: Callable[[viser.ClientHandle, Ask, Any], ExercisePage[Any]],
+        model_of: Callable[[int], Model],
+        make_page: Callable[[viser.ClientHandle, Ask, Any], TabPage],
     ) -> None:
         """Accept visitors. The caller closes the server afterwards.
 
         Args:
             title: of notes to a tab without a page.
-            exercise_of: the exercise for the tab of this number; called on viser's threads.
+            model_of: the model for the tab of this number; called on viser's threads.
             make_page: lays out a page with this view; on viser's threads, or after a failure.
         """
         self.server = server
-        self._title, self._exercise_of, self._make_page = title, exercise_of, make_page
-        self._tabs: dict[int, Tab] = {}
+        self._title, self._model_of, self._make_page = title, model_of, make_page
+        self._tabs: dict[int, Tab[Model]] = {}
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._stop = threading.Event()
         self._turns = PictureTurns()
         self._failures = Failures()
         camera = server.initial_camera
-        camera.near, camera.far = 0.01, 50.0
+        camera.near, camera.far = NEAR, FAR
         server.on_client_connect(self._enter)
         server.on_client_disconnect(self._leave)
 
     @property
-    def tabs(self) -> tuple[Tab, ...]:
+    def tabs(self) -> tuple[Tab[Model], ...]:
         """The open tabs."""
         with self._lock:
             return tuple(self._tabs.values())
@@ -117,23 +162,23 @@ class ExerciseServer:
         number = client.client_id
         if number not in self.server.get_clients():  # already closed
             return
-        requests: queue.SimpleQueue[Request] = queue.SimpleQueue()
+        requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
         try:
-            exercise = self._exercise_of(number)
-            page = self._make_page(client, self._asking(requests), exercise.last_view)
+            model = self._model_of(number)
+            page = self._make_page(client, self._asking(requests), model.last_view)
         except Exception as error:
-            self._failures.tell(error, STANDS_STILL)
-            client.add_notification(self._title, BROKEN, color="red")
+            self._failures.tell(error, TAB_STOPPED)
+            client.add_notification(self._title, TAB_BROKEN, color="red")
             return
         with self._lock:
-            self._tabs[number] = Tab(client, exercise, page, requests)
+            self._tabs[number] = Tab(client, model, page, requests)
         # It may have closed while its page was laid out; nobody else would remove it then.
         if number not in self.server.get_clients():
             self._leave(client)
         self._wake.set()
 
-    def _asking(self, requests: queue.SimpleQueue[Request]) -> Ask:
-        def ask(request: Request) -> None:
+    def _asking(self, requests: queue.SimpleQueue[Any]) -> Ask:
+        def ask(request: Any) -> None:
             requests.put(request)
             self._wake.set()
 
@@ -146,15 +191,15 @@ class ExerciseServer:
 
     # -- on the caller's thread --------------------------------------------------------------------
 
-    def _serve(self, tab: Tab) -> bool:
+    def _serve(self, tab: Tab[Model]) -> bool:
         """Update one tab; whether something on its page still moves. An error affects only this
         tab."""
-        exercise, page = tab.exercise, tab.page
+        model, page = tab.model, tab.page
         try:
-            exercise.tick(time.monotonic())
+            model.tick(time.monotonic())
             while not tab.requests.empty():  # the only reader, so nothing is taken in between
-                exercise.handle(tab.requests.get())
-            view = exercise.view()
+                model.handle(tab.requests.get())
+            view = model.view()
             if view is not tab.shown:
                 tab.shown = view
                 page.show(view)
@@ -184,7 +229,7 @@ class ExerciseServer:
                 return True
         return False
 
-    def _failed(self, tab: Tab, error: Exception) -> None:
+    def _failed(self, tab: Tab[Model], error: Exception) -> None:
         """Reload one tab's page; one that fails again at once stays as it is."""
         client, now = tab.client, time.monotonic()
         if client.client_id not in self.server.get_clients():
@@ -198,13 +243,13 @@ class ExerciseServer:
                 raise error
             client.gui.reset()
             client.scene.reset()
-            tab.page = self._make_page(client, self._asking(tab.requests), tab.exercise.view())
+            tab.page = self._make_page(client, self._asking(tab.requests), tab.model.view())
             tab.shown = None
             tell_tab(client, error)
         except Exception as worse:
-            self._failures.tell(worse, STANDS_STILL)
+            self._failures.tell(worse, TAB_STOPPED)
             self._leave(client)
-            tab.page.warn(BROKEN)
+            tab.page.warn(TAB_BROKEN)
 
 
 class PictureTurns:

@@ -1,18 +1,23 @@
-"""The two pictures of a teaching page: the camera's view, and the four steps on one sheet. Small
-pictures while somebody drags, large ones once it is quiet; `viewer` decides when."""
+"""The pictures of a teaching page: the camera's view, and each of the four steps. Small while
+somebody drags, large once it is quiet; `page` decides when. What one tab has seen, another gets at
+once."""
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
+from concurrent.futures import Future
+from threading import Lock
 
 import numpy as np
 from PIL import Image, ImageDraw
 
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array
 from venus3d.render.annotated_picture import draw_line
 from venus3d.render.offscreen import Offscreen
-from venus3d.render.palette import ground, picture_background, step_colour, text_on
+from venus3d.render.palette import ground, picture_background, text_on
 from venus3d.render.projections import Picture, Projections
 from venus3d.render.shapes import Colour
 from venus3d.render.text_drawing import font, wrapped_lines
@@ -20,86 +25,78 @@ from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
 
-_QUICK, _FINE = (400, 1), (640, 2)  # width of the camera picture, supersampling
-_QUICK_TILE, _FINE_TILE = (240, 1), (480, 2)
-_FRAME = 5
-_GAP = 6
+_QUICK, _FINE = (400, 1), (640, 2)  # width of the camera's view, supersampling
+_QUICK_STEP, _FINE_STEP = (240, 1), (480, 2)
+_KEPT = 48
 
 
 class TeachPictures:
-    """Requests pictures from the offscreen renderer and waits for them."""
+    """All tabs' pictures; thread-safe. The newest are kept."""
 
     def __init__(self, offscreen: Offscreen) -> None:
         """`offscreen` renders the pictures; the caller closes it."""
         self._offscreen = offscreen
         self._projections = Projections(offscreen)
-        self._tiles: dict[tuple[object, ...], Picture] = {}
+        self._kept: OrderedDict[tuple[object, ...], Picture] = OrderedDict()
+        self._lock = Lock()
 
     def camera_picture(self, taught: TaughtPose, state: TeachState, *, fine: bool) -> Picture:
         """The camera's current view, RGB; a refused pose is marked."""
         width, supersample = _FINE if fine else _QUICK
-        camera = taught.camera
-        size = (width, round(width * camera.height / camera.width))
-        return self._offscreen.submit(
-            camera,
-            camera_shapes_at(taught, state),
-            background=picture_background(state.dark),
-            size=size,
-            supersample=supersample,
-            finish=lambda picture: with_refusal(picture, taught, state.dark),
-        ).result()
+        return self._kept_or(
+            (*camera_key(state), fine),
+            lambda: self._offscreen.submit(
+                taught.camera,
+                camera_shapes_at(taught, state),
+                background=picture_background(state.dark),
+                size=_size(taught.camera, width),
+                supersample=supersample,
+                finish=lambda picture: with_refusal(picture, taught, state.dark),
+            ),
+        )
 
-    def steps_picture(
-        self,
-        taught: TaughtPose,
-        state: TeachState,
-        *,
-        fine: bool,
-        wanted: Callable[[], bool] = lambda: True,
-    ) -> Picture | None:
-        """The four steps two by two, RGB, the current one framed; tiles are cached. None if, after
-        one of the tiles, the sheet is no longer `wanted`."""
-        places = [(step.number, *_places(step), state.dark) for step in taught.steps]
-        # Fine tiles are not replaced by coarse ones because another step is framed.
-        fine = fine or all((*place, True) in self._tiles for place in places)
-        width, supersample = _FINE_TILE if fine else _QUICK_TILE
-        camera = taught.camera
-        size = (width, round(width * camera.height / camera.width))
-        tiles: dict[tuple[object, ...], Picture] = {}
-        for step, place in zip(taught.steps, places, strict=True):
-            key = (*place, fine)
-            # A slider leaves the steps before its own unchanged.
-            if key in self._tiles:
-                tiles[key] = self._tiles[key]
-            elif not wanted():
-                return None
-            else:
-                tiles[key] = self._projections.of_step(
-                    step, camera, taught.board, size=size, dark=state.dark, supersample=supersample
-                ).result()
-        self._tiles = tiles
-        return _two_by_two(list(tiles.values()), 0 if state.at_rest else state.step, state.dark)
+    def step_picture(self, taught: TaughtPose, step: Step, dark: bool, *, fine: bool) -> Picture:
+        """One of the steps as the camera sees it, RGB."""
+        width, supersample = _FINE_STEP if fine else _QUICK_STEP
+        return self._kept_or(
+            (*step_key(step, dark), fine),
+            lambda: self._projections.of_step(
+                step,
+                taught.camera,
+                taught.board,
+                size=_size(taught.camera, width),
+                dark=dark,
+                supersample=supersample,
+                header=False,
+            ),
+        )
+
+    def _kept_or(self, key: tuple[object, ...], request: Callable[[], Future[Picture]]) -> Picture:
+        with self._lock:
+            kept = self._kept.get(key)
+        if kept is None:
+            kept = request().result()
+        with self._lock:
+            self._kept[key] = kept
+            self._kept.move_to_end(key)
+            while len(self._kept) > _KEPT:
+                self._kept.popitem(last=False)
+        return kept
 
 
-def _places(step: Step) -> tuple[bytes, bytes, float]:
-    return step.before.matrix.tobytes(), step.after.matrix.tobytes(), step.angle_deg
+def camera_key(state: TeachState) -> tuple[object, ...]:
+    """Equal for two states in which the camera sees the same."""
+    return (state.vector, state.step_and_share, state.focus, state.at_rest, state.dark)
 
 
-def _two_by_two(tiles: list[Picture], step: int, dark: bool) -> Picture:
-    """The tiles two by two; that of `step` framed (0: none)."""
-    height, width = tiles[0].shape[:2]
-    gap = round(_GAP * width / 320)
-    sheet = np.empty((2 * height + 3 * gap, 2 * width + 3 * gap, 3), np.uint8)
-    sheet[:] = ground(dark).background
-    frame = round(_FRAME * width / 320)
-    for number, tile in enumerate(tiles, start=1):
-        row, column = divmod(number - 1, 2)
-        y, x = gap + row * (height + gap), gap + column * (width + gap)
-        if number == step:
-            around = slice(y - frame, y + height + frame), slice(x - frame, x + width + frame)
-            sheet[around] = step_colour(number, dark)
-        sheet[y : y + height, x : x + width] = tile
-    return sheet
+def step_key(step: Step, dark: bool) -> tuple[object, ...]:
+    """Equal for two steps that look alike."""
+    places = step.before.matrix.tobytes(), step.after.matrix.tobytes()
+    return (step.number, *places, step.angle_deg, dark)
+
+
+def _size(camera: Camera, width: int) -> tuple[int, int]:
+    return width, round(width * camera.height / camera.width)
 
 
 def with_refusal(picture: Picture, taught: TaughtPose, dark: bool) -> Picture:
