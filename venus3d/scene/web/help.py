@@ -73,10 +73,11 @@ def add_commands(host: Host, commands: Sequence[Command]) -> None:
 
 
 def _check_keys(commands: Sequence[Command]) -> None:
-    keys = [key_name(c.hotkey) for c in commands if c.hotkey is not None]
+    keys = [c.hotkey for c in commands if c.hotkey is not None]
     twice = {key for key in keys if keys.count(key) > 1}
     if twice:
-        raise ValueError(f"two commands for one key: {', '.join(sorted(twice))}")
+        named = ", ".join(sorted(map(key_name, twice)))
+        raise ValueError(f"two commands for one key: {named}")
 
 
 class HelpOverlay:

@@ -48,7 +48,7 @@ def built_html(target: Target, sources: Sources, theme: Theme, wording: Wording)
         for step, source in zip(target.steps, sources, strict=True)
     )
     return (
-        f"<div class='v-steps v-built'><h3>{say.BUILT_TITLE}</h3><div class='v-legend'>"
+        f"<div class='v-steps'><h3>{say.BUILT_TITLE}</h3><div class='v-legend'>"
         f"{escape(say.BUILT_INTRO.format(number=target.number))}</div>"
         f"<div class='v-grid'>{tiles}</div></div>"
     )
