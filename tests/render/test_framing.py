@@ -20,9 +20,9 @@ from venus3d.engine.geometry.pose import Array, Pose, interpolate
 from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
 from venus3d.engine.planning.limits import Limits
 from venus3d.render.describe import SceneOptions, describe
-from venus3d.render.framing import best_direction, content_of
-from venus3d.render.shapes import FrustumShape, LabelShape, MeshShape, PointShape, Shape
-from venus3d.render.viewpoints import SceneCamera
+from venus3d.render.framing import best_direction, content_of, good_direction
+from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+from venus3d.render.viewpoints import OUTSIDE, SceneCamera, view_along
 from venus3d.scene.web.steady_framing import SteadyFraming
 
 FAR_AWAY = Pose(np.eye(3), np.array([40.0, 40.0, 40.0]))
@@ -41,9 +41,11 @@ def in_window(view: SceneCamera, points: Array, aspect: float) -> Array:
 
 
 def every_point(shapes: tuple[Shape, ...], camera: Camera) -> Array:
-    """(N, 3) every vertex of what is drawn, and the corners of the frustum."""
+    """(N, 3) all vertices of what is drawn, and the frustum's corners; not floor and figure."""
     points: list[Array] = [np.zeros((1, 3))]
     for shape in shapes:
+        if shape.name.startswith(("/ground/", "/figure/")):
+            continue
         if isinstance(shape, FrustumShape):
             w, h = camera.width / camera.fx / 2, camera.height / camera.fy / 2
             points.append(0.14 * np.array([[x, y, 1] for x in (-w, w) for y in (-h, h)]))
@@ -51,7 +53,7 @@ def every_point(shapes: tuple[Shape, ...], camera: Camera) -> Array:
             points.append(shape.position[None])
         elif isinstance(shape, MeshShape):
             points.append(shape.pose.apply(np.asarray(shape.mesh.vertices, np.float64)))
-        elif not isinstance(shape, PointShape):
+        elif isinstance(shape, LineShape):
             points.append(shape.pose.apply(shape.segments.reshape(-1, 3)))
     return np.concatenate(points)
 
@@ -157,6 +159,27 @@ def test_a_good_view_stays_and_a_bad_one_does_not(
     for tilt in (edge_on, edge_on - 180):
         if abs(tilt) < 60:
             assert direction(tilt, first) @ first < np.cos(np.radians(20))
+
+
+def test_the_view_from_outside_changes_only_where_a_board_is_edge_on(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """The lessons speak of one view from outside; there a board that swings was seen edge-on."""
+    turned = 0
+    for swing in range(-60, 61, 10):
+        pose = Pose.from_vector([-20, swing, 0, 0, 0, 0.5])
+        shapes = describe(pose_snapshot(default_board, paper_camera, pose, pose), SceneOptions())
+        forward = good_direction(content_of(shapes), 0.85, OUTSIDE)
+        eye = view_along(forward, content_of(shapes).points, 0.85).position
+        usual = view_along(OUTSIDE, content_of(shapes).points, 0.85).position
+        seen, seen_usually = (
+            np.degrees(np.arcsin(abs((pose.t - e) @ pose.R[:, 2]) / np.linalg.norm(pose.t - e)))
+            for e in (eye, usual)
+        )
+        assert seen >= 25
+        assert np.array_equal(forward, OUTSIDE) == (seen_usually >= 25), swing
+        turned += not np.array_equal(forward, OUTSIDE)
+    assert 2 <= turned <= 8
 
 
 def test_what_is_only_background_does_not_count(paper_camera: Camera, default_board: Board) -> None:

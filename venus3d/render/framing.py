@@ -165,6 +165,12 @@ def best_direction(content: Content, aspect: float, present: Array | None = None
     return directions[best]
 
 
+def good_direction(content: Content, aspect: float, usual: Array) -> Array:
+    """(3,) the usual direction, unless it misses one of the two bars; then the best one."""
+    _, bad = _judge(content, usual[None], aspect)
+    return best_direction(content, aspect) if bad[0] else usual
+
+
 @lru_cache(maxsize=1)
 def _directions() -> Array:
     """(D, 3) unit vectors, from behind the camera forward."""

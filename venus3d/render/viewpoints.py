@@ -37,6 +37,8 @@ _DIRECTIONS: dict[Viewpoint, tuple[float, float, float]] = {
     "holder": (0.20, -0.62, 0.76),
     "above": (0.0, -1.0, -0.06),
 }
+OUTSIDE = -np.array(_DIRECTIONS["outside"]) / np.linalg.norm(_DIRECTIONS["outside"])
+"""Direction in which the usual view from outside looks."""
 # For a row along x, with no lateral tilt; from slightly above, so that the far axis is seen.
 _ABREAST: dict[Viewpoint, tuple[float, float, float]] = {
     "outside": (0.0, -0.4, -1.0),

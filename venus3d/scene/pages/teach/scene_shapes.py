@@ -5,6 +5,7 @@ camera's picture."""
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,13 +16,20 @@ from venus3d.lessons.lesson import Arrangement
 from venus3d.render.amounts import degrees
 from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
 from venus3d.render.describe import SceneOptions, static_shapes
+from venus3d.render.framing import content_of, good_direction
 from venus3d.render.frustum import AXIS_LENGTH, border_segments
 from venus3d.render.palette import ground
 from venus3d.render.shapes import LabelShape, LineShape, Shape
 from venus3d.render.step_shapes import instruction_shapes, pose_during
 from venus3d.render.strip import bounds_of, strip_shapes
 from venus3d.render.surroundings import surroundings
-from venus3d.render.viewpoints import SceneCamera, view_abreast, view_from
+from venus3d.render.viewpoints import (
+    OUTSIDE,
+    SceneCamera,
+    view_abreast,
+    view_along,
+    view_from,
+)
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.comparison import comparison_points, comparison_shapes
 from venus3d.scene.pages.teach.state import TeachState
@@ -152,7 +160,14 @@ def scene_view_of(
     points = _points_of_interest(taught, state.arrangement, shapes)
     if state.arrangement != "place":
         return view_abreast(state.viewpoint, points, aspect)
+    if state.viewpoint == "outside":
+        return view_along(_outside_direction(shapes, aspect), points, aspect)
     return view_from(state.viewpoint, taught.camera, points, aspect)
+
+
+@lru_cache(maxsize=8)
+def _outside_direction(shapes: tuple[Shape, ...], aspect: float) -> Array:
+    return good_direction(content_of(shapes), aspect, OUTSIDE)
 
 
 def _points_of_interest(
