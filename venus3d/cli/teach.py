@@ -19,8 +19,8 @@ def teach(options: TeachOptions) -> None:
         return
     kind = kind_of(options.export)
     prepare(options.export.parent, "--export")
-    files, note = export_lesson(options, kind)
-    if note:
+    files, notes = export_lesson(options, kind)
+    for note in notes:
         print_note(note)
     for path, content in zip(_names(options.export, len(files)), files, strict=True):
         print(f"Written: {write_bytes(path, content)}")

@@ -81,6 +81,27 @@ def test_an_own_lesson_comes_first_and_a_wrong_name_is_one_sentence(
         teach.run_teach(TeachOptions(lesson="gimbal-luck"))
 
 
+def test_a_pose_that_leaves_the_picture_is_told_when_it_is_loaded_and_exported(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    paper_camera: Camera,
+    default_board: Board,
+) -> None:
+    own = tmp_path / "mine.toml"
+    own.write_text(OWN.replace("[10, 0, 0, 0, 0, 500]", "[0, 0, 0, 250, 0, 500]"), "utf-8")
+    # Two corners: the board is 252 mm wide, the picture ends 302 mm right of its middle.
+    x = (paper_camera.width - paper_camera.cx) / paper_camera.fx * 500
+    assert 250 - default_board.width * 500 < x < 250 + default_board.width * 500
+    told = "'Mine', page 1 (One): 2 of the board's 4 corners are outside the picture"
+    _, notes = teach.export_lesson(TeachOptions(lesson=str(own)), "png")
+    assert any(told in note for note in notes)
+    monkeypatch.setattr(teach.TeachServer, "run", lambda _: None)
+    teach.run_teach(TeachOptions(lesson=str(own), port=free_port()))
+    said = capsys.readouterr().out
+    assert told in said and said.count("outside the picture") == 1, "no lesson of ours"
+
+
 def test_a_file_is_dark_where_that_is_asked_for(tmp_path: Path) -> None:
     own = tmp_path / "mine.toml"
     own.write_text(OWN, encoding="utf-8")

@@ -77,6 +77,35 @@ def test_a_slider_shows_its_own_step_and_stops_the_animation() -> None:
     assert state.with_vector((*moved[:4], 5.0, moved[5])).step == 1
 
 
+def test_editing_a_number_shows_the_board_where_the_numbers_say(study: PoseAnalysis) -> None:
+    """Way went to the start once, and the card said "right" of a board that stood elsewhere."""
+    generator, theme = np.random.default_rng(4), Theme(True)
+    home: Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 500.0)
+    state = TeachState(vector=home)
+    for _ in range(150):
+        # Whatever was going on before ...
+        doing = generator.integers(4)
+        if doing == 0:
+            state = state.carried_to(float(generator.choice([0.0, 0.25, 0.4, 1.0])))
+        elif doing == 1:
+            state = state.play(True).after(0.3, BUSY)
+        elif doing == 2:
+            state = state.step_back()
+        number = int(generator.integers(6))
+        value = home[number] if generator.random() < 0.4 else float(generator.integers(-40, 40))
+        edited = [*state.vector]
+        edited[number] = value + (500 if number == 5 and value < 500 else 0)
+        state = state.with_vector((edited[0], edited[1], edited[2], *edited[3:]))  # type: ignore[arg-type]
+        taught = study(state.vector)
+        assert state.progress == 4.0 and not state.playing
+        shown = board_pose_at(taught, state)
+        np.testing.assert_allclose(1000 * shown.t, state.vector[3:], atol=1e-9)
+        card = card_html(taught, state, theme)
+        assert "The position is right" not in card and "Nothing to turn" not in card
+        if not state.at_rest and not taught.steps[state.step - 1].is_idle:
+            assert f"Step {state.step} of 4" in card
+
+
 def test_lessons_set_the_page_and_turn_into_each_other() -> None:
     state = TeachState(lessons=LESSONS).opened(0)
     assert state.vector == PAGE.pose and state.viewpoint == "above"

@@ -25,6 +25,7 @@ from venus3d.scene.pages.teach.lesson_html import lesson_html, question_html
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.web.lesson_text import lesson_text_html
+from venus3d.scene.web.theme import Theme
 
 _POSE = (25.0, -30.0, 20.0, 40.0, -20.0, 520.0)
 _NASTY = (
@@ -136,6 +137,22 @@ def test_every_field_of_a_lesson_is_text_in_the_live_page(nasty: str) -> None:
 
     assert told(nasty).tags == told("harmless").tags
     assert told(nasty).text.count(nasty) >= 3  # title, question, why
+
+
+def test_a_right_answer_is_green_with_a_tick_and_a_wrong_one_red_with_a_cross(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    state = TeachState(lessons=(_lesson("a"),)).opened(0)
+    right, wrong = (question_html(state.answered(number)) for number in (2, 1))
+    assert "v-done" in right and "✓" in right and "v-wrong" not in right
+    assert "v-wrong" in wrong and "✕" in wrong and "v-done" not in wrong
+    page = _document(_lesson("a"), PoseAnalysis(paper_camera, default_board))
+    assert re.search(r"class='v-right' data-verdict='1'><b>✓", page)
+    assert re.search(r"class='v-wrong' data-verdict='0'><b>✕", page)
+    for dark in (False, True):
+        red, green, _ = Theme(dark).wrong
+        assert red > 1.8 * green, "red"
+        assert f"--wrong:#{red:02x}" in Theme(dark).variables
 
 
 @pytest.mark.parametrize("nasty", _NASTY)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -35,23 +36,26 @@ class PosePanel:
     ) -> None:
         """Sliders at `vector`: xr, yr, zr in degrees, xt, yt, zt in millimetres."""
         self._on_change = on_change
+        self._vector = [float(value) for value in vector]
         self._sliders: list[Any] = []
-        for label, hint, value, (low, high, step) in zip(
-            POSE_LABELS, POSE_HINTS, vector, ranges, strict=True
+        for number, (label, hint, value, (low, high, step)) in enumerate(
+            zip(POSE_LABELS, POSE_HINTS, vector, ranges, strict=True)
         ):
             slider = gui.add_slider(
                 label, low, high, step, float(np.clip(value, low, high)), hint=hint
             )
-            slider.on_update(self._moved)
+            slider.on_update(partial(self._moved, number))
             self._sliders.append(slider)
 
     @property
     def vector(self) -> Array:
-        """(6,) the sliders' values: degrees and millimetres."""
-        return np.array([float(slider.value) for slider in self._sliders])
+        """(6,) the pose: degrees and millimetres. A slider may be unable to show its number, which
+        is beyond its end or between its steps; it stays until this slider is moved."""
+        return np.array(self._vector)
 
     def show(self, vector: Sequence[float]) -> None:
         """Set the sliders to this pose, (6,) degrees and millimetres; `on_change` is not called."""
+        self._vector = [float(value) for value in vector]
         for slider, value in zip(self._sliders, vector, strict=True):
             nearest = float(np.clip(round(value / slider.step) * slider.step, *_ends(slider)))
             if slider.value != nearest:
@@ -62,9 +66,10 @@ class PosePanel:
         for slider, on in zip(self._sliders, free, strict=True):
             slider.disabled = not on
 
-    def _moved(self, event: Any) -> None:
+    def _moved(self, number: int, event: Any) -> None:
         # Values set by the program come back without a client.
         if event.client is not None:
+            self._vector[number] = float(event.target.value)
             self._on_change(self.vector)
 
 

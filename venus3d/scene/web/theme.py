@@ -59,6 +59,11 @@ class Theme:
         return (150, 163, 184) if self.dark else (70, 82, 102)
 
     @property
+    def wrong(self) -> Colour:
+        """Colour of a wrong answer; always with a cross and a word."""
+        return (255, 120, 110) if self.dark else (178, 24, 24)
+
+    @property
     def variables(self) -> str:
         """The colours as CSS variables (style.css says what they mean)."""
         own = ground(self.dark)
@@ -72,6 +77,7 @@ class Theme:
             "depth": hex_of(mixed(own.background, _END[self.dark], 0.6)),
             "done": self.reached,
             "warning": self.info,
+            "wrong": hex_of(self.wrong),
         }
         return f":root{{{';'.join(f'--{name}:{value}' for name, value in colours.items())}}}"
 

@@ -110,8 +110,8 @@ def question_html(state: TeachState) -> str:
     if state.answer is not None:
         right = state.answer == question.right
         verdict = texts.RIGHT if right else texts.WRONG
-        done = " v-done" if right else ""
-        body += f"<div class='v-refused{done}'><b>{verdict}</b>{escape(question.why)}</div>"
+        how = "v-done" if right else "v-wrong"
+        body += f"<div class='v-refused {how}'><b>{verdict}</b>{escape(question.why)}</div>"
     return _wrapped(f"<div class='v-question'>{body}</div>")
 
 

@@ -10,6 +10,7 @@ import viser
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.lessons.lesson import Lesson
+from venus3d.render.palette import ground
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import Answer, OpenLesson, PageAction, SetPose
 from venus3d.scene.pages.teach.controls import PAGE_ROW, Act, StateButtons
@@ -87,7 +88,7 @@ class LessonPanel:
         if self._changed("free", not follows):
             self.pose.enable([not follows] * 6)
         self._put(self._question, question_html(state))
-        self._show_answers(state)
+        self._show_answers(state, theme)
         self._put(self._why, comparison_html(taught, state))
         page = state.current_page
         extras = () if page is None else page.show
@@ -114,8 +115,8 @@ class LessonPanel:
             where = texts.PAGE_OF.format(page=state.page + 1, pages=len(lesson.pages))
             self._text.content = lesson_html(page.title, where, page.text)
 
-    def _show_answers(self, state: TeachState) -> None:
-        if not self._changed("answers", (state.lesson, state.page, state.answer)):
+    def _show_answers(self, state: TeachState, theme: Theme) -> None:
+        if not self._changed("answers", (state.lesson, state.page, state.answer, theme)):
             return
         page = state.current_page
         question = None if page is None else page.question
@@ -123,11 +124,12 @@ class LessonPanel:
             button.visible = question is not None and number <= len(question.answers)
             if question is None or not button.visible:
                 continue
-            text = texts.ANSWER
+            text, colour = texts.ANSWER, None
             if state.answer is not None and number == question.right:
-                text = texts.ANSWER_RIGHT
+                text, colour = texts.ANSWER_RIGHT, ground(theme.dark).reached
             elif state.answer == number:
-                text = texts.ANSWER_WRONG
+                text, colour = texts.ANSWER_WRONG, theme.wrong
+            button.color = colour
             button.label = text.format(number=number, answer=question.answers[number - 1])
 
     def _show_lens(self, camera: Camera, dark: bool, shown: bool) -> None:

@@ -46,8 +46,9 @@ def run_teach(options: TeachOptions) -> None:
             kinds=FILE_KINDS,
         )
         stack.enter_context(closing(teach))
+        outside = [note for one in lessons for note in notes_on_poses(one, analyse)]
         how = texts.FOLLOW_ME.format(url=server.url) if options.follow_me else ""
-        announce_page(texts.ANNOUNCED, server.url, note, offscreen.note, how)
+        announce_page(texts.ANNOUNCED, server.url, note, offscreen.note, *outside, how)
         with low_latency():
             teach.run()
 
@@ -117,15 +118,32 @@ def _saved_file(
     return texts.FILE_NAME.format(name=lesson.name, kind=kind), files[0]
 
 
-def export_lesson(options: TeachOptions, kind: FileKind) -> tuple[tuple[bytes, ...], str]:
-    """The chosen lesson's files of this type, and why the painter drew them if OpenGL did not.
-    Raises `VenusError` for whatever the user can fix."""
+def notes_on_poses(lesson: Lesson, analyse: AnalysePose) -> list[str]:
+    """A sentence for each page whose board is not all in the picture."""
+    notes: list[str] = []
+    for number, page in enumerate(lesson.pages, start=1):
+        count = analyse(page.pose, page.order or "zyx").corners_outside
+        if count:
+            notes.append(
+                texts.LEAVES_PICTURE.format(
+                    lesson=lesson.title, page=number, title=page.title, count=count
+                )
+            )
+    return notes
+
+
+def export_lesson(
+    options: TeachOptions, kind: FileKind
+) -> tuple[tuple[bytes, ...], tuple[str, ...]]:
+    """The chosen lesson's files of this type, and notes: why the painter drew them if OpenGL did
+    not, and which poses leave the picture. Raises `VenusError` for whatever the user can fix."""
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     analyse = PoseAnalysis(camera, options.board.board())
     lesson = lesson_of(options.lesson)
     with closing(Offscreen()) as offscreen:
-        note = offscreen.note  # a later one is logged
-        return export_files(lesson, kind, analyse, offscreen, dark=options.dark), note
+        notes = (offscreen.note, *notes_on_poses(lesson, analyse))  # a later one is logged
+        files = export_files(lesson, kind, analyse, offscreen, dark=options.dark)
+        return files, tuple(note for note in notes if note)
 
 
 def _lessons(choice: str) -> tuple[tuple[Lesson, ...], int | None]:

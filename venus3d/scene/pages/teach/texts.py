@@ -152,6 +152,10 @@ SAVED = "{name} is done: it is among your browser's downloads."
 SAVING_FAILED = "The file could not be made; the window that venus3d was started in says why."
 NOTHING_TO_SAVE = "Files cannot be written here."
 FILE_NAME = "venus3d-{name}.{kind}"
+LEAVES_PICTURE = (
+    "{lesson!r}, page {page} ({title}): {count} of the board's 4 corners are outside the picture; "
+    "move its pose towards the middle, or away from the camera."
+)
 ANNOUNCED = "Lessons"
 FOLLOW_ME = (
     "The tab opened first on this machine ({url}) leads the class; all others show what it shows, "

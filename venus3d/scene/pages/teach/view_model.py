@@ -49,6 +49,13 @@ class TaughtPose:
         """1 ... 4: the last step that is not idle; 1 if there is none."""
         return max((step.number for step in self.steps if not step.is_idle), default=1)
 
+    @property
+    def corners_outside(self) -> int:
+        """How many of the board's four outer corners are outside the picture."""
+        pixels = self.camera.project(self.pose.apply(self.board.outline))
+        inside = (pixels >= -0.5) & (pixels <= np.array(self.camera.image_size) - 0.5)
+        return int((~inside.all(axis=1)).sum())  # NaN, behind the lens, is not inside
+
     def others(self, arrangement: Arrangement) -> TurnSequence:
         """The turns shown beside `fixed`."""
         return self.own if arrangement == "axes" else self.reordered

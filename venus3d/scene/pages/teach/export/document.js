@@ -22,6 +22,10 @@ document.addEventListener('click', event => {
   if (button.dataset.go) { show(shown + Number(button.dataset.go)); scrollTo(0, 0); }
   if (button.dataset.answer) {
     const question = button.closest('.question');
+    question.querySelectorAll('[data-answer]').forEach(each => {
+      each.classList.toggle('v-right', each.dataset.answer === '1');
+      each.classList.toggle('v-wrong', each === button && each.dataset.answer === '0');
+    });
     question.querySelectorAll('[data-verdict]').forEach(verdict => {
       verdict.hidden = verdict.dataset.verdict !== button.dataset.answer;
     });

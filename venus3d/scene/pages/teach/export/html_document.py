@@ -164,9 +164,10 @@ def _question(question: Question | None) -> str:
         f"<button data-answer='{int(number == question.right)}'>{escape(answer)}</button>"
         for number, answer in enumerate(question.answers, start=1)
     )
+    why = escape(question.why)
     verdicts = (
-        f"<p hidden data-verdict='1'><b>✓ {texts.RIGHT}</b> {escape(question.why)}</p>"
-        f"<p hidden data-verdict='0'><b>✕ {texts.WRONG}</b> {escape(question.why)}</p>"
+        f"<p hidden class='v-right' data-verdict='1'><b>✓ {texts.RIGHT}</b> {why}</p>"
+        f"<p hidden class='v-wrong' data-verdict='0'><b>✕ {texts.WRONG}</b> {why}</p>"
     )
     return (
         f"<section class='question'><h3>{texts.QUESTION}</h3><p>{escape(question.text)}</p>"
