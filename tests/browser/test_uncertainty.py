@@ -132,7 +132,7 @@ def test_views_by_keyboard_and_the_search_replayed(
     assert target is not None
     page.wait_for_function(
         "t => document.querySelector('.v-guide').innerText.includes(t)",
-        arg=texts.SEARCH_TITLE.format(number=target.number),
+        arg=texts.SEARCH_TITLE,
     )
     # Guidance goes on meanwhile.
     assert page.locator(".v-sentence").inner_text()

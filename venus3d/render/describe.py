@@ -24,13 +24,13 @@ from functools import lru_cache
 
 import numpy as np
 
+from venus3d.engine.amounts import step_amount
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.render.amounts import step_amount
 from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
 from venus3d.render.frustum import camera_shapes
 from venus3d.render.palette import ground, mixed, step_colour

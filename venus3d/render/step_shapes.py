@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from venus3d.engine.amounts import step_amount
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import AXES, Array, Pose, interpolate
-from venus3d.render.amounts import step_amount
 from venus3d.render.arrows import (
     arc_arrow,
     arc_point,

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from venus3d.engine.amounts import step_amount
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.render.amounts import step_amount
 from venus3d.render.board_mesh import board_outline, board_shape
 from venus3d.render.palette import ground, step_colour, step_style
 from venus3d.render.shapes import (

@@ -66,7 +66,7 @@ def test_a_pose_beyond_the_limits_is_brought_back_and_it_is_said(
     assert limits.accepts(paper_camera, default_board, made.vector)[0]
     assert -55.01 < made.vector[0] < -50 and made.vector[2] == 22.5
     assert "tilted by 70°" in made.note and "beyond 55°" in made.note
-    assert "turned about X by -5" in made.note and "instead of -70°" in made.note
+    assert "turned about X by −5" in made.note and "instead of −70°" in made.note
 
 
 def test_bringing_back_changes_nothing_that_is_fine_and_little_else(

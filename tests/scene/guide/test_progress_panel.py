@@ -19,7 +19,7 @@ def test_what_the_last_view_brought() -> None:
     assert brought_text(history) == "The last view: 0.75 → 0.60 px (promised 0.56)."
     assert (
         brought_text((after(1, np.nan), after(2, 1.7)))
-        == "The last view brought the uncertainty to 1.70 px."
+        == "The last view brought the uncertainty to 1.7 px."
     )
     assert brought_text((after(1, np.nan),)) == "" == brought_text(())
 

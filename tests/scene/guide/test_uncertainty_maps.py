@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from html import escape
 
 import cv2
 import numpy as np
 import pytest
 
+from venus3d.engine.amounts import figure
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.colour_scale import (
@@ -32,12 +35,11 @@ from venus3d.render.palette import linear
 from venus3d.scene.pages.guide.uncertainty.maps import (
     MAP_KINDS,
     error_ticks,
-    figure,
     map_html,
     map_of,
 )
 from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html, sparkline
-from venus3d.scene.pages.guide.uncertainty.view_card import verdict, view_html
+from venus3d.scene.pages.guide.uncertainty.view_card import judgement, view_html
 
 SIZE = (640, 360)
 
@@ -186,11 +188,37 @@ def test_card_tells_the_view_and_what_if(guided: Snapshot) -> None:
     assert view_html(guided, 99) == ""
 
 
-def test_verdict_follows_the_sign() -> None:
-    assert "less certain" in verdict(1.0, 1.5) and "50 %" in verdict(1.0, 1.5)
-    assert "more certain" in verdict(1.0, 0.6)
-    assert "hardly" in verdict(1.0, 1.01)
-    assert "not determine" in verdict(1.0, float("nan"))
+@pytest.mark.parametrize(
+    ("change", "kind", "said"),
+    [
+        (0.5, "worse", "50 % less certain"),
+        (-0.4, "better", "40 % more certain"),
+        (0.01, "same", "hardly"),
+        (-0.01, "same", "hardly"),
+        (np.nan, "unknown", "not determine"),
+    ],
+)
+def test_one_judgement_of_a_view_and_all_that_is_said_follows_it(
+    guided: Snapshot, monkeypatch: pytest.MonkeyPatch, change: float, kind: str, said: str
+) -> None:
+    """A view that hardly matters does no harm and gave nothing in the line above."""
+    known = guided.uncertainty
+    assert known is not None
+    left = known.without(2)
+    assert left is not None
+    other = replace(left, uncertainty_px=known.uncertainty_px * (1 + change))
+    monkeypatch.setattr(type(known), "without", lambda *_: other)
+    judged = judgement(guided, 2)
+    assert judged.kind == kind and said in judged.sentence
+    html = view_html(guided, 2)
+    assert escape(judged.sentence) in html
+    assert ("What it gave" in html) == (kind == "worse") and "harm" not in html
+
+
+def test_a_view_that_a_warning_wants_out_is_not_recommended_by_its_card(guided: Snapshot) -> None:
+    warned = Diagnosis("outlying-view", "View 2 fits worse.", "Leave it out.", (2,))
+    html = view_html(replace(guided, diagnoses=(warned,)), 2)
+    assert "Leave it out" in html and "Leave it in" not in html and "What it gave" not in html
 
 
 def test_parameters_say_value_sigma_trend_and_what_they_are(guided: Snapshot) -> None:

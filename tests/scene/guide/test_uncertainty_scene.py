@@ -91,8 +91,8 @@ def test_annealing_is_a_line_through_the_poses_taken(
     assert isinstance(line, LineShape)
     np.testing.assert_allclose(line.segments[:, 0], taken[:-1])
     np.testing.assert_allclose(line.segments[:, 1], taken[1:])
-    assert f"{len(taken)} taken" in caption(walk, 40, 5, in_px=False)
-    ended = caption(walk, len(walk.steps), 5, in_px=False)
+    assert f"{len(taken)} taken" in caption(walk, 40, in_px=False)
+    ended = caption(walk, len(walk.steps), in_px=False)
     assert "best on the way" in ended
 
 

@@ -71,7 +71,7 @@ def test_on_the_way_it_is_the_turn_of_the_step(step: int, axis: str, analyse: Po
     done = [value if number <= step else 0 for number, value in enumerate(POSE[:3], start=2)]
     after = Rotation.from_euler("xyz", done, degrees=True).as_matrix()
     np.testing.assert_allclose(poses[0][:3, :3], after, atol=1e-9)
-    assert f"{angle:+.1f}° about {axis.upper()}" in html
+    assert f"{angle:+.1f}° about {axis.upper()}".replace("-", "−") in html
 
 
 def test_a_move_turns_nothing_and_the_lock_is_told(analyse: PoseAnalysis) -> None:

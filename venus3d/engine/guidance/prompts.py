@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from venus3d.engine.amounts import size_deg, size_mm, whole
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Axis
 from venus3d.engine.sentences import listed
@@ -80,8 +81,8 @@ def translation_prompt(translation: ArrayLike) -> Prompt:
 
 def turn_prompt(axis: Axis, angle_deg: float) -> Prompt:
     """For a signed turn about one of the camera's fixed axes, degrees."""
-    amount = f"{abs(angle_deg):.0f}°"
-    if abs(angle_deg) < 0.5:
+    amount = size_deg(angle_deg)
+    if not whole(angle_deg):
         return _both(f"Nothing to turn about {axis.upper()}.")
     if axis == "x":
         edge = "top" if angle_deg > 0 else "bottom"
@@ -97,7 +98,7 @@ def turn_prompt(axis: Axis, angle_deg: float) -> Prompt:
 
 
 def _part(mm: float, positive: str, negative: str) -> str:
-    return "" if abs(mm) < 0.5 else f"{abs(mm):.0f} mm {positive if mm > 0 else negative}"
+    return f"{size_mm(mm)} {positive if mm > 0 else negative}" if whole(mm) else ""
 
 
 def _both(text: str) -> Prompt:

@@ -13,6 +13,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from venus3d.engine.amounts import whole
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import AXES, Array, rotations_of
@@ -160,26 +161,25 @@ _SIDES = (
     ("bottom", "at the bottom"),
 )
 
-ANGLE = "The turn about {axis} is {value:.0f}°; more than {limit:g}° is hard to hold."
+ANGLE = "The turn about {axis} is {value}°; more than {limit:g}° is hard to hold."
 TILT = (
-    "The board is tilted by {value:.0f}° away from the camera's line of sight; beyond {limit:g}° "
+    "The board is tilted by {value}° away from the camera's line of sight; beyond {limit:g}° "
     "its pattern blurs."
 )
 BACK = "The camera sees the back of the board."
 BEHIND = "Part of the board is beside or behind the lens, where it cannot be seen."
-NEAR = "{point} is too near: {value:.0f} mm from the lens, and {limit:.0f} mm is the nearest."
-FAR = "{point} is too far away: {value:.0f} mm from the lens, and {limit:.0f} mm is the farthest."
+NEAR = "{point} is too near: {value} mm from the lens, and {limit} mm is the nearest."
+FAR = "{point} is too far away: {value} mm from the lens, and {limit} mm is the farthest."
 DEPTH = (
     "{point} is {value:.1f} times as far away as the nearest one; beyond {limit:g} times, not all "
     "of the board is in focus."
 )
-OUTSIDE = "{point} leaves the picture {side} by {value:.0f} px."
+OUTSIDE = "{point} leaves the picture {side} by {value} px."
 AT_THE_EDGE = (
-    "{point} is only {value:.0f} px from the picture's {side} edge; {limit:.0f} px must stay free."
+    "{point} is only {value} px from the picture's {side} edge; {limit} px must stay free."
 )
 SMALL = (
-    "The smallest square is {value:.0f} px wide in the picture; its marker is read from "
-    "{limit:.0f} px on."
+    "The smallest square is {value} px wide in the picture; its marker is read from {limit} px on."
 )
 
 
@@ -226,24 +226,25 @@ def _sentence(
     """The sentence for a rule that is broken at one place only, and the corner concerned."""
     distances = np.linalg.norm(board.outline @ rotations_of(p)[0].T + p[3:], axis=1)
     nearest, farthest = int(np.argmin(distances)), int(np.argmax(distances))
-    near, far = 1000 * distances[nearest], 1000 * distances[farthest]
+    near, far = 1000 * float(distances[nearest]), 1000 * float(distances[farthest])
+    closest, most = whole(1000 * limits.nearest), whole(1000 * limits.farthest)
     tilt = np.degrees(np.arccos(np.clip(seen.cosine[0], -1, 1)))
     match rule:
         case "tilt":
-            text = BACK if tilt > 90 else TILT.format(value=tilt, limit=limits.max_tilt_deg)
+            text = BACK if tilt > 90 else TILT.format(value=whole(tilt), limit=limits.max_tilt_deg)
             return text, ()
         case "near":
-            text = NEAR.format(point=_POINTS[nearest], value=near, limit=1000 * limits.nearest)
+            text = NEAR.format(point=_POINTS[nearest], value=whole(near), limit=closest)
             return text, (nearest,)
         case "far":
-            text = FAR.format(point=_POINTS[farthest], value=far, limit=1000 * limits.farthest)
+            text = FAR.format(point=_POINTS[farthest], value=whole(far), limit=most)
             return text, (farthest,)
         case "depth":
             ratio = far / max(near, 1e-6)
             text = DEPTH.format(point=_POINTS[farthest], value=ratio, limit=limits.max_depth_ratio)
             return text, (farthest,)
         case "small":
-            return SMALL.format(value=seen.side[0], limit=limits.min_square_px), ()
+            return SMALL.format(value=whole(seen.side[0]), limit=whole(limits.min_square_px)), ()
         case _:
             return BEHIND, ()
 
@@ -252,7 +253,7 @@ def _angles(limits: Limits, p: Array) -> Iterator[Refusal]:
     limit = limits.max_angle_deg
     for axis, angle in zip(AXES, np.abs(p[:3]).tolist(), strict=True):
         if angle / limit - 1 > SLACK:
-            text = ANGLE.format(axis=axis.upper(), value=angle, limit=limit)
+            text = ANGLE.format(axis=axis.upper(), value=whole(angle), limit=limit)
             yield Refusal("angle", text, angle / limit - 1)
 
 
@@ -269,10 +270,14 @@ def _sides(limits: Limits, camera: Camera, seen: Visibility) -> Iterator[Refusal
         if beyond / camera.width <= SLACK:
             continue
         if beyond > border:
-            text = OUTSIDE.format(point=_POINTS[worst], side=where, value=beyond - border)
+            value = whole(beyond - border)
+            text = OUTSIDE.format(point=_POINTS[worst], side=where, value=value)
         else:
             text = AT_THE_EDGE.format(
-                point=_POINTS[worst], side=side, value=border - beyond, limit=border
+                point=_POINTS[worst],
+                side=side,
+                value=whole(border - beyond),
+                limit=whole(border),
             )
         corners = tuple(int(i) for i in np.flatnonzero(past[:4] > 0))
         yield Refusal("outside", text, beyond / camera.width, corners)

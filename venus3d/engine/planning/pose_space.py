@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from venus3d.engine.amounts import degrees, size_mm
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -189,9 +190,9 @@ def _change_in_words(before: Array, after: Array) -> str:
     parts: list[str] = []
     for name, old, new in zip("XY", before[:2], after[:2], strict=True):
         if abs(new - old) > 0.05:
-            parts.append(f"turned about {name} by {new:.0f}° instead of {old:.0f}°")
+            parts.append(f"turned about {name} by {degrees(new)} instead of {degrees(old)}")
     if abs(after[5] / before[5] - 1) > 1e-6:
-        parts.append(f"held at {after[5] * 1000:.0f} mm instead of {before[5] * 1000:.0f} mm")
+        parts.append(f"held at {size_mm(1000 * after[5])} instead of {size_mm(1000 * before[5])}")
     if np.linalg.norm(after[3:5] / after[5] - before[3:5] / before[5]) > 1e-6:
         parts.append("moved towards the centre of the picture")
     return f"It is {' and '.join(parts)}." if parts else ""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from venus3d.engine.amounts import size_deg, whole
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.decomposition import Steps, decompose
@@ -115,10 +116,10 @@ def held_in_words(pose: Pose, camera: Camera) -> str:
     x, y = (-1 if share < 0.38 else 1 if share > 0.62 else 0 for share in (float(u), float(v)))
     tilt = tilt_deg(pose)
     parts = (
-        "upright" if abs(roll) < 8 else f"turned {abs(roll):.0f}° {turn}",
+        "upright" if abs(roll) < 8 else f"turned {size_deg(roll)} {turn}",
         _PLACES[y][x],
-        "facing the camera" if tilt < 8 else f"{_edge_in_front(pose)} {tilt:.0f}° nearer",
-        f"{100 * float(np.linalg.norm(pose.t)):.0f} cm away",
+        "facing the camera" if tilt < 8 else f"{_edge_in_front(pose)} {size_deg(tilt)} nearer",
+        f"{whole(100 * float(np.linalg.norm(pose.t)))} cm away",
     )
     return ", ".join(parts)
 

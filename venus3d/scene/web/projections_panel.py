@@ -16,10 +16,10 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from venus3d.engine.amounts import step_amount
 from venus3d.engine.guidance.prompts import Wording
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.render.amounts import step_amount
 from venus3d.render.palette import step_style
 from venus3d.render.projections import Projections
 from venus3d.render.redrawing import still_shows

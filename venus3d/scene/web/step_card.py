@@ -6,9 +6,9 @@ from __future__ import annotations
 from html import escape
 from typing import NamedTuple
 
+from venus3d.engine.amounts import step_amount
 from venus3d.engine.guidance.prompts import HOLD_HEADLINE, HOLD_STILL, Wording
 from venus3d.engine.guidance.remaining import RemainingSteps
-from venus3d.render.amounts import step_amount
 from venus3d.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.theme import Theme

@@ -11,8 +11,8 @@ from html import escape
 
 import numpy as np
 
+from venus3d.engine.amounts import degrees, size_mm, whole
 from venus3d.engine.guidance.matching import Match
-from venus3d.render.amounts import degrees
 from venus3d.scene.pages.audience import texts
 
 LARGEST_DEG, LARGEST_MM = 90.0, 300.0
@@ -51,7 +51,7 @@ def tick_html() -> str:
 def amount_text(match: Match, step: int) -> str:
     """What is left of a step, with sign and unit: "−31°" or "120 mm"."""
     if step == 1:
-        return f"{float(np.linalg.norm(match.remaining_mm)):.0f} mm"
+        return size_mm(float(np.linalg.norm(match.remaining_mm)))
     return degrees(match.remaining_deg[step - 2])
 
 
@@ -92,7 +92,7 @@ def _move(match: Match) -> str:
         _scale(60.0 + 130 * i, towards, float(band), words, ends)
         for i, (towards, words, ends) in enumerate(rows)
     ]
-    label = texts.DIAL_LABEL.format(amount=amount_text(match, 1), limit=f"{match.limit_mm:.0f} mm")
+    label = texts.DIAL_LABEL.format(amount=amount_text(match, 1), limit=size_mm(match.limit_mm))
     return _svg("".join(parts), label)
 
 
@@ -107,7 +107,7 @@ def _scale(
 
     at, right, middle = place(-towards), abs(towards) <= band, y + 34
     second = towards > 0
-    text = f"✓ {texts.DONE}" if right else words[second].format(mm=f"{abs(towards):.0f}")
+    text = f"✓ {texts.DONE}" if right else words[second].format(mm=abs(whole(towards)))
     colour = "var(--done)" if right else "var(--step)"
     rest = "" if right else _line(at, middle, place(-np.sign(towards) * band), middle, 9)
     first_end, second_end = (

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from venus3d.engine.amounts import degrees, size_deg, size_mm
 from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN, step_prompt
-from venus3d.render.amounts import degrees
 from venus3d.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
 from venus3d.render.palette import STEP_STYLES, hex_of
 from venus3d.scene.pages.exercise import texts as say
@@ -71,7 +71,7 @@ def _practice_card(view: PracticeViewModel, theme: Theme) -> tuple[str, str, str
 
 def _amounts(view: PracticeViewModel) -> tuple[str, ...]:
     mm = float(np.linalg.norm(view.match.remaining_mm))
-    return (f"{mm:.0f} mm", *(degrees(deg) for deg in view.match.remaining_deg))
+    return (size_mm(mm), *(degrees(deg) for deg in view.match.remaining_deg))
 
 
 def bars_html(view: PracticeViewModel, theme: Theme) -> str:
@@ -97,7 +97,7 @@ def bars_html(view: PracticeViewModel, theme: Theme) -> str:
         rows = zip(
             ("↔", "↻"),
             (say.PLACE_BAR, say.TURN_BAR),
-            (f"{mm:.0f} mm", f"{largest:.0f}°"),
+            (size_mm(mm), size_deg(largest)),
             (place, (_share(largest, _FAR_DEG), zone)),
             (match.within[0], all(match.within[1:])),
             (theme.info, theme.info),
@@ -132,11 +132,11 @@ def clock_html(view: PracticeViewModel) -> str:
     """Time and path length of this pose."""
     boxes = [(f"{view.seconds:.0f} {say.TIME_UNIT}", say.TIME)]
     if any(view.attempt.free[3:]):
-        shortest = f"{view.attempt.shortest_mm:.0f} mm"
-        boxes.append((f"{view.attempt.path_mm:.0f} mm", say.MOVED.format(shortest=shortest)))
+        shortest = size_mm(view.attempt.shortest_mm)
+        boxes.append((size_mm(view.attempt.path_mm), say.MOVED.format(shortest=shortest)))
     if any(view.attempt.free[:3]):
-        shortest = f"{view.attempt.shortest_deg:.0f}°"
-        boxes.append((f"{view.attempt.path_deg:.0f}°", say.TURNED.format(shortest=shortest)))
+        shortest = size_deg(view.attempt.shortest_deg)
+        boxes.append((size_deg(view.attempt.path_deg), say.TURNED.format(shortest=shortest)))
     inside = "".join(f"<div><b>{value}</b><span>{name}</span></div>" for value, name in boxes)
     return f"<div class='v-progress'><div class='v-big v-clock'>{inside}</div></div>"
 

@@ -8,11 +8,11 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
+from venus3d.engine.amounts import figure
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import ChooseAlternative, Intent
-from venus3d.scene.pages.guide.progress_panel import px_text
 from venus3d.scene.web.help import Command
 
 _AT_MOST = 3
@@ -68,11 +68,11 @@ def alternative_text(other: Target) -> str:
     """How the board is held there, and the expected result."""
     if not np.isfinite(other.gain_px):
         return other.held
-    return say.OTHER_TEXT.format(held=other.held, error=px_text(other.predicted_uncertainty_px))
+    return say.OTHER_TEXT.format(held=other.held, error=figure(other.predicted_uncertainty_px))
 
 
 def _title(target: Target) -> str:
     instead = ""
     if np.isfinite(target.gain_px):
-        instead = say.OTHERS_INSTEAD.format(error=px_text(target.predicted_uncertainty_px))
+        instead = say.OTHERS_INSTEAD.format(error=figure(target.predicted_uncertainty_px))
     return f"<div class='v-progress'><h3>{say.OTHERS_TITLE.format(instead=instead)}</h3></div>"

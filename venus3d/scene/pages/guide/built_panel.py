@@ -7,9 +7,9 @@ from html import escape
 
 import viser
 
+from venus3d.engine.amounts import step_amount
 from venus3d.engine.guidance.prompts import Wording, step_prompt
 from venus3d.engine.planning.target import Target
-from venus3d.render.amounts import step_amount
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.web.projections_panel import Sources, pictures_html, tile_html
 from venus3d.scene.web.theme import Theme

@@ -8,6 +8,7 @@ from html import escape
 import numpy as np
 from viser import uplot
 
+from venus3d.engine.amounts import figure
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress
@@ -29,8 +30,8 @@ def _summary(snapshot: Snapshot) -> str:
     last = snapshot.history[-1] if snapshot.history else None
     boxes = [(str(len(snapshot.views)), say.VIEWS_CAPTURED, "")]
     if last is not None:
-        boxes.append((_short(last.rms_px), say.RMS, say.RMS_HINT))
-        boxes.append((_short(last.uncertainty_px), say.UNCERTAINTY, say.UNCERTAINTY_HINT))
+        boxes.append((figure(last.rms_px), say.RMS, say.RMS_HINT))
+        boxes.append((figure(last.uncertainty_px), say.UNCERTAINTY, say.UNCERTAINTY_HINT))
     cells = "".join(
         f"<div title='{escape(hint)}'><b>{value}</b><span>{words}</span></div>"
         for value, words, hint in boxes
@@ -55,16 +56,11 @@ def brought_text(history: Sequence[Progress]) -> str:
     if history[-1].views != (history[-2].views if len(history) > 1 else 0) + 1:
         return ""
     before = history[-2].uncertainty_px if len(history) > 1 else np.nan
-    now, promised = px_text(history[-1].uncertainty_px), history[-1].predicted_uncertainty_px
+    now, promised = figure(history[-1].uncertainty_px), history[-1].predicted_uncertainty_px
     if not np.isfinite(before):
         return say.LAST_VIEW_ALONE.format(now=now)
-    extra = say.PROMISED.format(error=px_text(promised)) if np.isfinite(promised) else ""
-    return say.LAST_VIEW.format(before=px_text(before), now=now, promised=extra)
-
-
-def px_text(uncertainty_px: float) -> str:
-    """An uncertainty with its significant figures."""
-    return f"{uncertainty_px:.2f}" if uncertainty_px >= 0.1 else f"{uncertainty_px:.3f}"
+    extra = say.PROMISED.format(error=figure(promised)) if np.isfinite(promised) else ""
+    return say.LAST_VIEW.format(before=figure(before), now=now, promised=extra)
 
 
 def forecast_text(forecast: Forecast, *, goes_on: bool = False) -> str:
@@ -90,7 +86,7 @@ def _promise(snapshot: Snapshot) -> str:
     # After a single view the noise, and so the next view's gain, is hardly known.
     if target is None or not np.isfinite(target.gain_px):
         return ""
-    now, then = px_text(target.uncertainty_px), px_text(target.predicted_uncertainty_px)
+    now, then = figure(target.uncertainty_px), figure(target.predicted_uncertainty_px)
     return say.PROMISE.format(now=now, then=then)
 
 
@@ -104,12 +100,7 @@ def _reason(snapshot: Snapshot) -> str:
     small = f"<small>{escape(looked + serves)}</small>" if looked or serves else ""
     text = f"{target.reason} {_promise(snapshot)}".strip()
     reason = f"<div class='v-reason'>{escape(text)}{small}</div>"
-    title = say.WHAT_FOR.format(number=target.number)
-    return f"<h3 title='{escape(say.WHAT_FOR_HINT)}'>{title}</h3>{reason}"
-
-
-def _short(value: float) -> str:
-    return "–" if not np.isfinite(value) else f"{value:.3f}" if value < 1 else f"{value:.2f}"
+    return f"<h3 title='{escape(say.WHAT_FOR_HINT)}'>{say.WHAT_FOR}</h3>{reason}"
 
 
 def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:

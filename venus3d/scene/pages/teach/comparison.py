@@ -15,10 +15,10 @@ from typing import Literal
 
 import numpy as np
 
+from venus3d.engine.amounts import degrees, size_deg
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import AXES, Array, Axes, Pose
 from venus3d.engine.geometry.rotation_orders import Turn, TurnSequence
-from venus3d.render.amounts import degrees
 from venus3d.render.arrows import arc_arrow, arc_point, frame_along, straight_arrow, turn_frame
 from venus3d.render.board_mesh import board_outline, board_shape
 from venus3d.render.palette import ground, mixed, step_colour
@@ -71,7 +71,7 @@ def comparison_words(taught: TaughtPose, state: TeachState) -> ComparisonWords:
     if step == 4 and sweep == 1.0:
         apart = taught.apart_deg(state.arrangement)
         same = apart < 0.05
-        amount = texts.SAME if same else texts.APART.format(degrees=apart)
+        amount = texts.SAME if same else texts.APART.format(angle=size_deg(apart))
         sentence = texts.SAME_LABEL if same else texts.APART_LABEL
         return ComparisonWords(texts.COMPARE_END, amount, sentence.capitalize() + ".")
     left, right = taught.fixed[step - 2], taught.others(state.arrangement)[step - 2]

@@ -9,6 +9,7 @@ from html import escape
 
 import numpy as np
 
+from venus3d.engine.amounts import size_deg
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import Prompt, step_prompt
@@ -66,7 +67,7 @@ def comparison_html(taught: TaughtPose, state: TeachState) -> str:
     if not state.compares:
         return ""
     apart = taught.apart_deg(state.arrangement)
-    figure = texts.SAME if apart < 0.05 else texts.APART.format(degrees=apart)
+    figure = texts.SAME if apart < 0.05 else texts.APART.format(angle=size_deg(apart))
     return _wrapped(
         f"<h3>{escape(texts.COMPARE_TITLES[state.arrangement])}</h3>"
         f"<div class='v-figure'>{escape(figure)}</div>"

@@ -7,6 +7,7 @@ from html import escape
 import numpy as np
 import viser
 
+from venus3d.engine.amounts import signed_tenth
 from venus3d.engine.geometry.notations import Notation, pose_notation, rotation_notations
 from venus3d.engine.geometry.pose import Pose
 from venus3d.scene.pages.teach import notations_texts as texts
@@ -43,7 +44,9 @@ def notations_html(taught: TaughtPose, state: TeachState) -> str:
         caption = texts.STEP_MOVE
         if step.axis is not None:
             axis = step.axis.upper()
-            caption = texts.STEP_TURN.format(number=step.number, angle=step.angle_deg, axis=axis)
+            caption = texts.STEP_TURN.format(
+                number=step.number, angle=signed_tenth(step.angle_deg), axis=axis
+            )
     turn = Pose(after.R @ before.R.T, np.zeros(3))
     parts = [f"<p><b>{escape(caption)}</b> {escape(texts.SAME)}</p>"]
     if turn.is_gimbal_locked:

@@ -6,7 +6,7 @@ from venus3d.engine.geometry.notations import AxesName, RotationNotation
 
 TITLE = "The same turn in other notations"
 POSE_TURN = "From an upright board to this pose: one turn of {angle:.1f}°."
-STEP_TURN = "Step {number} only: a turn of {angle:+.1f}° about {axis}."
+STEP_TURN = "Step {number} only: a turn of {angle}° about {axis}."
 STEP_MOVE = "Step 1 only: a move, which turns nothing."
 SAME = "All of these numbers say the same; each button copies a line of Python that makes it."
 LOCKED = (

@@ -9,11 +9,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from venus3d.engine.amounts import degrees, size_mm
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.lessons.lesson import Arrangement
-from venus3d.render.amounts import degrees
 from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
 from venus3d.render.describe import SceneOptions, static_shapes
 from venus3d.render.framing import content_of, good_direction
@@ -119,7 +119,7 @@ def _adapted(shape: Shape, taught: TaughtPose, state: TeachState) -> Shape:
 def amount_text(step: Step, sweep: float) -> str:
     """The amount done of a step, with unit: "+17°" on the way, "+30°" at its end."""
     if step.axis is None:
-        return f"{sweep * float(np.linalg.norm(step.translation)) * 1000:.0f} mm"
+        return size_mm(1000 * sweep * float(np.linalg.norm(step.translation)))
     return degrees(sweep * step.angle_deg)
 
 

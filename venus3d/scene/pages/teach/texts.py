@@ -75,7 +75,7 @@ COMPARE_WHY = {
         "A move may come when it likes; turns may not."
     ),
 }
-APART = "{degrees:.0f}° apart"
+APART = "{angle} apart"
 APART_LABEL = "turn the left board by this much, and it stands like the right one"
 SAME = "the same"
 SAME_LABEL = "with these numbers both end alike; turn about two axes at least"

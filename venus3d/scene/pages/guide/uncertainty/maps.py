@@ -8,6 +8,7 @@ from html import escape
 
 import numpy as np
 
+from venus3d.engine.amounts import figure
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.uncertainty import ProjectionUncertainty
@@ -104,17 +105,6 @@ def even_ticks(high: float) -> tuple[float, ...]:
     return (0.0, high / 2, high)
 
 
-def figure(value: float) -> str:
-    """A number with its significant figures: 0.034, 0.42, 3.1, 12."""
-    if not np.isfinite(value):
-        return texts.NO_VIEW
-    if value == 0 or value >= 9.95:
-        return f"{value:.0f}"
-    places = 1 if value >= 0.995 else 2 if value >= 0.0995 else 3
-    text = f"{value:.{places}f}"
-    return text.removesuffix(".0")
-
-
 def error_ticks(snapshot: Snapshot) -> tuple[float, ...]:
     """Numbers of the logarithmic scale that the maps “now” and “next” share, pixels."""
     known, target = snapshot.uncertainty, snapshot.target
@@ -131,13 +121,12 @@ def _after(
 ) -> ShownMap:
     target = snapshot.target
     if target is None:
-        return ShownMap(texts.AFTER_TITLE.format(number="–"), texts.AFTER_NONE)
-    title = texts.AFTER_TITLE.format(number=target.number)
+        return ShownMap(texts.AFTER_TITLE, texts.AFTER_NONE)
+    title = texts.AFTER_TITLE
     errors = known.predicted_at(target.pose)
     if errors is None:
         return ShownMap(title, texts.AFTER_UNKNOWN)
     sentence = texts.AFTER_TEXT.format(
-        number=target.number,
         before=figure(known.uncertainty_px),
         after=figure(target.predicted_uncertainty_px),
     )

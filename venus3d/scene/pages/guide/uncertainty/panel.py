@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import viser
 
+from venus3d.engine.amounts import figure
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.annotated_picture import LivePicture, small_picture
 from venus3d.render.shapes import Shape
@@ -25,7 +26,6 @@ from venus3d.scene.pages.guide.uncertainty.maps import (
     MAP_KINDS,
     MapKind,
     even_ticks,
-    figure,
     map_html,
     map_of,
     scale_html,

@@ -25,6 +25,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.amounts import figure
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -34,7 +35,6 @@ from venus3d.render.colour_scale import colours_of
 from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import LabelShape, LineShape, PointShape, Shape
 from venus3d.scene.pages.guide.uncertainty import texts
-from venus3d.scene.pages.guide.uncertainty.maps import figure
 
 SECONDS, REST_SECONDS = 13.0, 4.0
 """Duration of the replay, and of the rest at its end."""
@@ -90,9 +90,9 @@ def _steps_back(distance: float) -> float:
     return float(np.clip(np.ceil(2 * distance / _NEAR_TARGET) / 2, 1.0, 2.5))
 
 
-def caption(search_trace: SearchTrace, shown: int, number: int, *, in_px: bool) -> str:
+def caption(search_trace: SearchTrace, shown: int, *, in_px: bool) -> str:
     """One line on what is shown; `in_px` if the cost is a mean variance in square pixels."""
-    last, title = search_trace.steps[shown - 1], texts.SEARCH_TITLE.format(number=number)
+    last, title = search_trace.steps[shown - 1], texts.SEARCH_TITLE
     best, is_last = _cost_text(last.best_cost, in_px), shown == len(search_trace.steps)
     if search_trace.is_batched:
         text = texts.SEARCH_DONE if is_last else texts.SEARCH_BATCH
@@ -249,7 +249,7 @@ class SearchReplay:
             return shapes
         shown = shown_after(search_trace, self._clock() - self._began)
         in_px = target.cost == "projection-variance"
-        self.caption = caption(search_trace, shown, target.number, in_px=in_px)
+        self.caption = caption(search_trace, shown, in_px=in_px)
         search = search_shapes(search_trace, shown, snapshot.board, dark)
         calm = tuple(shape for shape in shapes if shape.name.startswith(_KEPT))
         if snapshot.pose is None:

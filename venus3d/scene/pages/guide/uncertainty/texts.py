@@ -24,10 +24,10 @@ NOW_TEXT = (
     "Where a point really is and where this calibration puts it differ by about this many pixels. "
     "The mean over the picture is {error} px."
 )
-AFTER_TITLE = "How far off it may be after pose {number}"
+AFTER_TITLE = "How far off it may be after the next pose"
 AFTER_TEXT = (
-    "The colours are those of “Now”. With one view at pose {number} the mean should fall "
-    "from {before} to {after} px."
+    "The colours are those of “Now”. With one view at the next pose the mean should "
+    "fall from {before} to {after} px."
 )
 AFTER_NONE = "There is no next pose, so nothing is forecast."
 AFTER_UNKNOWN = "The views so far say too little to forecast what the next pose brings."
@@ -66,7 +66,7 @@ VIEW_ALT = "The picture of view {number}"
 VIEW_HELD = "The board was held {held}."
 VIEW_POSE = (
     "Turned {x}° about X, {y}° about Y, {z}° about Z; centre {right} mm right, {down} mm down, "
-    "{away} mm away."
+    "{away} mm in front of the lens."
 )
 VIEW_ERROR = "Misfit of its {count} corners: {rms} px ({against} all views' {all} px)."
 VIEW_ABOVE, VIEW_BELOW, VIEW_LIKE = "more than", "less than", "about"
@@ -74,14 +74,17 @@ VIEW_GAVE = (
     "What it gave: the uncertainty fell from {without} to {now} px, and {most} became {ratio} "
     "times as sure."
 )
-VIEW_HARMED = "It does harm: without it the uncertainty would be smaller."
 WITHOUT_TITLE = "If you leave it out"
 WITHOUT_ROWS = ("Uncertainty over the picture", "Sigma of fx", "Sigma of fy", "Misfit of the rest")
 WITHOUT_NOW, WITHOUT_THEN = "now", "without"
-WITHOUT_UNKNOWN = "The other views alone would not determine the camera."
-WITHOUT_WORSE = "Leave it in: the result would be {percent} % less certain."
-WITHOUT_SAME = "It hardly matters: the result would be about as certain."
-WITHOUT_BETTER = "Leave it out: the result would be {percent} % more certain."
+WITHOUT = {
+    "unknown": "The other views alone would not determine the camera.",
+    "outlying": "Leave it out, and take it again: its corners fit far worse than all others'.",
+    "same": "It hardly matters: the result would be about as certain.",
+    "worse": "Leave it in: the result would be {percent} % less certain.",
+    "better": "Leave it out: the result would be {percent} % more certain.",
+}
+"""What leaving a view out would do, by its judgement."""
 LEAVE_OUT = "Leave this view out"
 LEAVE_OUT_HINT = "Calibrate again without the view shown above. What would change stands there."
 CLOSE_VIEW = "Close (Esc)"
@@ -91,7 +94,7 @@ CLOSE_VIEW_HINT = "Back to the page. The view stays in."
 CAPTURED_VIEWS_LEGEND = "The views in the scene: their colour is their misfit. Click one to see it."
 CAPTURED_VIEW_LABEL = "{number}"
 
-SEARCH_TITLE = "The search for pose {number}"
+SEARCH_TITLE = "The search for the next pose"
 SEARCH_BATCH = "{looked} poses looked at, best so far: {best}"
 SEARCH_MOVE = "Move {move} of {moves}: {verdict}. {accepted} taken, best so far: {best}"
 SEARCH_TAKEN, SEARCH_REFUSED = "taken", "refused"

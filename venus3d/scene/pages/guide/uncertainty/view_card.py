@@ -4,26 +4,26 @@ as a card, and as a window in the tab in which it was clicked."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from html import escape
 from threading import Lock
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import viser
 
+from venus3d.engine.amounts import figure, signed, whole
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import held_in_words
 from venus3d.engine.planning.uncertainty import Influence
-from venus3d.render.amounts import signed
 from venus3d.scene.pages.guide.uncertainty import texts
-from venus3d.scene.pages.guide.uncertainty.maps import figure
 
 _FX, _FY = PARAMETERS.index("fx"), PARAMETERS.index("fy")
-# Errors that differ by less look the same to a person.
 _SAME = 0.03
+"""Relative change of the uncertainty below which a view hardly matters."""
 _ALIKE = 0.1
 
 
@@ -38,33 +38,53 @@ def view_html(snapshot: Snapshot, number: int, picture: str = "") -> str:
     alt = escape(texts.VIEW_ALT.format(number=number))
     image = f"<img alt='{alt}' src='{picture}'>" if picture else ""
     lines = [*_pose_lines(snapshot, view), _error_line(view, calibration)]
-    if left is not None:
-        lines += _gave_lines(snapshot, calibration, left)
+    judged = judgement(snapshot, number)
+    if left is not None and judged.kind == "worse":
+        lines.append(_gave_line(snapshot, calibration, left))
     told = "".join(f"<div class='v-line'>{escape(line)}</div>" for line in lines if line)
     title = escape(texts.VIEW_TITLE.format(number=number))
     return (
         f"<div class='v-progress v-view' data-view='{number}'><h3>{title}</h3>{image}{told}"
-        f"{_what_if(snapshot, calibration, left)}</div>"
+        f"{_what_if(snapshot, calibration, left, judged)}</div>"
     )
 
 
-def verdict(now_px: float, without_px: float) -> str:
-    """The effect of excluding the view, in one sentence."""
-    change = without_px / now_px - 1
-    if not np.isfinite(change):
-        return texts.WITHOUT_UNKNOWN
+@dataclass(frozen=True)
+class Judgement:
+    """What leaving a view out would do, once for all that is said of it."""
+
+    kind: Literal["unknown", "outlying", "same", "worse", "better"]
+    """unknown: the others alone determine nothing; outlying: its corners fit far worse than all
+    others'; else the result without it would be as certain, less, or more."""
+    change: float = 0.0
+    """Relative change of the uncertainty without it."""
+
+    @property
+    def sentence(self) -> str:
+        """The judgement, in one sentence."""
+        return texts.WITHOUT[self.kind].format(percent=abs(whole(100 * self.change)))
+
+
+def judgement(snapshot: Snapshot, number: int) -> Judgement:
+    """Judge the view of this number."""
+    known = snapshot.uncertainty
+    left = None if known is None else known.without(number)
+    if known is None or left is None or not np.isfinite(left.uncertainty_px):
+        return Judgement("unknown")
+    change = left.uncertainty_px / known.uncertainty_px - 1
+    if any(d.kind == "outlying-view" and number in d.views for d in snapshot.diagnoses):
+        return Judgement("outlying", change)
     if abs(change) < _SAME:
-        return texts.WITHOUT_SAME
-    text = texts.WITHOUT_WORSE if change > 0 else texts.WITHOUT_BETTER
-    return text.format(percent=f"{abs(100 * change):.0f}")
+        return Judgement("same", change)
+    return Judgement("worse" if change > 0 else "better", change)
 
 
 def _pose_lines(snapshot: Snapshot, view: View) -> list[str]:
     x, y, z, right, down, away = view.pose.vector() * [1, 1, 1, 1000, 1000, 1000]
     held = held_in_words(view.pose, snapshot.camera)
     numbers = {"x": x, "y": y, "z": z, "right": right, "down": down, "away": away}
-    whole = {name: signed(value) for name, value in numbers.items()}
-    return [texts.VIEW_HELD.format(held=held), texts.VIEW_POSE.format(**whole)]
+    rounded = {name: signed(value) for name, value in numbers.items()}
+    return [texts.VIEW_HELD.format(held=held), texts.VIEW_POSE.format(**rounded)]
 
 
 def _error_line(view: View, calibration: Calibration) -> str:
@@ -84,32 +104,27 @@ def _error_line(view: View, calibration: Calibration) -> str:
     )
 
 
-def _gave_lines(snapshot: Snapshot, calibration: Calibration, left: Influence) -> list[str]:
+def _gave_line(snapshot: Snapshot, calibration: Calibration, left: Influence) -> str:
     """What this view contributed, compared with all the others without it."""
-    known = snapshot.uncertainty
-    if known is None or not np.isfinite(left.uncertainty_px):
-        return []
-    if left.uncertainty_px < known.uncertainty_px:
-        return [texts.VIEW_HARMED]
     ratios = left.sigma / calibration.sigma
     most = int(np.argmax(ratios))
-    return [
-        texts.VIEW_GAVE.format(
-            without=figure(left.uncertainty_px),
-            now=figure(known.uncertainty_px),
-            most=PARAMETERS[most],
-            ratio=figure(float(ratios[most])),
-        )
-    ]
+    known = snapshot.uncertainty
+    return texts.VIEW_GAVE.format(
+        without=figure(left.uncertainty_px),
+        now=figure(np.nan if known is None else known.uncertainty_px),
+        most=PARAMETERS[most],
+        ratio=figure(float(ratios[most])),
+    )
 
 
-def _what_if(snapshot: Snapshot, calibration: Calibration, left: Influence | None) -> str:
+def _what_if(
+    snapshot: Snapshot, calibration: Calibration, left: Influence | None, judged: Judgement
+) -> str:
     title = f"<h3>{escape(texts.WITHOUT_TITLE)}</h3>"
     known = snapshot.uncertainty
-    if left is None or known is None or not np.isfinite(left.uncertainty_px):
-        if len(snapshot.views) < 2:
-            return ""
-        return f"{title}<div class='v-line'>{escape(texts.WITHOUT_UNKNOWN)}</div>"
+    said = escape(judged.sentence)
+    if left is None or known is None or judged.kind == "unknown":
+        return f"{title}<div class='v-line'>{said}</div>" if len(snapshot.views) > 1 else ""
     sigma = calibration.sigma
     pairs = (
         (known.uncertainty_px, left.uncertainty_px),
@@ -123,7 +138,6 @@ def _what_if(snapshot: Snapshot, calibration: Calibration, left: Influence | Non
         for name, (now, then) in zip(texts.WITHOUT_ROWS, pairs, strict=True)
     )
     head = f"<tr><th></th><th>{texts.WITHOUT_NOW}</th><th>{texts.WITHOUT_THEN}</th></tr>"
-    said = escape(verdict(known.uncertainty_px, left.uncertainty_px))
     return (
         f"{title}<table class='v-without'>{head}{rows}</table><div class='v-verdict'>{said}</div>"
     )
