@@ -28,6 +28,7 @@ from venus3d.scene.pages.guide import texts
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.step_card import NO_NOTE
 from venus3d.scene.web.theme import Theme
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame
@@ -109,7 +110,7 @@ def test_a_camera_that_is_unplugged_leaves_what_was_captured(
     assert not thread.is_alive()
     assert len(raised) == 1 and "unplugged" in str(raised[0])
     assert len(results[-1].views) >= 2 and results[-1].views == session.snapshot().views
-    said = guidance_html(session.snapshot(), viewer.state, Theme(True), "")
+    said = guidance_html(session.snapshot(), viewer.state, Theme(True), NO_NOTE)
     assert texts.NO_PICTURES in said and "captured is kept" in said, "the page's last words"
 
 
