@@ -127,8 +127,9 @@ def test_a_view_that_a_person_has_turned_stays_until_it_is_fitted_again(rig: Cam
         assert sent(client, PATIENCE_S, 1)
 
         def turn(view: SceneCamera) -> None:
-            for share in (0.0, 0.05, 0.1):
-                client.look(position=(view.position + share).tolist(), look_at=AT.tolist())
+            for share in (0.0, 0.05, 0.1):  # across the flight, whose places are known
+                aside = share * np.array([1.0, -1.0, 0.0])
+                client.look(position=(view.position + aside).tolist(), look_at=AT.tolist())
 
         turn(SceneCamera(EYE, AT, 0.7))
         assert stays(client, 0.1)

@@ -13,9 +13,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import viser
@@ -42,6 +41,8 @@ _A_TURN = 0.5
 browser does while it starts are jumps."""
 _SAME = 0.01
 """Two views that differ by less than this, relative to the distance looked at, are the same."""
+_ECHO_S = 3.0
+"""How late a browser may report a view that it was sent."""
 _TOLD_AFTER_S, _TOLD_S = 0.8, 6.0
 """How long after its beginning a person is told what a movement means, and for how long."""
 _EDGE = 0.97
@@ -192,8 +193,9 @@ class _Tab:
     """Whether the browser has shown its goal once, or a person has moved it, or it never will."""
     resent: int = 0
     sent_at: float = 0.0
-    sent: deque[SceneCamera] = field(default_factory=lambda: deque(maxlen=100))
-    """The newest views: what the browser reports back."""
+    sent: tuple[tuple[float, SceneCamera], ...] = ()
+    """The newest views, and when they were sent: what the browser reports back. Replaced as a
+    whole, since two threads use it."""
     first: SceneCamera | None = None
     """What the browser showed when it came; "Reset View" may lead back there."""
     reported: SceneCamera | None = None
@@ -256,7 +258,7 @@ class _Tab:
                 self.turned_at = None
                 self.leave()
             return
-        known = any(_is_same(seen, view) for view in (*self.sent, *resets))
+        known = any(_is_same(seen, view) for view in (*(v for _, v in self.sent), *resets))
         if not known and before is not None and _is_turned(before, seen):
             self.settled, self.start = True, None
             self.turned_at = time.monotonic()
@@ -279,7 +281,8 @@ class _Tab:
             shown = between(start, self.goal, max(0.0, done))
         else:
             self.start = None
-        self.sent.append(shown)
+        recent = (pair for pair in self.sent if self.sent_at - pair[0] < _ECHO_S)
+        self.sent = (*recent, (self.sent_at, shown))
         with self.client.atomic():
             if again:
                 # viser sends nothing that it thinks is there already.
