@@ -14,7 +14,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.geometry.pose import AXES, Array, Pose
+from venus3d.render.palette import step_colour
+from venus3d.render.shapes import MeshShape
 
 HEAD_RADIUS = 2.6
 """Radius of an arrow's head, in radii of its shaft."""
@@ -76,6 +78,42 @@ def sector(angle_deg: float, arc_radius: float) -> trimesh.Trimesh:
     first = np.arange(1, steps)
     faces = np.column_stack([np.zeros_like(first), first, first + 1])
     return trimesh.Trimesh(vertices=np.vstack([[0, 0, 0], rim]), faces=faces, process=False)
+
+
+def handle_shapes(
+    pose: Pose, size: float, *, arrows: bool, arcs: bool, dark: bool
+) -> tuple[MeshShape, ...]:
+    """Arrows along a board's axes and quarter arcs about them, `size` metres, to drag it by; each
+    axis in the colour of the step that turns about it."""
+    if not (arrows or arcs):
+        return ()
+    return tuple(
+        MeshShape(
+            f"/handle/{name}",
+            _handle(axis, size, arrows, arcs),
+            pose,
+            step_colour(axis + 2, dark),
+            in_projection=False,
+            on_top=True,
+        )
+        for axis, name in enumerate(AXES)
+    )
+
+
+@lru_cache(maxsize=16)
+def _handle(axis: int, size: float, arrows: bool, arcs: bool) -> trimesh.Trimesh:
+    """An arrow along one axis, and a quarter arc about it between the two others."""
+    directions, parts = np.eye(3), list[Any]()
+    if arrows:
+        arrow = straight_arrow(size, 0.014 * size)
+        place = frame_along(directions[axis], np.zeros(3))
+        parts.append((place.apply(arrow.vertices), arrow.faces))
+    if arcs:
+        vertices, faces = _tube(90.0, 0.65 * size, 0.012 * size)
+        place = turn_frame(directions[axis], directions[(axis + 1) % 3], np.zeros(3))
+        parts.append((place.apply(vertices), faces))
+    meshes = [trimesh.Trimesh(vertices=v, faces=f, process=False) for v, f in parts]
+    return _trimesh.util.concatenate(meshes)
 
 
 def _tube(shaft_deg: float, arc_radius: float, radius: float) -> tuple[Array, Faces]:

@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.render.shapes import Colour, LineShape, MeshShape
+from venus3d.render.text_drawing import font
+from venus3d.render.texts import LEFT, RIGHT, TOP
 
 RIM = 0.3
 """Width of the unprinted rim around the squares, in squares."""
@@ -20,11 +22,19 @@ THICKNESS = 0.004
 """Of the board's body, metres."""
 BODY_COLOUR: Colour = (150, 152, 156)
 LARGEST_TEXTURE_PX = 4096
+_BACK_PX = 512
+"""Width of the back's picture."""
 
 
 def board_shape(board: Board, pose: Pose, name: str = "/board/live") -> MeshShape:
     """The textured board at `pose` (`T_camera_board`)."""
     return MeshShape(name, board_mesh(board), pose, textured=True)
+
+
+def held_board(board: Board, pose: Pose) -> tuple[MeshShape, MeshShape]:
+    """The board at `pose`, and what its back says to whoever holds it."""
+    back = MeshShape("/board/back", _back_mesh(board), pose, textured=True, in_projection=False)
+    return board_shape(board, pose), back
 
 
 @lru_cache(maxsize=8)
@@ -50,17 +60,42 @@ def board_mesh(board: Board) -> trimesh.Trimesh:
     uv = np.vstack([front_uv, body_uv])
     uv[:, 1] = 1 - uv[:, 1]  # texture v points upwards
 
-    quads = np.arange(24).reshape(6, 4)
+    return _textured(np.vstack(faces), uv, picture)
+
+
+def _textured(vertices: Array, uv: Array, picture: Image.Image) -> trimesh.Trimesh:
+    """A mesh of quads, four vertices (4 N, 3) each, with their places in the picture (4 N, 2)."""
+    quads = np.arange(len(vertices)).reshape(-1, 4)
     visual: Any = vars(trimesh)["visual"]  # its annotations omit this module
     material = visual.material.PBRMaterial(
         baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0
     )
     return trimesh.Trimesh(
-        vertices=np.vstack(faces),
+        vertices=vertices,
         faces=np.vstack([quads[:, [0, 2, 1]], quads[:, [0, 3, 2]]]),
         visual=visual.TextureVisuals(uv=uv, material=material),
         process=False,
     )
+
+
+@lru_cache(maxsize=8)
+def _back_mesh(board: Board) -> trimesh.Trimesh:
+    """A sheet on the board's back that names its edges, read from behind: the holder's left is the
+    board's +x."""
+    w, h = board.width / 2, board.height / 2
+    corners = np.array([[w, -h], [-w, -h], [-w, h], [w, h]])
+    vertices = np.column_stack([corners, np.full(4, THICKNESS + 0.0005)])
+    size = (_BACK_PX, round(_BACK_PX * h / w))
+    picture = Image.new("RGB", size, BODY_COLOUR)
+    draw, face = ImageDraw.Draw(picture), font(size[1] // 9, bold=True)
+    for text, x, y, anchor in (
+        (TOP, 0.5, 0.04, "ma"),
+        (LEFT, 0.03, 0.5, "lm"),
+        (RIGHT, 0.97, 0.5, "rm"),
+    ):
+        draw.text((x * size[0], y * size[1]), text, fill=(40, 42, 46), font=face, anchor=anchor)
+    uv = np.array([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]])
+    return _textured(vertices, uv, picture)
 
 
 def _atlas(board: Board) -> tuple[Image.Image, int]:

@@ -4,7 +4,7 @@ Names are stable paths, and none is a prefix of another. All poses are in the ca
 
     /camera/frustum, /camera/border, /camera/axis    the camera; its true border; principal point
     /camera/axes/x, /camera/axes/x_label             and y, z
-    /board/live                                      the board as estimated now
+    /board/live, /board/back                         the board as held now, and what its back says
     /target/board, /target/label                     the goal
     /steps/N/outline                                 where the board is after step N; of the other
                                                      steps only when asked for
@@ -31,7 +31,7 @@ from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
+from venus3d.render.board_mesh import board_ghost, board_outline, board_shape, held_board
 from venus3d.render.frustum import camera_shapes
 from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import LabelShape, Shape
@@ -48,7 +48,7 @@ class SceneOptions:
     step: int = 1
     """The active step, 1 ... 4."""
     strip: bool = False
-    """All four steps side by side instead of the active one in place."""
+    """All four steps at once, and nothing else, instead of the active one in place."""
     dark: bool = True
     sweep: float = 1.0
     """Progress of the active step's board, 0 (before) ... 1 (after)."""
@@ -80,11 +80,13 @@ def describe(
         still = static_shapes(camera, board, steps.steps, options, now.done)
         if steps is not now:
             still = tuple(_with_amount(shape, now) for shape in still)
+    if options.strip and now is not None:
+        return still
     pose = snapshot.pose if options.show_live else None
-    if options.surroundings and not options.strip:
+    if options.surroundings:
         goal = None if snapshot.target is None else snapshot.target.pose
         still = (*still, *surroundings(board, pose, goal, options.dark))
-    return still if pose is None else (*still, board_shape(board, pose))
+    return still if pose is None else (*still, *held_board(board, pose))
 
 
 @lru_cache(maxsize=16)
@@ -96,15 +98,16 @@ def static_shapes(
     done: tuple[bool, ...] = (False,) * 4,
 ) -> tuple[Shape, ...]:
     """All but the current board. A step that is `done` has no arrow."""
+    if steps is not None and options.strip:
+        active, sweep = options.step, options.sweep
+        return tuple(
+            strip_shapes(board, steps, dark=options.dark, active=active, sweep=sweep, done=done)
+        )
     shapes: list[Shape] = [*camera_shapes(camera, dark=options.dark)]
     if steps is None:
         return tuple(shapes)
     # The last step ends on the target.
     shapes += _target_shapes(board, steps[3].after, options.dark)
-    if options.strip:
-        active, sweep = options.step, options.sweep
-        strip = strip_shapes(board, steps, dark=options.dark, active=active, sweep=sweep, done=done)
-        return (*shapes, *strip)
     for step, is_done in zip(steps, done, strict=True):
         if step.number == options.step:
             shapes += active_shapes(board, camera, step, options, instruct=not is_done)

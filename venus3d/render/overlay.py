@@ -18,12 +18,12 @@ from venus3d.render.annotated_picture import (
     mark_top,
     outline_of,
 )
-from venus3d.render.palette import mixed
+from venus3d.render.palette import mixed, step_colour
 from venus3d.render.shapes import Colour
 
 Picture = NDArray[np.uint8]
-AXIS_COLOURS: tuple[Colour, Colour, Colour] = ((235, 70, 55), (60, 200, 90), (70, 130, 255))
-"""X, Y, Z: red, green, blue, as usual."""
+AXIS_COLOURS: tuple[Colour, Colour, Colour] = (step_colour(2), step_colour(3), step_colour(4))
+"""X, Y, Z: each in the colour of the step that turns about it."""
 TARGET_FILL: Colour = (255, 176, 32)
 BOARD_FILL: Colour = (235, 240, 245)
 OVERLAP_FILL: Colour = (40, 120, 255)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from concurrent.futures import Future
-from functools import lru_cache
+from functools import lru_cache, partial
 from threading import Lock
 
 import numpy as np
@@ -112,14 +112,16 @@ class Projections:
             background=picture_background(dark),
             size=size,
             supersample=supersample,
-            finish=lambda picture: (with_step_header if header else with_corner_banner)(
-                picture, step, dark
-            ),
+            finish=partial(with_step_header if header else _alone, step=step, dark=dark),
         )
 
 
 def _is_amount(shape: Shape) -> bool:
     return isinstance(shape, LabelShape) and shape.name.endswith("/label")
+
+
+def _alone(picture: Picture, step: Step, dark: bool) -> Picture:
+    return _framed(with_corner_banner(picture, step, dark), ground(dark).camera)
 
 
 def with_step_header(picture: Picture, step: Step, dark: bool) -> Picture:
@@ -138,10 +140,15 @@ def with_header(
     """The picture in a frame of this colour, under a header with a badge and words."""
     height, width = picture.shape[:2]
     head = _header((width, round(height * HEADER_SHARE)), badge, colour, title, sentence, dark)
+    return np.concatenate([head, _framed(picture, colour)])
+
+
+def _framed(picture: Picture, colour: Colour) -> Picture:
+    """The picture with its border drawn: where the camera's image ends."""
     framed = np.array(picture)
     framed[:2] = framed[-2:] = colour
     framed[:, :2] = framed[:, -2:] = colour
-    return np.concatenate([head, framed])
+    return framed
 
 
 @lru_cache(maxsize=32)

@@ -1,5 +1,5 @@
-"""All four steps side by side, for teaching: each with its board before and after, and its
-arrow."""
+"""All four steps at once, two above two, for teaching: each with its board before and after, and
+its arrow."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from venus3d.render.texts import DONE
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres; above everything drawn in place."""
-_GAP = 0.5
-"""Gap between two steps, in board widths."""
+_GAP = 0.3
+"""Gap between two steps, and room for a caption, in board widths."""
 
 
 def strip_shapes(
@@ -41,29 +41,28 @@ def strip_shapes(
     sweep: float,
     done: Sequence[bool] = (False,) * 4,
 ) -> list[Shape]:
-    """The four steps spread along x about `STRIP_CENTRE`, none touching another; one that is `done`
+    """The four steps in two rows about `STRIP_CENTRE`, none touching another; one that is `done`
     has no arrow."""
     cells = [
         _cell(board, s, dark, sweep if s.number == active else 1.0, instruct=not is_done)
         for s, is_done in zip(steps, done, strict=True)
     ]
-    boxes = [bounds_of(cell) for cell in cells]
+    boxes = np.array([bounds_of(cell) for cell in cells])
     gap = _GAP * board.width
-    total = sum(box[1, 0] - box[0, 0] for box in boxes) + gap * (len(boxes) - 1)
-    left = STRIP_CENTRE[0] - total / 2
-    heights = [step.after.t[1] - box[0, 1] for step, box in zip(steps, boxes, strict=True)]
-    caption_y = STRIP_CENTRE[1] - max(heights) - 0.25 * board.width
+    # (2, 2) sizes by row and column; the caption stands above its step.
+    size = (boxes[:, 1] - boxes[:, 0]).reshape(2, 2, 3)
+    widths, heights = size[..., 0].max(axis=0), size[..., 1].max(axis=1) + gap
     shapes: list[Shape] = []
-    for step, is_done, cell, box in zip(steps, done, cells, boxes, strict=True):
-        width = box[1, 0] - box[0, 0]
-        offset = np.array([left - box[0, 0], *(np.array(STRIP_CENTRE) - step.after.t)[1:]])
+    for i, (step, is_done, cell, box) in enumerate(zip(steps, done, cells, boxes, strict=True)):
+        row, column = divmod(i, 2)
+        x = (-(widths[1] + gap) / 2, (widths[0] + gap) / 2)[column]
+        y = (-heights[1] / 2, heights[0] / 2)[row] + gap / 2
+        middle = np.add(STRIP_CENTRE, [x, y, 0.0])
+        offset = middle - [*box[:, :2].mean(axis=0), step.after.t[2]]
         shapes += [moved_shape(shape, Pose(np.eye(3), offset)) for shape in cell]
-        at = np.array([left + width / 2, caption_y, STRIP_CENTRE[2]])
-        colour = step_colour(step.number, dark)
-        shapes.append(
-            LabelShape(f"/strip/{step.number}/caption", caption(step, is_done), at, colour)
-        )
-        left += width + gap
+        above = middle - [0.0, heights[row] / 2, 0.0]
+        text, colour = caption(step, is_done), step_colour(step.number, dark)
+        shapes.append(LabelShape(f"/strip/{step.number}/caption", text, above, colour))
     return shapes
 
 

@@ -3,6 +3,8 @@
 STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
 STEP_SHORT_TITLES = ("Move", "Tilt", "Swing", "Rotate")
 TARGET_LABEL = "Target"
+# On the board's back, for whoever holds it.
+TOP, LEFT, RIGHT = "TOP", "LEFT", "RIGHT"
 DONE = "✓ done"
 ONE_CORNER_OUTSIDE = "1 corner leaves the image in this step"
 CORNERS_OUTSIDE = "{count} corners leave the image in this step"

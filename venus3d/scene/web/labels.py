@@ -47,6 +47,11 @@ class SceneLabel:
         self._shape = shape
 
     @property
+    def text(self) -> str:
+        """What it says."""
+        return self._shape.text
+
+    @property
     def visible(self) -> bool:
         """Whether it is shown."""
         return self._visible

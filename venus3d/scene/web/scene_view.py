@@ -8,6 +8,8 @@ are in the camera's frame.
 
 from __future__ import annotations
 
+import re
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -39,6 +41,9 @@ _FRUSTUM_PICTURE_WIDTH = 320
 _LIFTED = 0.25
 """Share of the way from the eye at which shapes are drawn that nothing may hide: smaller and
 nearer, so that they look the same."""
+_PULSE_S, _PULSE_OPACITY = 0.7, 0.9
+"""How long the end of a new step is stronger, once, and how strong."""
+_ENDS = re.compile("/steps/[1-4]/after")
 _FADES_AT = 4.0  # metres from the eye
 
 
@@ -68,6 +73,9 @@ class SceneView:
         self._drawn: tuple[tuple[Shape, ...], bool] = ((), True)
         self._drawn_from: tuple[object, bool] = (None, False)
         self._nodes: dict[str, _Node] = {}
+        self._pulsed: str | None = None
+        """The step's end that was made stronger last, and when that began, while it lasts."""
+        self._pulsing: float | None = None
         self._picture: NDArray[np.uint8] | None = None
         scene = host.scene
         scene.set_up_direction("-y")
@@ -110,17 +118,37 @@ class SceneView:
                 if isinstance(shape, LabelShape)
             ]
             put_labels(labels, None if self._plain_labels else view, self._view.window_px)
+            self._pulse()
 
     @property
     def is_due(self) -> bool:
         """Whether `refresh` is due, now or soon."""
-        return not self._view.at_rest or self._view_now() != self._drawn_from
+        moving = self._pulsing is not None or not self._view.at_rest
+        return moving or self._view_now() != self._drawn_from
 
     def refresh(self) -> None:
         """Draw the same shapes again for the point of view of now."""
         if self._view_now() != self._drawn_from:
             shapes, dark = self._drawn
             self.draw(shapes, dark=dark)
+        elif self._pulsing is not None:
+            self._pulse()
+
+    def _pulse(self) -> None:
+        """Make the plate at the end of a new step stronger for a moment. It only fades: nothing
+        moves, so it suits those who want no motion too."""
+        plates = [shape for shape in self._drawn[0] if isinstance(shape, MeshShape)]
+        end = next((plate for plate in plates if _ENDS.fullmatch(plate.name)), None)
+        name = None if end is None else end.name
+        if name != self._pulsed:
+            self._pulsed, self._pulsing = name, None if name is None else time.monotonic()
+        if end is None or self._pulsing is None:
+            return
+        done = (time.monotonic() - self._pulsing) / _PULSE_S
+        more = (_PULSE_OPACITY - end.opacity) * np.sin(np.pi * min(done, 1.0))
+        self._nodes[end.name].handle.opacity = end.opacity + float(more)
+        if done >= 1:
+            self._pulsing = None
 
     def _view_now(self) -> tuple[SceneCamera | None, bool]:
         return self._view.now(), self._view.at_rest

@@ -103,8 +103,9 @@ class PracticePage(ExercisePage[PracticeViewModel]):
         self._client.flush()
 
     def _put(self, view: PracticeViewModel, before: PracticeViewModel | None, theme: Theme) -> None:
-        self._scene.draw(scene_shapes(view), dark=view.dark)
         self._gizmo.follow(view.pose, shown=view.side == "outside")
+        shapes = (*scene_shapes(view), *self._gizmo.shapes(dark=view.dark))
+        self._scene.draw(shapes, dark=view.dark)
         self._drag.follow(view.pose)
         self._card.content = html.practice_card_html(view, theme)
         self._first_card.content = f"<div class='v-on-phones'>{self._card.content}</div>"

@@ -19,9 +19,9 @@ from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import AXES, Array, Pose
 from venus3d.render.annotated_picture import CASING, draw_line, mark_top, outline_of
 from venus3d.render.arrows import arc_point
-from venus3d.render.board_mesh import board_ghost, board_outline, board_shape, outline_segments
+from venus3d.render.board_mesh import board_ghost, board_outline, held_board, outline_segments
 from venus3d.render.frustum import camera_shapes
-from venus3d.render.overlay import AXIS_COLOURS, draw_axes, draw_outline
+from venus3d.render.overlay import draw_axes, draw_outline
 from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import Colour, LabelShape, LineShape, Shape
 from venus3d.render.step_shapes import arc_ends, instruction_shapes, protractor
@@ -42,13 +42,13 @@ _HEAD = 4.5  # length of an arrow's head, in shaft widths
 def scene_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
     """All shapes of the trainee's 3D scene."""
     camera = camera_shapes(view.camera, dark=view.dark)
-    board = board_shape(view.board, view.pose)
+    board = held_board(view.board, view.pose)
     if view.side == "through":
         # From inside the camera, only the edge of its picture is visible.
         camera = tuple(shape for shape in camera if shape.name == "/camera/border")
-        return (*camera, board, *_help_shapes(view, for_camera=True))
+        return (*camera, *board, *_help_shapes(view, for_camera=True))
     around = surroundings(view.board, view.pose, view.target, view.dark)
-    return (*camera, board, *around, *_help_shapes(view, for_camera=False))
+    return (*camera, *board, *around, *_help_shapes(view, for_camera=False))
 
 
 def picture_background(dark: bool) -> Colour:
@@ -127,8 +127,8 @@ def _frame(board: Board, pose: Pose, whose: str, view: PracticeViewModel) -> lis
     solid = whose == "board"
     ends = np.linspace(0, length, 2 if solid else 2 * _DASHES)
     shapes: list[Shape] = []
-    for axis, direction, bright in zip(AXES, np.eye(3), AXIS_COLOURS, strict=True):
-        colour = bright if view.dark else mixed(bright, (0, 0, 0), 0.35)
+    for step, axis, direction in zip((2, 3, 4), AXES, np.eye(3), strict=True):
+        colour = step_colour(step, view.dark)
         segments = (ends[:, None] * direction).reshape(-1, 2, 3)
         width = 6.0 if solid else 4.0
         name = f"/axes/{whose}/{axis}"

@@ -108,9 +108,11 @@ class TrialPage(ExercisePage[TrialViewModel]):
         steps, result = self._layout == "steps", self._layout == "result"
         if not looks_alike(self._drawn, view.snapshot.remaining):
             self._drawn = view.snapshot.remaining
-        self._scene.draw(_shapes(view, self._layout, self._drawn), dark=view.dark)
+        shapes = _shapes(view, self._layout, self._drawn)
         if self._gizmo is not None:
             self._gizmo.follow(view.pose, shown=not view.autopilot)
+            shapes = (*shapes, *self._gizmo.shapes(dark=view.dark))
+        self._scene.draw(shapes, dark=view.dark)
         self._side.content = html.side_html(view)
         self._start.visible = view.stage == "ready" and view.snapshot.number > 0
         self._give_up.visible = view.is_running

@@ -71,6 +71,7 @@ class GuideView:
         self._style = PanelStyle(server.gui)
         self._ask, self._rig = ask, rig
         self._layers, self._simulated = layers, simulated
+        self._views = self._captures = 0
         theme = Theme(dark)
         self._make_guidance()
         self._make_left(theme)
@@ -102,7 +103,7 @@ class GuideView:
         theme = Theme(state.dark)
         self._set_theme(theme)
         text = guidance_html(snapshot, state, theme, note)
-        self.guidance.content = f"<div class='v-wide'>{text}</div>"
+        self.guidance.content = f"<div class='v-wide'>{text}</div>{self._flash(snapshot)}"
         self.diagnoses.content = diagnoses_html(snapshot)
         self.diagnoses.visible = bool(self.diagnoses.content)
         self.progress.content = progress_html(snapshot)
@@ -121,6 +122,15 @@ class GuideView:
         if snapshot is not None:
             self.method.show(snapshot)
             self.parameters.show(snapshot)
+
+    def _flash(self, snapshot: Snapshot | None) -> str:
+        """A mark that changes with each capture: the style sheet flashes the scene, once."""
+        views = 0 if snapshot is None else len(snapshot.views)
+        if views > self._views:
+            self._captures += 1
+        self._views = views
+        turn = self._captures % 2
+        return f"<i class='v-captured' data-turn='{turn}'></i>" if self._captures else ""
 
     def _right_width(self, height: int) -> int:
         """Width of the right panel in a window of this height, pixels."""

@@ -257,8 +257,6 @@ class Viewer(Page[ViewState]):
                 note = note if note.text else self._standing_note(snapshot)
             tiles, built = self._tiles.shown(), self._built.shown()
             self.view.show(snapshot, state, tiles, built, note, drawn_by)
-            if self._gizmo is not None and snapshot is not None:
-                self._gizmo.follow(snapshot.pose, shown=not state.autopilot)
             if snapshot is not None:
                 for layer in self.layers:
                     layer.show(snapshot, theme)
@@ -286,6 +284,9 @@ class Viewer(Page[ViewState]):
         shapes = describe(snapshot, options, self._drawn)
         for layer in self.layers:
             shapes = layer.put(snapshot, shapes, Theme(state.dark))
+        if self._gizmo is not None:
+            self._gizmo.follow(snapshot.pose, shown=not (state.autopilot or state.strip))
+            shapes = (*shapes, *self._gizmo.shapes(dark=state.dark))
         self._scene.draw(shapes, dark=state.dark)
         self._look(shapes, state)
         for layer in self.layers:

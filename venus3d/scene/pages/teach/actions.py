@@ -35,6 +35,8 @@ class PageAction(Enum):
     """Lead the class, or let go."""
     MENU = auto()
     """Open or close this tab's menu."""
+    SURROUNDINGS = auto()
+    ALL_STEPS = auto()
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,8 @@ _CHANGES: dict[PageAction, Callable[[TeachState], TeachState]] = {
     PageAction.BRIGHTNESS: lambda state: replace(state, dark=not state.dark),
     PageAction.LEAD: lambda state: state,
     PageAction.MENU: lambda state: state,
+    PageAction.SURROUNDINGS: lambda state: replace(state, surroundings=not state.surroundings),
+    PageAction.ALL_STEPS: lambda state: replace(state, all_steps=not state.all_steps),
 }
 
 

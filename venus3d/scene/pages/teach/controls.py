@@ -48,6 +48,8 @@ HOTKEYS: dict[Action, Any] = {
     PageAction.RESET: KEYS["reset"],
     PageAction.BRIGHTNESS: KEYS["theme"],
     PageAction.MENU: KEYS["menu"],
+    PageAction.SURROUNDINGS: KEYS["surroundings"],
+    PageAction.ALL_STEPS: KEYS["all_steps"],
     **{Answer(number): str(number) for number in range(1, 6)},
 }
 STEP_ROW = (PageAction.PREVIOUS_STEP, PageAction.PLAY, PageAction.NEXT_STEP, PageAction.MENU)

@@ -14,7 +14,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.lessons.lesson import Arrangement
-from venus3d.render.board_mesh import board_ghost, board_outline, board_shape
+from venus3d.render.board_mesh import board_ghost, board_outline, board_shape, held_board
 from venus3d.render.describe import SceneOptions, static_shapes
 from venus3d.render.framing import content_of, good_direction
 from venus3d.render.frustum import AXIS_LENGTH, border_segments
@@ -59,7 +59,7 @@ def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
             strip_shapes(board, taught.steps, dark=state.dark, active=state.step, sweep=state.sweep)
         )
     active = shown_step(taught, state)
-    options = SceneOptions(active, dark=state.dark)
+    options = SceneOptions(active, dark=state.dark, all_steps=state.all_steps)
     hidden: tuple[str, ...] = ()
     if state.at_rest or state.sweep == 1.0:
         hidden = (f"/steps/{active}/after",)  # the board itself is there
@@ -75,9 +75,9 @@ def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
         if not shape.name.startswith(hidden)
     ]
     pose = board_pose_at(taught, state)
-    shapes.append(board_shape(board, pose))
+    shapes += held_board(board, pose)
     # From inside the camera and from behind the board the figure would be in the way.
-    if state.viewpoint in ("outside", "above"):
+    if state.surroundings and state.viewpoint in ("outside", "above"):
         shapes += surroundings(board, pose, taught.pose, state.dark)
     if taught.refusals:
         shapes.append(_refused(taught, state.dark))

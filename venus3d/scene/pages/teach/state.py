@@ -40,6 +40,10 @@ class TeachState:
     """The order of turns compared with "xyz"."""
     viewpoint: Viewpoint = "outside"
     dark: bool = True
+    surroundings: bool = True
+    """Whether the floor and the figure who holds the board are drawn."""
+    all_steps: bool = False
+    """Whether the ends of the other steps are drawn too."""
     lessons: tuple[Lesson, ...] = ()
     lesson: int | None = None
     """Number of the lesson; None: free."""

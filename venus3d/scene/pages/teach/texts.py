@@ -227,6 +227,8 @@ COMMANDS: dict[Action, tuple[str, str]] = {
         "Lead the class, or let go",
         "With --follow-me, in a tab on the machine that venus3d runs on",
     ),
+    PageAction.SURROUNDINGS: ("Floor and figure", "Show or hide the floor and who holds the board"),
+    PageAction.ALL_STEPS: ("Show all steps", "Show where each step ends, or only the active one"),
     Answer(1): ("Answer 1", "Give the first answer"),
     Answer(2): ("Answer 2", "Give the second answer"),
     Answer(3): ("Answer 3", "Give the third answer"),
