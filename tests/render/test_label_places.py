@@ -1,0 +1,55 @@
+"""Labels move apart in the window, and only as far as they must."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.render.label_places import HEIGHT_PX, places_apart
+from venus3d.render.shapes import LabelShape
+from venus3d.render.viewpoints import SceneCamera
+
+WINDOW = (922, 1080)
+VIEW = SceneCamera(np.array([-0.6, -0.5, -0.5]), np.array([0.0, 0.0, 0.4]), np.radians(42.0))
+
+
+def pixels_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, 2) where OpenCV sees points in this window."""
+    ahead = (VIEW.look_at - VIEW.position) / np.linalg.norm(VIEW.look_at - VIEW.position)
+    right = np.cross([0.0, 1.0, 0.0], ahead)
+    right /= np.linalg.norm(right)
+    R = np.stack([right, np.cross(ahead, right), ahead])
+    f = WINDOW[1] / 2 / np.tan(VIEW.fov_rad / 2)
+    K = np.array([[f, 0, WINDOW[0] / 2], [0, f, WINDOW[1] / 2], [0, 0, 1.0]])
+    pixels, _ = cv2.projectPoints(points, cv2.Rodrigues(R)[0], -R @ VIEW.position, K, None)
+    return np.asarray(pixels, np.float64).reshape(-1, 2)
+
+
+def label(text: str, *at: float) -> LabelShape:
+    return LabelShape(f"/labels/{text}", text, np.array(at), (255, 255, 255))
+
+
+def test_no_label_covers_another_and_the_first_stays() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(100):
+        labels = [
+            label(text, *rng.normal([0, 0, 0.45], 0.03))
+            for text in ("Target", "+33°", "X", "57 mm", "3 Swing about Y +10°")
+        ]
+        wanted = pixels_of(np.array([each.position for each in labels]))
+        places = pixels_of(np.array(places_apart(labels, VIEW, WINDOW)))
+        np.testing.assert_allclose(places[0], wanted[0], atol=1e-6)
+        np.testing.assert_allclose(places[:, 0], wanted[:, 0], atol=1e-6)
+        for i, j in combinations(range(len(labels)), 2):
+            dx, dy = np.abs(places[i] - places[j])
+            letters = 7.5 * (len(labels[i].text) + len(labels[j].text)) / 2
+            assert dy >= HEIGHT_PX - 1e-3 or dx > letters
+
+
+def test_labels_that_are_far_apart_and_those_behind_the_eye_stay() -> None:
+    labels = [label("a", -0.1, 0, 0.5), label("b", 0.2, 0.1, 0.5), label("c", -2.0, -2.0, -2.0)]
+    for shape, place in zip(labels, places_apart(labels, VIEW, WINDOW), strict=True):
+        np.testing.assert_allclose(place, shape.position, atol=1e-9)
