@@ -23,9 +23,7 @@ from pyrender.platforms.egl import EGLPlatform, get_device_by_index
 from pyrender.renderer import Renderer
 
 from venus3d.engine.geometry.camera import Camera
-from venus3d.render.line_mesh import line_mesh
-from venus3d.render.shading import shaded_colours
-from venus3d.render.shapes import Colour, LineShape, MeshShape
+from venus3d.render.shapes import Colour, LineShape, MeshShape, line_mesh, shaded_colours
 
 # `ctypes.byref` returns `builtins.CArgObject` up to Python 3.11, `_ctypes.CArgObject` from 3.12.
 # PyOpenGL 3.1.0, which pyrender pins, looks up handlers by that name, knows only the old one and so

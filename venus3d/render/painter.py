@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
-from venus3d.render.line_mesh import line_mesh
-from venus3d.render.shading import shaded_colours
-from venus3d.render.shapes import Colour, LineShape, MeshShape
+from venus3d.render.shapes import Colour, LineShape, MeshShape, line_mesh, shaded_colours
 
 _NEAR = 0.01
 _SUBPIXEL_BITS = 6
