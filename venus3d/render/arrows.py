@@ -93,6 +93,7 @@ def handle_shapes(
             _handle(axis, size, arrows, arcs),
             pose,
             step_colour(axis + 2, dark),
+            0.6,
             in_projection=False,
             on_top=True,
         )
@@ -105,11 +106,11 @@ def _handle(axis: int, size: float, arrows: bool, arcs: bool) -> trimesh.Trimesh
     """An arrow along one axis, and a quarter arc about it between the two others."""
     directions, parts = np.eye(3), list[Any]()
     if arrows:
-        arrow = straight_arrow(size, 0.014 * size)
+        arrow = straight_arrow(size, 0.009 * size)
         place = frame_along(directions[axis], np.zeros(3))
         parts.append((place.apply(arrow.vertices), arrow.faces))
     if arcs:
-        vertices, faces = _tube(90.0, 0.65 * size, 0.012 * size)
+        vertices, faces = _tube(90.0, 0.65 * size, 0.008 * size)
         place = turn_frame(directions[axis], directions[(axis + 1) % 3], np.zeros(3))
         parts.append((place.apply(vertices), faces))
     meshes = [trimesh.Trimesh(vertices=v, faces=f, process=False) for v, f in parts]

@@ -49,11 +49,11 @@ def camera_shapes(camera: Camera, *, dark: bool) -> tuple[Shape, ...]:
 def _body() -> trimesh.Trimesh:
     """A small camera behind its lens, which is at the origin; nothing of it is in front of z = 0,
     where it would be in the way of a view through the camera."""
-    house = _trimesh.creation.box([0.046, 0.032, 0.026])
-    house.apply_translation([0.0, 0.0, -0.029])
-    grip = _trimesh.creation.box([0.016, 0.008, 0.015])
-    grip.apply_translation([0.0, -0.02, -0.029])
-    tube = _trimesh.creation.cylinder(0.013, segment=[[0, 0, -0.018], [0, 0, -0.003]], sections=24)
+    house = _trimesh.creation.box([0.034, 0.024, 0.02])
+    house.apply_translation([0.0, 0.0, -0.025])
+    grip = _trimesh.creation.box([0.012, 0.006, 0.011])
+    grip.apply_translation([0.0, -0.015, -0.025])
+    tube = _trimesh.creation.cylinder(0.01, segment=[[0, 0, -0.016], [0, 0, -0.003]], sections=24)
     return _trimesh.util.concatenate([house, grip, tube])
 
 

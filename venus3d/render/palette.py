@@ -36,10 +36,10 @@ class StepStyle:
 
 
 STEP_STYLES: tuple[StepStyle, StepStyle, StepStyle, StepStyle] = (
-    StepStyle(1, STEP_TITLES[0], STEP_SHORT_TITLES[0], (193, 100, 145), (173, 30, 208)),
-    StepStyle(2, STEP_TITLES[1], STEP_SHORT_TITLES[1], (232, 91, 13), (191, 76, 0)),
+    StepStyle(1, STEP_TITLES[0], STEP_SHORT_TITLES[0], (210, 110, 150), (173, 30, 208)),
+    StepStyle(2, STEP_TITLES[1], STEP_SHORT_TITLES[1], (244, 93, 21), (191, 76, 0)),
     StepStyle(3, STEP_TITLES[2], STEP_SHORT_TITLES[2], (81, 223, 255), (0, 122, 140)),
-    StepStyle(4, STEP_TITLES[3], STEP_SHORT_TITLES[3], (107, 118, 255), (5, 30, 90)),
+    StepStyle(4, STEP_TITLES[3], STEP_SHORT_TITLES[3], (125, 135, 248), (5, 30, 90)),
 )
 """Steps 1 ... 4."""
 

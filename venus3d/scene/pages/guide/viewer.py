@@ -197,6 +197,7 @@ class Viewer(Page[ViewState]):
         self._scene = SceneView(server, wake=self.nudge)
         self._rig = CameraRig(server, wake=self.nudge)
         self._framing = SteadyFraming(self._rig)
+        self._spread = False
         nothing = subject_of((), 0)
         self._framing.look(nothing.content, nothing.name)
         self.view = GuideView(
@@ -315,7 +316,9 @@ class Viewer(Page[ViewState]):
             subject.name,
             forward=subject.forward,
             still=is_held or plays or subject.is_empty,
+            asked=state.strip != self._spread,
         )
+        self._spread = state.strip
 
     def _order_built(self, snapshot: Snapshot | None, state: ViewState) -> None:
         """Have the target's steps from upright drawn, if they are asked for and not drawn."""
