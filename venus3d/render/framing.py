@@ -190,7 +190,7 @@ def _judge(content: Content, directions: Array, aspect: float) -> tuple[Array, N
     costs += _lacking(arrows, FLATTEST_ARROW_DEG, _WANTED_ARROW_DEG)
     costs += 0.4 * (boards < 0).sum(axis=1)  # its back is blank
     costs += 0.5 * np.square(np.arccos(np.clip(directions @ _USUAL, -1, 1)))
-    costs += 1.5 * _hidden(content, eyes)
+    costs += 3.0 * _hidden(content, eyes)
     away = np.linalg.norm(eyes - points.mean(axis=0), axis=1)
     return costs + 1.5 * np.log(away / away.min()), bad
 
