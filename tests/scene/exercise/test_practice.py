@@ -68,6 +68,20 @@ def test_whoever_moves_what_a_level_leaves_alone_is_told_why_nothing_happens(
     assert not view_of(trainee, 2).note
 
 
+def test_a_drag_says_which_numbers_it_changes(settings: PracticeSettings) -> None:
+    trainee = Practice(settings, 1)
+    ask(trainee, ChooseLevel(6), 0.0)
+    start = view_of(trainee, 0).pose
+    ask(trainee, MoveBoard(start.moved([0.02, 0, -0.03]), "picture", start), 1.0)
+    note = view_of(trainee, 1).note
+    assert "right +20 mm" in note and "distance −30 mm" in note
+    assert "down" not in note and "°" not in note
+    ask(trainee, MoveBoard(start.turned("z", 12), "picture", start), 2.0)
+    assert "turn about Z +12°" in view_of(trainee, 2).note
+    ask(trainee, Nudge(3, 1), 3.0)
+    assert not view_of(trainee, 3).note
+
+
 def test_digits_of_a_typed_number_are_not_walked(settings: PracticeSettings) -> None:
     trainee = Practice(settings, 1)
     ask(trainee, ChooseLevel(6), 0.0)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from html import escape
 from typing import Any
 
 import viser
 
 from venus3d.scene.web.scene_view import Host
+from venus3d.scene.web.texts import TYPING
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.viser_private import panel_in
 
@@ -38,7 +40,7 @@ class PanelStyle:
             brand_color=theme.brand,
         )
         for sheet in self._sheets:
-            sheet.content = theme.sheet
+            sheet.content = f"{theme.sheet}<i hidden data-typing='{escape(TYPING)}'></i>"
         return True
 
 

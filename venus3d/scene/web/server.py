@@ -60,8 +60,8 @@ class LocalServer(viser.ViserServer):
     - Any thread may change the page while any number of browsers come and go.
     """
 
-    script = ""
-    """Name of the script that is added to the page (`page_script`)."""
+    script = "fields"
+    """Name of the script that is added to the page (`page_script`); empty for none."""
 
     def __init__(self, host: str, port: int, **options: Any) -> None:
         """Serve on this address; `options` are viser's."""

@@ -59,3 +59,5 @@ SWITCHED_ON = "✓ {label}"
 # -- copying ---------------------------------------------------------------------------------------
 
 COPY_HINT = "Copy"
+TYPING = "Keys go to this field. Enter or Esc gives them back to the page."
+"""Shown while a field has the keyboard (fields.js)."""

@@ -25,6 +25,8 @@ from venus3d.engine.guidance.matching import Match, match
 from venus3d.engine.planning.limits import Limits
 from venus3d.scene.pages.exercise.exercise import Exercise
 from venus3d.scene.pages.exercise.texts import (
+    CHANGES,
+    DRAGGED,
     GIVEN_UP_NOTE,
     GUEST,
     LEVEL_NAMES,
@@ -52,6 +54,7 @@ from venus3d.storage.exercise import REACHED, ExerciseRow, Outcome, target_colum
 REACHED_FOR_NEXT_LEVEL = 2
 """Poses to reach in a row for the next level."""
 _LONGEST_NAME = 40
+_UNITS = (1, 1, 1, 1000, 1000, 1000)  # degrees and millimetres
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +114,10 @@ class Practice(Exercise[PracticeViewModel]):
         """Carry out the trainee's request."""
         super().handle(request)
         match request:
-            case MoveBoard(pose, by):
+            case MoveBoard(pose, by, grabbed):
                 self._move(pose, by)
+                if grabbed is not None and self._attempt.pose is not grabbed and not self._note:
+                    self._note = _change_told(grabbed, self._attempt.pose)
             case Nudge(number, sign):
                 moved = self._keys.moved(self._attempt.pose, number, sign, self._now_s)
                 self._move(moved, "keys")
@@ -277,3 +282,16 @@ class Practice(Exercise[PracticeViewModel]):
             self._level, self._in_a_row = self._level + 1, 0
             self._note = LEVEL_UP.format(level=self._level, name=LEVEL_NAMES[self._level])
         return "reached" if reached else "aim"
+
+
+def _change_told(before: Pose, after: Pose) -> str:
+    """Which of the six numbers a drag has changed, and by how much; empty for nothing."""
+    change = after.vector() - before.vector()
+    change[:3] = (change[:3] + 180) % 360 - 180
+    told = (
+        text.format(amount=amount).replace("-", "−")
+        for text, amount in zip(CHANGES, change * _UNITS, strict=True)
+        if abs(amount) >= 0.5
+    )
+    changes = ", ".join(told)
+    return DRAGGED.format(changes=changes) if changes else ""

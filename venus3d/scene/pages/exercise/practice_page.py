@@ -31,7 +31,7 @@ from venus3d.scene.pages.exercise.shapes import (
     picture_finish,
     scene_shapes,
 )
-from venus3d.scene.pages.exercise.view_model import PracticeViewModel
+from venus3d.scene.pages.exercise.view_model import MoveBoard, PracticeViewModel
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.panels import on_window
 from venus3d.scene.web.pose_panel import PosePanel
@@ -155,7 +155,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
         self._gizmo = self._make_gizmo()
         self._drag = BoardDrag(
             self._scene.node("/board/live"),
-            lambda pose: self._ask_to_move(pose, "picture"),
+            lambda pose, grabbed: self._ask(MoveBoard(pose, "picture", grabbed)),
             view.pose,
         )
         on_window(self._client, self._fit)

@@ -53,6 +53,15 @@ DETOUR_SENTENCE = "Your way was {detour:.1f} times the shortest one."
 STRAIGHT_SENTENCE = "You took the shortest way."
 LEVEL_UP = "From now on level {level}: {name}."
 GIVEN_UP_NOTE = "That one is given up; here is another."
+DRAGGED = "This drag: {changes}."
+CHANGES = (
+    "turn about X {amount:+.0f}°",
+    "turn about Y {amount:+.0f}°",
+    "turn about Z {amount:+.0f}°",
+    "right {amount:+.0f} mm",
+    "down {amount:+.0f} mm",
+    "distance {amount:+.0f} mm",
+)
 STAYS = "That is right already on this level, and stays as it is."
 TO_GO = "to go"
 

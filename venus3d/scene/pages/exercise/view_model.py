@@ -101,6 +101,8 @@ class MoveBoard:
 
     pose: Pose
     by: Mover
+    grabbed: Pose | None = None
+    """Its pose when it was grabbed, if it is being dragged."""
 
 
 @dataclass(frozen=True)
