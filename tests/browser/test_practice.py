@@ -62,7 +62,7 @@ def test_two_trainees_each_move_their_own_board(
     one.keyboard.press("l")
     until(one, "2 mm")
     one.keyboard.press("v")
-    one.wait_for_function("() => document.body.innerText.includes('✓ Through camera')")
+    one.wait_for_function("() => document.body.innerText.includes('✓ Camera')")
     distance = one.locator("input.mantine-NumberInput-input").nth(3)
     # Flying into the camera takes a moment; dragging beside the board would only turn the view.
     for _ in range(20):

@@ -40,7 +40,9 @@ class PanelStyle:
             brand_color=theme.brand,
         )
         for sheet in self._sheets:
-            sheet.content = f"{theme.sheet}<i hidden data-typing='{escape(TYPING)}'></i>"
+            sheet.content = (
+                f"{theme.sheet}<i class='v-typing' hidden data-typing='{escape(TYPING)}'></i>"
+            )
         return True
 
 

@@ -61,7 +61,7 @@ def _practice_card(view: PracticeViewModel, theme: Theme) -> tuple[str, str, str
     if view.stage == "hold":
         return good, "✓", say.HOLD_STILL, say.HOLD_SENTENCE, ""
     if view.help != "steps":
-        return theme.info, "◎", say.HEADLINES[view.help], say.SENTENCES[view.help], ""
+        return theme.quiet, "◎", say.HEADLINES[view.help], say.SENTENCES[view.help], ""
     step = view.match.steps[view.match.active_step - 1]
     style = STEP_STYLES[step.number - 1]
     amount = _amounts(view)[step.number - 1]
@@ -100,7 +100,7 @@ def bars_html(view: PracticeViewModel, theme: Theme) -> str:
             (size_mm(mm), size_deg(largest)),
             (place, (_share(largest, _FAR_DEG), zone)),
             (match.within[0], all(match.within[1:])),
-            (theme.info, theme.info),
+            (theme.quiet, theme.quiet),
             strict=True,
         )
     # Numbers that this level leaves alone are right from the start and would distract.
@@ -119,7 +119,7 @@ def _share(value: float, far: float) -> float:
 def _bar(
     badge: str, name: str, amount: str, shares: tuple[float, float], done: bool, colour: str
 ) -> str:
-    fact = f"{say.RIGHT} &nbsp;{escape(amount)}" if done else f"{escape(amount)} {say.TO_GO}"
+    fact = f"{say.DONE_MARK} &nbsp;{escape(amount)}" if done else f"{escape(amount)} {say.TO_GO}"
     return (
         f"<div class='v-bar{' v-done' if done else ''}' style='--step:{colour}'>"
         f"<span class='v-badge'>{badge}</span><span>{escape(name)}</span><i>{fact}</i>"
@@ -165,10 +165,13 @@ def results_html(view: PracticeViewModel) -> str:
 
 def _cells(row: ExerciseRow) -> str:
     reached, ratio = row.outcome == REACHED, detour_of(row)
-    time = f"{row.seconds:.1f} s" if reached else say.GAVE_UP
+    time = f"✓ {row.seconds:.1f} s" if reached else f"✕ {say.GAVE_UP}"
     way = f"{ratio:.1f} ×" if reached and np.isfinite(ratio) else "–"
-    cells = (f"{row.level}", say.SHORT_HELP_NAMES[row.help], time, way)
-    return f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
+    mark = "v-right" if reached else "v-wrong"
+    return (
+        f"<tr><td>{row.level}</td><td>{escape(say.SHORT_HELP_NAMES[row.help])}</td>"
+        f"<td class='{mark}'>{escape(time)}</td><td>{way}</td></tr>"
+    )
 
 
 def keys_html() -> str:
@@ -228,7 +231,7 @@ def _order_row(view: TrialViewModel, number: int) -> str:
     help_ = view.order[number - 1]
     now = view.stage != "over" and number == view.place
     done = view.stage == "over" or number < view.place
-    mark = "✓ " if done else f"{number} "
+    mark = "<b class='v-right'>✓</b> " if done else f"{number} "
     return f"<div class='{'v-current' if now else ''}'>{mark}{say.TRIAL_HELP_NAMES[help_]}</div>"
 
 
@@ -240,19 +243,19 @@ def clock(seconds: float) -> str:
 def trial_card_html(view: TrialViewModel, theme: Theme) -> str:
     """The large text above the picture: what comes, what to do; the same for each help."""
     if view.snapshot.number == 0:
-        return _card(theme.info, "…", say.STARTING, say.WAITING)
+        return _card(theme.quiet, "…", say.STARTING, say.WAITING)
     how = say.HOW[view.help]
     if view.stage == "over":
         return _card(theme.reached, "✓", say.DONE, say.DONE_SENTENCE)
     if view.stage == "ready":
         name = say.TRIAL_HELP_NAMES[view.help]
-        return _card(theme.info, "▶", say.NEXT_HELP.format(name=name), how)
+        return _card(theme.quiet, "▶", say.NEXT_HELP.format(name=name), how)
     if view.pose is None:
         return _card(theme.info, "?", say.NOT_SEEN, NOT_SEEN.holder)
     if view.stage == "hold":
         return _card(theme.reached, "✓", say.HOLD_STILL, HOLD_STILL.holder)
     headline = say.POSE_OF.format(pose=view.number, poses=view.poses)
-    return _card(theme.info, str(view.number), headline, how)
+    return _card(theme.quiet, str(view.number), headline, how)
 
 
 def _card(colour: str, badge: str, headline: str, sentence: str) -> str:

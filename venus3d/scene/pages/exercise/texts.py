@@ -67,9 +67,9 @@ TO_GO = "to go"
 
 STEP_BARS = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
 PLACE_BAR, TURN_BAR = "Off its place", "Largest turn left"
-RIGHT = "✓ right"
+DONE_MARK = "✓ done"
 BARS_TITLE = "How far from the target"
-BARS_LEGEND = "Make each bar so short that it ends within the green zone."
+BARS_LEGEND = "Make each bar end before its mark; then it is green."
 
 TIME, TIME_UNIT = "time", "s"
 MOVED = "moved; shortest way: {shortest}"
@@ -105,7 +105,7 @@ POSE_HINT = (
     "one, which is written down."
 )
 VIEW = "View (V)"
-VIEW_SIDES = {"outside": "From outside", "through": "Through camera"}
+VIEW_SIDES = {"outside": "Outside", "through": "Camera"}
 VIEW_HINT = (
     "From outside you see camera and board in space. Through the camera you see its picture, and "
     "drag the board in it."
