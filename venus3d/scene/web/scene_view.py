@@ -299,20 +299,24 @@ def _move(handle: Any, pose: Pose) -> None:
 
 
 def _update_mesh(node: _Node, shape: MeshShape) -> None:
-    handle: Any = node.handle
+    handle, old = node.handle, node.shape
     _move(handle, shape.pose)
-    if shape.textured:
+    if shape.textured or not isinstance(old, MeshShape):
         return
-    if not (isinstance(node.shape, MeshShape) and node.shape.mesh is shape.mesh):
+    if old.mesh is not shape.mesh:
         handle.vertices, handle.faces = _mesh_arrays(shape)
-    handle.color, handle.opacity = shape.colour, _opacity(shape)
+    # Setting what is so already takes viser longer than a comparison.
+    if (old.colour, old.opacity) != (shape.colour, shape.opacity):
+        handle.color, handle.opacity = shape.colour, _opacity(shape)
 
 
 def _update_line(node: _Node, shape: LineShape) -> None:
     handle, old = node.handle, node.shape
     _move(handle, shape.pose)
-    if not (isinstance(old, LineShape) and old.segments is shape.segments):
+    if not isinstance(old, LineShape) or old.segments is not shape.segments:
         handle.points = shape.segments
+    if isinstance(old, LineShape) and (old.colour, old.width_px) == (shape.colour, shape.width_px):
+        return
     # One colour for all: viser takes per-point colours as linear light and shows them paler.
     handle.colors = np.asarray(shape.colour, np.uint8)
     handle.thickness = shape.width_px
