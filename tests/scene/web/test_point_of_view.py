@@ -1,0 +1,103 @@
+"""What depends on the point of view: arrows in front of what hides them, labels that face it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import trimesh
+import viser.transforms as tf
+
+from tests.ports import free_port
+from tests.scene.raw_client import RawClient
+from tests.waiting import wait_until
+from venus3d.engine.geometry.pose import Pose
+from venus3d.render.shapes import LabelShape, MeshShape
+from venus3d.scene.web.scene_view import SceneView
+from venus3d.scene.web.server import LocalServer, start_server
+
+PLACE = Pose.from_vector([20, 30, 40, 0.1, 0.05, 0.6])
+ARROW = MeshShape("/steps/1/arrow", trimesh.creation.cone(0.02, 0.1), PLACE, on_top=True)
+PLATE = MeshShape("/steps/1/after", trimesh.creation.box([0.2, 0.1, 0.01]), PLACE, opacity=0.4)
+LABEL = LabelShape("/steps/1/label", "57 mm", np.array([0.1, 0.0, 0.6]), (200, 100, 150))
+EYE = (-0.6, -0.5, -0.4)
+
+
+@pytest.fixture
+def server() -> Iterator[LocalServer]:
+    server, _ = start_server("127.0.0.1", free_port())
+    yield server
+    server.stop()
+
+
+def settled(view: SceneView) -> bool:
+    view.refresh()
+    return not view.is_due
+
+
+def vertices_of(view: SceneView) -> np.ndarray:
+    """(N, 3) where the browser puts the arrow's vertices."""
+    handle = view.node(ARROW.name)
+    turned = tf.SO3(handle.wxyz) @ np.asarray(ARROW.mesh.vertices, np.float64)
+    return np.asarray(handle.scale * turned + handle.position)
+
+
+def test_an_arrow_looks_the_same_and_is_nearer_until_another_tab_looks_from_elsewhere(
+    server: LocalServer,
+) -> None:
+    view, port = SceneView(server), server.get_port()
+    shapes = (ARROW, PLATE, LABEL)
+    view.draw(shapes, dark=True)
+    there = PLACE.apply(np.asarray(ARROW.mesh.vertices, np.float64))
+    np.testing.assert_allclose(vertices_of(view), there, atol=1e-6)
+    with RawClient(port) as one:
+        one.look(position=EYE, look_at=(0.0, 0.0, 0.5))
+        wait_until(lambda: server.get_clients() and settled(view))
+        rays, before = vertices_of(view) - EYE, there - EYE
+        shares = np.linalg.norm(rays, axis=1) / np.linalg.norm(before, axis=1)
+        assert shares.max() < 0.5, "in front of the rest"
+        np.testing.assert_allclose(rays, shares[:, None] * before, atol=1e-6)
+        np.testing.assert_allclose(view.node(PLATE.name).position, PLACE.t)  # may be hidden
+        with RawClient(port) as other:
+            other.look(position=(0.5, -0.5, 1.0), look_at=(0.0, 0.0, 0.5))
+            wait_until(lambda: len(server.get_clients()) == 2 and settled(view))
+            np.testing.assert_allclose(vertices_of(view), there, atol=1e-6)
+
+
+def test_a_label_faces_the_person_and_keeps_its_size(server: LocalServer) -> None:
+    view = SceneView(server)
+    view.draw((LABEL,), dark=True)
+    with RawClient(server.get_port()) as tab:
+        for eye in (EYE, (0.9, -0.7, 1.3)):
+            tab.look(1280, 720, position=eye, look_at=(0.0, 0.0, 0.5), fov=0.7)
+            wait_until(lambda eye=eye: _is_at(server, eye) and settled(view))
+            pill = view.node(LABEL.name)._pill
+            R = tf.SO3(pill.wxyz).as_matrix()
+            ahead = np.array([0.0, 0.0, 0.5]) - eye
+            np.testing.assert_allclose(R[:, 2], ahead / np.linalg.norm(ahead), atol=1e-6)
+            assert R[1, 1] > 0, "upright, and not mirrored: right, down and ahead"
+            depth = (np.asarray(pill.position) - eye) @ R[:, 2]
+            high = pill.render_height * pill.scale / depth * 360 / np.tan(0.35)
+            assert 22 < high < 32, "pixels"
+
+
+def _is_at(server: LocalServer, eye: tuple[float, float, float]) -> bool:
+    clients = server.get_clients().values()
+    return any(np.allclose(client.camera.position, eye) for client in clients)
+
+
+def test_the_end_of_a_new_step_pulses_once(server: LocalServer) -> None:
+    view = SceneView(server)
+    view.draw((PLATE,), dark=True)
+    plate, seen = view.node(PLATE.name), list[float]()
+
+    def over() -> bool:
+        view.refresh()
+        seen.append(plate.opacity)
+        return not view.is_due
+
+    wait_until(over)
+    assert max(seen) > 0.6 and plate.opacity == pytest.approx(0.4)
+    view.draw((PLATE,), dark=True)
+    assert not view.is_due, "the same step does not pulse again"
