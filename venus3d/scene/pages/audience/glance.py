@@ -32,7 +32,9 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
         colour = theme.steps[moment.step - 1]
         dial = dial_html(moment.remaining.match, moment.step)
     else:
-        colour, dial = theme.info, f"<div class='v-sign'>{escape(moment.badge)}</div>"
+        # Yellow is a warning and nothing else.
+        colour = theme.quiet if moment.kind == "wait" else theme.info
+        dial = f"<div class='v-sign'>{escape(moment.badge)}</div>"
     left = f"{moment.left:.2f}" if moment.kind == "step" else ""
     said = moment.sentence.replace(" mm", "\u00a0mm")  # no line break between number and unit
     views = 0 if snapshot is None else len(snapshot.views)

@@ -12,8 +12,8 @@ from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.dial import share_left
 from venus3d.scene.web.diagnoses import another_board, doubt
 
-Kind = Literal["wait", "unseen", "step", "good"]
-"""Nothing to do; something is missing; a step to do; something is right."""
+Kind = Literal["wait", "warning", "unseen", "step", "good"]
+"""Nothing to do; something is wrong; something is missing; a step to do; something is done."""
 Cue = Literal["reached", "captured"]
 """Achievements: a step is right; a view is captured."""
 
@@ -42,7 +42,7 @@ def view_model_of(
     """The message for this moment, in which pictures may be paused, or have not come for a time."""
     if silent_since:
         badge, title, sentence = texts.NO_PICTURES
-        return AudienceViewModel("wait", badge, title, sentence.format(since=silent_since))
+        return AudienceViewModel("warning", badge, title, sentence.format(since=silent_since))
     if paused:
         return AudienceViewModel("wait", *texts.PAUSED)
     if snapshot is None:
@@ -51,7 +51,7 @@ def view_model_of(
         return AudienceViewModel("wait", *texts.THINKING)
     if snapshot.phase == "converged":
         if doubt(snapshot) is not None:
-            return AudienceViewModel("wait", *texts.DOUBTED)
+            return AudienceViewModel("warning", *texts.DOUBTED)
         return AudienceViewModel("good", *texts.CONVERGED)
     if snapshot.phase == "finished":
         return AudienceViewModel("good", *texts.FINISHED)
@@ -68,7 +68,7 @@ def view_model_of(
 def _unseen(snapshot: Snapshot) -> AudienceViewModel:
     other = another_board(snapshot)
     if other is not None:
-        return AudienceViewModel("unseen", *texts.OTHER_BOARD, other.cure)
+        return AudienceViewModel("warning", *texts.OTHER_BOARD, other.cure)
     sentence = snapshot.instruction.holder
     if snapshot.phase == "startup" and snapshot.target is None:
         return AudienceViewModel("unseen", *texts.SHOW_BOARD, sentence)
