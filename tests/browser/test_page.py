@@ -84,7 +84,7 @@ def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snap
     assert "/steps/3/arrow" in viewer.scene_names
     page.wait_for_function("document.querySelectorAll('.v-tile .v-shot').length === 4")
     styles = "[...document.querySelectorAll('style')]"
-    sheet = f"{styles}.find(e => e.textContent.includes('.v-steps-4{{'))"
+    sheet = f"{styles}.find(e => e.textContent.includes('[data-shot=steps-4]{{'))"
     page.evaluate(f"{sheet}.kept = true")
     press(page, "n")
     page.wait_for_selector(".v-title:has-text('Step 4 of 4')")

@@ -46,6 +46,7 @@ from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import PoseAnalysis, TaughtPose
 from venus3d.scene.web import texts as common
 from venus3d.scene.web.server import start_server
+from venus3d.scene.web.step_texts import TILE_FAILED
 from venus3d.storage.exercise import ExerciseFile
 
 FRAME = np.full((72, 128, 3), 90, np.uint8)
@@ -289,7 +290,7 @@ def test_pictures_of_steps_that_fail_leave_the_page_alone(
     try:
         server = viewer.server
         viewer.show(guided)
-        page_of(viewer.port, "/board/live", common.TILE_FAILED.split(";")[0])
+        page_of(viewer.port, "/board/live", TILE_FAILED.split(";")[0])
         assert viewer.server is server
         assert len(logged(caplog)) == 1 and "four steps" in logged(caplog)[0]
     finally:

@@ -118,13 +118,13 @@ def _inside(name: str, number: int, source: str) -> str:
     if not source:
         return f"<div class='v-wait'>{say.TILE_WAITING.format(number=number)}</div>"
     alt = say.TILE_ALT.format(number=number)
-    return f"<div class='v-shot v-{name}-{number}' role='img' aria-label='{alt}'></div>"
+    return f"<div class='v-shot' data-shot='{name}-{number}' role='img' aria-label='{alt}'></div>"
 
 
 def pictures_html(name: str, sources: Sources) -> str:
     """A style sheet with a set of pictures, for its tiles."""
     rules = (
-        f".v-{name}-{number}{{background-image:url({source})}}"
+        f"[data-shot={name}-{number}]{{background-image:url({source})}}"
         for number, source in enumerate(sources, start=1)
         if source not in ("", FAILED)
     )
