@@ -111,7 +111,7 @@ BUILT_FACT = "Step {number} of 4 · {amount} in all"
 
 # -- other targets ---------------------------------------------------------------------------------
 
-OTHERS_TITLE = "Or nearly as good{instead}"
+OTHERS_TITLE = "Or nearly as good{instead}; left and right are the picture's"
 OTHERS_INSTEAD = ", instead of {error} px"
 OTHER_TEXT = "{held}: {error} px"
 OTHER_HINT = "Ask for this pose instead; its number is its key."
