@@ -112,7 +112,9 @@ class Projections:
             background=picture_background(dark),
             size=size,
             supersample=supersample,
-            finish=partial(with_step_header if header else _alone, step=step, dark=dark),
+            finish=partial(with_step_header, step=step, dark=dark)
+            if header
+            else partial(_alone, step=None if done else step, dark=dark),
         )
 
 
@@ -120,8 +122,10 @@ def _is_amount(shape: Shape) -> bool:
     return isinstance(shape, LabelShape) and shape.name.endswith("/label")
 
 
-def _alone(picture: Picture, step: Step, dark: bool) -> Picture:
-    return _framed(with_corner_banner(picture, step, dark), ground(dark).camera)
+def _alone(picture: Picture, step: Step | None, dark: bool) -> Picture:
+    """The picture in its frame; `step` is None for one that is done, which warns of nothing."""
+    told = picture if step is None else with_corner_banner(picture, step, dark)
+    return _framed(told, ground(dark).camera)
 
 
 def with_step_header(picture: Picture, step: Step, dark: bool) -> Picture:

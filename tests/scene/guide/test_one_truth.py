@@ -263,16 +263,18 @@ def facts_of(told: Told) -> list[str]:
 def cards_say(viewer: Viewer) -> dict[str, Any]:
     html = viewer.view.projections._tiles.content
     cards = re.findall(
-        r"<div class='v-tile( v-on)?'.*?<b>(\d)</b><strong>[^<]*<small>([^<]*)</small></strong>"
+        r"<div class='v-tile( v-on)?'.*?<b>(\d)</b><strong>[^<]*<small>(.*?)</small></strong>"
         r"<span>([^<]*)</span>.*?v-steps-(\d)'",
         html,
     )
     return {
-        "cards": [(int(number), fact, words) for _, number, fact, words, _ in cards],
+        "cards": [
+            (int(n), text_of(fact).replace("\n", " "), words) for _, n, fact, words, _ in cards
+        ],
         "pictures": [int(picture) for *_, picture in cards],
         "card on": [int(number) for on, number, *_ in cards if on],
         "from upright": "from an upright board" in html,
-        "reader": re.findall(r"Words for (whoever holds the board|the camera's picture)", html),
+        "reader": re.findall(r">For the (holder|camera): ", html),
     }
 
 
@@ -286,7 +288,7 @@ def cards_shall_say(told: Told, now: Any, wording: Wording) -> dict[str, Any]:
         "pictures": [1, 2, 3, 4],
         "card on": [told.active],
         "from upright": now is None,
-        "reader": ["whoever holds the board" if wording == "holder" else "the camera's picture"],
+        "reader": [wording],
     }
 
 

@@ -94,20 +94,22 @@ def _tile(
     fact = words = ""
     if remaining is not None:
         step = remaining.step(number)
-        left = say.DONE if step.done else f"{step_amount(step.step)} {say.TO_GO}"
+        left = say.DONE if step.done else step_amount(step.step)
         fact, words = say.TILE_FACT.format(number=number, fact=left), step.prompt.text(wording)
+        fact = escape(fact) if step.done else f"{escape(fact)}<em> {say.TO_GO}</em>"
     return tile_html("steps", number, source, fact, words, theme, is_on=is_on)
 
 
 def tile_html(
     name: str, number: int, source: str, fact: str, words: str, theme: Theme, *, is_on: bool = False
 ) -> str:
-    """One step's tile: number, title, a fact, words, and its picture in the set of this name."""
+    """One step's tile: number, title, a fact (HTML), words, and its picture in the set of this
+    name."""
     mark = " v-on" if is_on else ""
     return (
         f"<div class='v-tile{mark}' style='--step:{theme.steps[number - 1]}'>"
         f"<div class='v-told'><b>{number}</b><strong>{step_style(number).title}"
-        f"<small>{escape(fact)}</small></strong><span>{escape(words)}</span></div>"
+        f"<small>{fact}</small></strong><span>{escape(words)}</span></div>"
         f"{_inside(name, number, source)}</div>"
     )
 

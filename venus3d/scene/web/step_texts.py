@@ -30,6 +30,6 @@ TILE_ALT = "Step {number} as the camera sees it"
 TILE_WAITING = "Step {number}"
 TILE_FAILED = "This picture could not be drawn; the terminal says why."
 READERS: dict[Wording, str] = {
-    "holder": "Words for whoever holds the board: your left is the picture's right.",
-    "camera": "Words for the camera's picture: left and right as you see them there.",
+    "holder": "For the holder: your left is the picture's right.",
+    "camera": "For the camera: left and right as in the picture.",
 }

@@ -41,7 +41,7 @@ def built_html(target: Target, sources: Sources, theme: Theme, wording: Wording)
             "built",
             step.number,
             source,
-            say.BUILT_FACT.format(number=step.number, amount=step_amount(step)),
+            escape(say.BUILT_FACT.format(number=step.number, amount=step_amount(step))),
             step_prompt(step).text(wording),
             theme,
         )
