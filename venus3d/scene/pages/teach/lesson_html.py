@@ -168,7 +168,9 @@ def card_html(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
 def _step(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
     step = taught.steps[state.step - 1]
     if state.at_rest or (state.focus is not None and step.is_idle):
-        return _now(theme.good, texts.THERE_HEADLINE, "", (texts.THERE_SENTENCE, ""))
+        busy = [one for one in taught.steps if not one.is_idle]
+        only = _told(busy[0], state) if len(busy) == 1 else []
+        return _now(theme.good, texts.THERE_HEADLINE, "", (texts.THERE_SENTENCE, ""), *only)
     if state.progress == 0.0:
         return _now(theme.good, texts.START_HEADLINE, "", (texts.START_SENTENCE, ""))
     headline = texts.STEP.format(number=step.number, title=step_style(step.number).title)
@@ -176,21 +178,21 @@ def _step(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
     if amount and state.sweep < 1:
         whole = texts.OF.format(whole=amount_text(step, 1.0))
         amount += f"<small>{escape(whole)}</small>"
+    return _now(theme.steps[step.number - 1], headline, amount, *_told(step, state))
+
+
+def _told(step: Step, state: TeachState) -> list[tuple[str, str]]:
+    """The step in words, and for whom; the side that is looked from comes first."""
     words = step_prompt(step)
-    told = [(words.camera, texts.SIDES["camera"]), (words.holder, texts.SIDES["holder"])]
     if words.camera == words.holder:
-        told = [(words.camera, texts.SIDES["both"])]
-    elif state.viewpoint == "holder":
-        told.reverse()
-    return _now(theme.steps[step.number - 1], headline, amount, *told)
+        return [(words.camera, texts.SIDES["both"])]
+    told = [(words.camera, texts.SIDES["camera"]), (words.holder, texts.SIDES["holder"])]
+    return told[::-1] if state.viewpoint == "holder" else told
 
 
 def _comparison(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
     words = comparison_words(taught, state)
-    if words.turn is None:
-        colour = theme.info if state.progress > 1 else theme.good
-    else:
-        colour = theme.steps[words.axis + 1]
+    colour = theme.good if words.turn is None else theme.steps[words.axis + 1]
     return _now(colour, words.headline, words.amount, (words.sentence, ""))
 
 

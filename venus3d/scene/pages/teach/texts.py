@@ -183,8 +183,8 @@ LABELS: dict[Action, str] = {
     PageAction.FREE: "Free page  0",
     PageAction.BRIGHTNESS: "Light  B",
     PageAction.LEAD: "Lead the class",
-    PageAction.PREVIOUS_PAGE: "◀ Back  Page up",
-    PageAction.NEXT_PAGE: "Next page  Page down ▶",
+    PageAction.PREVIOUS_PAGE: "◀ Back  PgUp",
+    PageAction.NEXT_PAGE: "Next page  PgDn ▶",
 }
 LET_GO = "Let the class go"
 SPEED_NAMES = {0.5: "½×", 1.0: "1×", 2.0: "2×"}
