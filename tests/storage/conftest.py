@@ -41,7 +41,7 @@ def calibration(paper_camera: Camera, default_board: Board) -> Calibration:
 def write(calibration: Calibration, default_board: Board) -> Write:
     """Write a result whose summary says `mark` through a session's folder."""
 
-    def write_one(files: ResultFolder, mark: object = "") -> tuple[Path, Path]:
-        return files.write(calibration, {**SUMMARY, "mark": mark})
+    def write_one(files: ResultFolder, mark: object = "", run: int = 1) -> tuple[Path, Path]:
+        return files.write(calibration, {**SUMMARY, "mark": mark}, run=run)
 
     return write_one

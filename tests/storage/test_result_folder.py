@@ -92,6 +92,15 @@ def test_an_earlier_result_is_kept_under_another_name_once(tmp_path: Path, write
     read_camera_yaml(tmp_path / "camera.yaml")
 
 
+def test_a_new_calibration_keeps_the_last_ones_result(tmp_path: Path, write: Write) -> None:
+    files = ResultFolder(tmp_path)
+    for mark, run in (("first", 1), ("first again", 1), ("second", 2), ("second again", 2)):
+        write(files, mark, run)
+    kept = marks(tmp_path)
+    assert kept.pop("result.json") == "second again" and list(kept.values()) == ["first again"]
+    assert len(list(tmp_path.glob("camera*.yaml"))) == 2 and files.is_written
+
+
 @pytest.mark.parametrize("name", ["camera", "result"])
 def test_one_file_alone_is_kept_as_well(tmp_path: Path, write: Write, name: str) -> None:
     """A foreign camera.yaml, a result whose camera was taken elsewhere."""

@@ -45,7 +45,7 @@ def guide(options: GuideOptions) -> None:
         _tell_of_nothing(result, options, files)
         return
     summary = _summary(result)
-    written = write_first(files, snapshot.calibration, summary, snapshot.history)
+    written = write_first(files, snapshot.calibration, summary, snapshot.history, snapshot.run)
     print_result(snapshot.calibration, result.warnings, result.truth, snapshot.diagnoses)
     deliver(summary, written, as_json=options.json)
 
@@ -108,7 +108,9 @@ def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None
     if files is None or snapshot.calibration is None:
         return ""
     try:
-        camera, complete = files.write(snapshot.calibration, _summary(result), snapshot.history)
+        camera, complete = files.write(
+            snapshot.calibration, _summary(result), snapshot.history, snapshot.run
+        )
     except StorageError as error:
         print_note(f"Not saved: {error}")
         raise

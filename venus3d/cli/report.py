@@ -77,13 +77,14 @@ def write_first(
     calibration: Calibration,
     summary: Mapping[str, Any],
     history: Sequence[Progress] = (),
+    run: int = 1,
 ) -> Written:
     """Write the files, if requested, before printing: the terminal may be gone.
     An error is returned for `deliver` to raise, so that the numbers are still printed."""
     if files is None:
         return ()
     try:
-        return files.write(calibration, summary, history)
+        return files.write(calibration, summary, history, run)
     except StorageError as error:
         return error
 

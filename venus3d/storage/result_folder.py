@@ -30,6 +30,8 @@ class ResultFolder:
         self.directory = directory
         self._tell = tell
         self._tail = ""
+        self._is_written = False
+        self._run = 1
         self._own: dict[Path, bytes] = {}
         self._kept: dict[Path, bytes] = {}
 
@@ -41,16 +43,24 @@ class ResultFolder:
     @property
     def is_written(self) -> bool:
         """Whether this session has written a result."""
-        return bool(self._own)
+        return self._is_written
 
     def write(
         self,
         calibration: Calibration,
         summary: Mapping[str, Any],
         history: Sequence[Progress] = (),
+        run: int = 1,
     ) -> tuple[Path, Path]:
-        """Write the result in place of this session's last one.
-        Each file is complete at every moment. Raises `StorageError` and leaves the old files."""
+        """Write the result in place of this session's last one. Each file is complete at every
+        moment. Raises `StorageError` and leaves the old files.
+
+        Args:
+            run: the session's calibration (`Snapshot.run`); with another number than last time, the
+                last result is kept as an earlier one.
+        """
+        if run != self._run:
+            self._run, self._own = run, {}
         camera = camera_yaml(calibration).encode()
         result = result_json(summary, calibration, history).encode()
         kept: list[str] = []
@@ -61,6 +71,7 @@ class ResultFolder:
                 contents = dict(zip(self.paths, (camera, result), strict=True))
                 replace_files(contents, before=lambda: kept.extend(self._keep_others()))
                 self._own = contents
+                self._is_written = True
         except OSError as error:
             raise StorageError(
                 f"camera.yaml and result.json cannot be written to {self.directory} "

@@ -114,10 +114,7 @@ _NO_TARGET = _both(
     "Hold the board as you like, tilted and well spread over the picture, and press C."
 )
 FINISHED = _both("You have ended this calibration.")
-ENOUGH = _both(
-    "All the views asked for are taken, and not every parameter has settled. Undo takes the last "
-    "one back; --max-views allows more."
-)
+ENOUGH = _both("All the views asked for are taken, and not every parameter has settled.")
 STARTUP_REASON = (
     "A board tilted by 45° shows the focal length in a single picture: its far edge looks shorter."
 )

@@ -16,6 +16,7 @@ CAPTURED = ("✓", "Captured", "Captured. You may relax your arms.")
 THINKING = ("…", "One moment", "One moment: the next pose is being worked out.")
 CONVERGED = ("✓", "Done", "Done. The camera is calibrated; thank you.")
 FINISHED = ("✓", "Finished", "Finished. You may put the board down.")
+ENDED = ("■", "Ended", "Ended. You may put the board down.")
 DOUBTED = ("!", "Not done yet", "The operator reads a warning; please wait.")
 """Badge, title and sentence of each state; three have the engine's sentence."""
 

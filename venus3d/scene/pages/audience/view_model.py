@@ -54,7 +54,10 @@ def view_model_of(
             return AudienceViewModel("warning", *texts.DOUBTED)
         return AudienceViewModel("good", *texts.CONVERGED)
     if snapshot.phase == "finished":
-        return AudienceViewModel("good", *texts.FINISHED)
+        settled = snapshot.convergence is not None and snapshot.convergence.converged
+        if settled and doubt(snapshot) is None:
+            return AudienceViewModel("good", *texts.FINISHED)
+        return AudienceViewModel("wait", *texts.ENDED)
     todo = snapshot.remaining
     if todo is None or todo.match is None:
         return _unseen(snapshot)

@@ -12,8 +12,11 @@ from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import (
     Capture,
     Finish,
+    GoOn,
     Intent,
+    NewSession,
     SkipTarget,
+    Straighten,
     Toggle,
     TurnStep,
     UndoView,
@@ -24,7 +27,7 @@ from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.texts import SWITCHED_ON
 
-# By the names of their texts, with their keys. Finish has no key: it cannot be undone.
+# By the names of their texts, with their keys. What begins anew has no key.
 CONTROLS: dict[str, tuple[Intent, str | None]] = {
     "capture": (Capture(), KEYS["capture"]),
     "skip": (SkipTarget(), KEYS["other_pose"]),
@@ -40,7 +43,10 @@ CONTROLS: dict[str, tuple[Intent, str | None]] = {
     "words": (Toggle("camera_words"), KEYS["words"]),
     "built": (Toggle("built"), None),
     "pause": (Toggle("paused"), KEYS["go_on"]),
-    "finish": (Finish(), None),
+    "straight": (Toggle("straight"), KEYS["straight"]),
+    "finish": (Finish(), KEYS["finish"]),
+    "go_on": (GoOn(), KEYS["resume"]),
+    "new": (NewSession(), None),
     "autopilot": (Toggle("autopilot"), KEYS["autopilot"]),
 }
 _ROWS: dict[str, tuple[str, ...]] = {
@@ -48,7 +54,7 @@ _ROWS: dict[str, tuple[str, ...]] = {
     "step": ("previous", "play", "next"),
     "show": ("follow", "strip", "theme"),
     "words": ("words", "built"),
-    "run": ("pause", "autopilot"),
+    "run": ("pause", "straight", "autopilot"),
 }
 _WITH_A_TARGET = frozenset(
     ("skip", "previous", "play", "next", "follow", "strip", "all_steps", "words", "built")
@@ -67,6 +73,12 @@ class ControlPanel:
         self._offered = CONTROLS.keys() - (set() if simulated else {"autopilot"})
         self._capture = gui.add_button(say.CAPTURE, icon=viser.Icon.CAMERA, hint=say.CAPTURE_HINT)
         self._capture.on_click(lambda _: ask(Capture()))
+        self._compared = gui.add_slider(
+            say.COMPARED, min=0, max=100, step=1, initial_value=50, hint=say.COMPARED_HINT
+        )
+        self._compared.visible = False
+        self._compared_shown = 50
+        self._compared.on_update(self._compared_to)
         self._rows = {name: self._row(gui, name) for name in _ROWS}
 
     @property
@@ -78,12 +90,21 @@ class ControlPanel:
             if name in self._offered
         )
 
-    def show(self, state: ViewState, phase: Phase = "startup") -> None:
-        """Update the buttons; hide those without a use."""
-        useful = useful_in(phase)
+    def show(self, state: ViewState, phase: Phase = "startup", *, known: bool = False) -> None:
+        """Update the buttons; hide those without a use. `known`: whether the lens is."""
+        self._compared.visible = known and state.over
+        share = round(100 * state.straight_share)
+        if state.over and share != self._compared_shown:  # a person's is shown before it is here
+            self._compared_shown = self._compared.value = share
+        useful = useful_in(phase, known=known)
         self._capture.visible = "capture" in useful
         for name, row in self._rows.items():
             row.show(self._labels(name, state, useful))
+
+    def _compared_to(self, event: viser.GuiEvent[viser.GuiSliderHandle[int]]) -> None:
+        if event.client is not None:
+            self._compared_shown = event.target.value
+            self._ask(Straighten(event.target.value / 100))
 
     def _row(self, gui: viser.GuiApi, name: str) -> ButtonRow[Intent]:
         title, hint = say.ROWS[name]
@@ -97,9 +118,9 @@ class ControlPanel:
         return {CONTROLS[name][0]: _label(name, state) for name in _ROWS[row] if name in shown}
 
 
-def useful_in(phase: Phase) -> frozenset[str]:
-    """Names of the controls that are useful in this phase."""
-    useful = frozenset(CONTROLS)
+def useful_in(phase: Phase, *, known: bool = True) -> frozenset[str]:
+    """Names of the controls that are useful in this phase; `known`: whether the lens is."""
+    useful = frozenset(CONTROLS) if known else frozenset(CONTROLS) - {"straight"}
     if phase in ("converged", "finished"):
         useful -= _WITH_A_TARGET
     return useful - _TO_END if phase == "finished" else useful
@@ -120,10 +141,6 @@ def _label(name: str, state: ViewState) -> str:
     }
     if name in other:
         return names[1] if other[name] else names[0]
-    on = {
-        "follow": state.follow,
-        "strip": state.strip,
-        "autopilot": state.autopilot,
-        "built": state.built,
-    }
+    switches = ("follow", "strip", "autopilot", "straight", "built")
+    on = {name: getattr(state, name) for name in switches}
     return SWITCHED_ON.format(label=names[0]) if on.get(name) else names[0]

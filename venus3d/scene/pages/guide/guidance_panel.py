@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as say
+from venus3d.scene.pages.guide.end_panel import ended_card, question_card, unsettled_text
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.web.diagnoses import another_board, doubt
 from venus3d.scene.web.step_card import (
@@ -17,9 +18,6 @@ from venus3d.scene.web.step_card import (
 from venus3d.scene.web.step_texts import FROM_UPRIGHT
 from venus3d.scene.web.theme import Theme
 
-_HEADLINES = {"captured": say.CAPTURED, "converged": say.CONVERGED, "finished": say.FINISHED}
-_NEXT = {"converged": say.CONVERGED_NEXT, "finished": say.FINISHED_NEXT}
-
 
 def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, note: Note) -> str:
     """The whole text for this snapshot."""
@@ -27,6 +25,8 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
         return guide_card(theme.info, "!", say.NO_PICTURES, state.no_pictures, note=note)
     if snapshot is None:
         return guide_card(theme.quiet, "…", say.STARTING, say.STARTING_SENTENCE, note=note)
+    if state.asked_to_end:
+        return question_card(snapshot, theme, note)
     if snapshot.phase in ("captured", "converged", "finished"):
         return _state_card(snapshot, state, theme, note)
     remaining = snapshot.remaining
@@ -36,6 +36,9 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
         return guide_card(theme.quiet, "II", say.PAUSED, sentence, below=chips, note=note)
     if remaining is None or remaining.match is None:
         return _unseen_card(snapshot, state, theme, chips, note)
+    if remaining.match.reached and snapshot.taken_back:
+        sentence = say.TAKEN_BACK_SENTENCE
+        return guide_card(theme.quiet, "↩", say.TAKEN_BACK, sentence, below=chips, note=note)
     if remaining.match.reached or (remaining.is_over and state.follow):
         return hold_card(theme, remaining, state.step, note)
     foot = ""
@@ -45,16 +48,17 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
 
 
 def _state_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: Note) -> str:
-    against = doubt(snapshot)
-    if snapshot.phase == "converged" and against is not None:
+    sentence, against = snapshot.instruction.text(state.wording), doubt(snapshot)
+    if snapshot.phase == "captured":
+        return guide_card(theme.quiet, "…", say.CAPTURED, sentence, note=note)
+    if against is not None and not unsettled_text(snapshot):
         # The sigmas have settled, but the views are not informative enough.
         second = second_line(say.DOUBTED_NEXT)
         return guide_card(theme.info, "!", say.DOUBTFUL, against.cure, below=second, note=note)
-    busy = snapshot.phase == "captured"
-    colour, mark = (theme.quiet, "…") if busy else (theme.reached, "✓")
-    sentence = snapshot.instruction.text(state.wording)
-    second = second_line(_NEXT.get(snapshot.phase, ""))
-    return guide_card(colour, mark, _HEADLINES[snapshot.phase], sentence, below=second, note=note)
+    if snapshot.phase == "finished":
+        return ended_card(snapshot, theme, note)
+    second = second_line(say.CONVERGED_NEXT)
+    return guide_card(theme.reached, "✓", say.CONVERGED, sentence, below=second, note=note)
 
 
 def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, chips: str, note: Note) -> str:

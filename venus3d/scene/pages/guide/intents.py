@@ -55,7 +55,30 @@ class ChooseAlternative:
 
 @dataclass(frozen=True)
 class Finish:
+    """Ask whether to end the calibration; once asked, end it."""
+
+
+@dataclass(frozen=True)
+class EndNow:
     """End the calibration and keep the result."""
+
+
+@dataclass(frozen=True)
+class GoOn:
+    """Do not end it, or go on after the end, with all views."""
+
+
+@dataclass(frozen=True)
+class NewSession:
+    """Begin a new calibration; the result of this one stays in its files."""
+
+
+@dataclass(frozen=True)
+class Straighten:
+    """Show this much of the live picture without lens distortion, once the calibration is over."""
+
+    share: float
+    """0 ... 1: of the picture's width, from the left."""
 
 
 Option = Literal[
@@ -69,6 +92,7 @@ Option = Literal[
     "autopilot",
     "camera_words",
     "built",
+    "straight",
 ]
 """What can be switched, as in `ViewState`."""
 
@@ -104,6 +128,10 @@ Intent = (
     | ChangeMethod
     | ChooseAlternative
     | Finish
+    | EndNow
+    | GoOn
+    | NewSession
+    | Straighten
     | Toggle
     | TurnStep
     | DragBoard

@@ -187,8 +187,12 @@ class LiveGuide:
                     session.change_method(method, cost)
                 except VenusError as error:
                     self._viewer.say(str(error))
-            case intents.Finish():
+            case intents.EndNow():
                 session.finish()
+            case intents.GoOn():
+                session.resume()
+            case intents.NewSession():
+                session.restart()
             case intents.Toggle("paused"):
                 self._stream.pause(self._viewer.state.paused)
                 for monitor in self._monitors:

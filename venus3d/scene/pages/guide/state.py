@@ -9,7 +9,12 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.intents import (
     ChooseAlternative,
     DragBoard,
+    EndNow,
+    Finish,
+    GoOn,
     Intent,
+    NewSession,
+    Straighten,
     Toggle,
     TurnStep,
 )
@@ -46,6 +51,14 @@ class ViewState:
     """Whether the page speaks of the camera's left and right, not of the holder's."""
     built: bool = False
     """Whether it is shown how the pose is built from the upright board."""
+    asked_to_end: bool = False
+    """Whether the page asks if the calibration shall end now."""
+    straight: bool = False
+    """Whether the live picture is shown without lens distortion, once the lens is known."""
+    compared: float = 0.5
+    """0 ... 1: how much of it, from the left, once the calibration is over; before, all of it."""
+    over: bool = False
+    """Whether no more views are asked for."""
 
     @property
     def wording(self) -> Wording:
@@ -60,7 +73,15 @@ class ViewState:
             state = replace(state, target=number, step=1, follow=True, playing=False, sweep=1.0)
         if state.follow and not state.playing and snapshot.remaining is not None:
             state = replace(state, step=snapshot.remaining.active)
+        over = snapshot.phase in ("converged", "finished")
+        if over != state.over:
+            state = replace(state, over=over, straight=over)  # what the calibration is for
         return state
+
+    @property
+    def straight_share(self) -> float:
+        """0 ... 1: the share of the live picture, from the left, without lens distortion."""
+        return 0.0 if not self.straight else self.compared if self.over else 1.0
 
     def turned_to(self, step: int) -> ViewState:
         """The state with a step picked by hand, until the next target."""
@@ -90,6 +111,12 @@ class ViewState:
                 return replace(self, **{option: not getattr(self, option)})
             case ChooseAlternative():
                 return self.following(True)  # from step 1 of another pose
+            case Finish():
+                return replace(self, asked_to_end=True)
+            case EndNow() | GoOn() | NewSession():
+                return replace(self, asked_to_end=False)
+            case Straighten(share):
+                return replace(self, straight=True, compared=share)
             case DragBoard() if self.autopilot:
                 return replace(self, autopilot=False)
             case _:

@@ -10,11 +10,14 @@ STARTING, STARTING_SENTENCE = "Starting", "Waiting for the first picture."
 SHOW_BOARD = "Show me the whole board"
 CAPTURED = "Captured – calculating"
 CONVERGED = "Done – the camera is calibrated"
-FINISHED = "Finished"
-CONVERGED_NEXT = "Capture more views if you like, or press Finish."
-FINISHED_NEXT = "The result is kept; you may close this page."
+FINISHED = "Done"
+CONVERGED_NEXT = "Go on asks for more views."
+TAKEN_BACK = "Taken back"
+TAKEN_BACK_SENTENCE = (
+    "Move the board away from here: only then is this pose captured again. C captures it now."
+)
 DOUBTFUL = "Settled, but do not trust it yet"
-DOUBTED_NEXT = "The reason stands below. C captures a view, Finish ends it as it is."
+DOUBTED_NEXT = "The reason stands below. Go on asks for more views."
 PAUSED, PAUSED_SENTENCE = "Paused", "Press Pause again, or the space bar, to go on."
 NO_PICTURES = "No new pictures"
 NO_PICTURES_YET = (
@@ -28,6 +31,35 @@ NO_PICTURES_END = (
 ANOTHER_BOARD = "This is another board"
 LOOKING_ELSEWHERE = (
     "You are looking at step {shown}; the board is on step {active}. Press F to go there."
+)
+
+# -- the end ---------------------------------------------------------------------------------------
+
+END_QUESTION = "End now?"
+END_WITHOUT_RESULT = "The camera is not known yet: there would be no result."
+ENDED, ENDED_WITHOUT_RESULT = "Ended", "There is no result: no view was captured."
+UNSETTLED = "Ended before it settled"
+UNSETTLED_NEXT = "Go on keeps all views and asks for more."
+NOT_SETTLED = "Not settled yet: {names}."
+ALL_SETTLED = "Every parameter has settled."
+FOCAL = "fx {value} ± {sigma} px, from {views}."
+FROM_VIEW, FROM_VIEWS = "one view", "{count} views"
+END_NOW, GO_ON, NEW_SESSION = "End now", "Go on", "New session"
+RESULT_TITLE = "The camera"
+RESULT_HINT = "Each value with its uncertainty (one standard deviation)."
+HELD = "held fixed"
+RESULT_LINE = "<b>{views}</b> views captured, rms <b>{rms}</b> px, uncertainty <b>{error}</b> px"
+FIELD_OF_VIEW = (
+    "Field of view: <b>{wide:.1f}°</b> horizontal, <b>{high:.1f}°</b> vertical, "
+    "<b>{across:.1f}°</b> diagonal"
+)
+FIELD_OF_VIEW_HINT = "From edge to edge and from corner to corner, through the lens as it is."
+COPY_ONE = "Copy {name} in full"
+COPY_PYTHON = ("Copy for Python", "The camera matrix and the distortion as OpenCV takes them")
+COPY_TABLE = ("Copy as a table", "Names, values and uncertainties, for a spreadsheet")
+COMPARED = "Undistorted"
+COMPARED_HINT = (
+    "Left of the line the picture is shown without the lens's distortion, right of it as it comes."
 )
 
 # -- controls --------------------------------------------------------------------------------------
@@ -52,7 +84,11 @@ ROWS = {
         "Left and right of whoever holds the board, or of the camera's picture; and the same pose, "
         "built step by step from an upright board.",
     ),
-    "run": ("Run", "Stop taking pictures and go on."),
+    "run": (
+        "Picture",
+        "Stop taking pictures and go on; show them without the lens's distortion once it is known.",
+    ),
+    "end": ("Then", "End and keep the result; go on with all views; begin without any."),
     "page": (
         "Page",
         "The keys and what they do; what stands where on this page; the whole scene, after you "
@@ -74,6 +110,7 @@ BUTTONS: dict[str, tuple[str, ...]] = {
     "words": ("The camera's X", "The holder's X"),
     "built": ("How it is built",),
     "pause": ("Pause ␣", "Go on ␣"),
+    "straight": ("Straight ⇧F",),
     "autopilot": ("Autopilot ⇧P",),
     "help": ("Keys H",),
     "tour": ("Tour",),
@@ -98,7 +135,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "words": ("Holder's or camera's words", "Whose left and right the whole page means"),
     "built": ("How this pose is built", "Show the target's four steps from an upright board"),
     "pause": ("Pause", "Stop taking pictures, or go on"),
-    "finish": ("Finish", "End the calibration and keep the result"),
+    "straight": ("Straight picture", "Show the picture without the lens's distortion"),
+    "finish": ("Finish", "Ask what ending now means; once more, end and keep the result"),
+    "go_on": ("Go on", "Do not end, or go on after the end, with all views"),
+    "new": ("New session", "Begin a new calibration; this one's result stays in its files"),
     "autopilot": ("Autopilot", "Let the simulated hand move the board, or take it yourself"),
 }
 

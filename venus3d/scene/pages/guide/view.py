@@ -22,6 +22,7 @@ from venus3d.scene.pages.guide.alternatives_panel import AlternativesPanel
 from venus3d.scene.pages.guide.built_panel import BuiltPanel
 from venus3d.scene.pages.guide.control_panel import ControlPanel
 from venus3d.scene.pages.guide.diagnosis_panel import diagnoses_html
+from venus3d.scene.pages.guide.end_panel import OVER, EndButtons, EndMap, result_html
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import Intent
 from venus3d.scene.pages.guide.method_panel import MethodPanel
@@ -91,6 +92,7 @@ class GuideView:
         tiles: Sources | None,
         built: Sources | None,
         note: Note,
+        saved: str,
         drawn_by: str,
     ) -> None:
         """Show one moment.
@@ -98,6 +100,7 @@ class GuideView:
         Args:
             tiles: pictures of the steps from here; None without a target.
             built: pictures of the steps from upright; None unless asked for.
+            saved: says where the result is.
             drawn_by: the renderer's note, if any.
         """
         theme = Theme(state.dark)
@@ -115,11 +118,15 @@ class GuideView:
         self.built.show(target, built, theme, state.wording)
         phase = "startup" if snapshot is None else snapshot.phase
         # After the end no target follows, so none is announced or drawn.
-        ended = phase in ("converged", "finished")
+        ended = phase in OVER
         self.projections.visible = tiles is not None or not ended
         self._legend.visible = not ended
-        self.controls.show(state, phase)
+        self.end_buttons.show(state, phase)
+        known = None if snapshot is None else snapshot.calibration
+        self.controls.show(state, phase, known=known is not None and all(known.free))
         if snapshot is not None:
+            self.result.content = result_html(snapshot, saved)
+            self.progress.visible = not self.result.content
             self.method.show(snapshot)
             self.parameters.show(snapshot)
 
@@ -141,6 +148,7 @@ class GuideView:
         with panel.add_tab(say.GUIDANCE_TAB, viser.Icon.HAND_MOVE):
             self._style.add()
             self.guidance = self._gui.add_html("")
+            self.end_buttons = EndButtons(self._gui, self._ask)
         panel.dock_left()
         panel.set_width(LEFT_WIDTH)
         panel.expand()  # phones fold panels at first
@@ -151,6 +159,7 @@ class GuideView:
         with panel.add_tab(say.PROGRESS_TAB, viser.Icon.CHART_LINE):
             self._style.add()
             self.diagnoses = gui.add_html("", visible=False)
+            self.result = gui.add_html("")
             self.progress = gui.add_html("")
             self.alternatives = AlternativesPanel(gui, self._ask)
         with panel.add_tab(say.PARAMETERS_TAB, viser.Icon.CAMERA_COG):
@@ -176,6 +185,7 @@ class GuideView:
         labels = {name: say.BUTTONS[name][0] for name in ("help", "tour", "fit")}
         ButtonRow(gui, title, labels, self._asked_about_page, hint=hint)
         self.built = BuiltPanel(gui)
+        self.end_map = EndMap(gui)
         self.method = MethodPanel(gui, self._ask)
 
     def _make_commands(self, tour: bool) -> None:

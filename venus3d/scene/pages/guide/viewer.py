@@ -31,6 +31,7 @@ from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.render.redrawing import looks_alike, still_shows
 from venus3d.render.shapes import Shape
+from venus3d.render.straighten import Straightener
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
@@ -101,6 +102,7 @@ class Viewer(Page[ViewState]):
         self.layers: tuple[Layer, ...] = (
             UncertaintyPanel(lambda number: self._ask(intents.DropView(number)), self.wake),
         )
+        self._straightener = Straightener()
         self._pictures = PictureFeed(self._draw_picture)
         self._open(picture=self._pictures.loop)
 
@@ -188,6 +190,8 @@ class Viewer(Page[ViewState]):
         self._ask(intents.DragBoard(pose))
 
     def _ask(self, intent: intents.Intent) -> None:
+        if intent == intents.Finish() and self.state.asked_to_end:
+            intent = intents.EndNow()
         self.change(lambda state: state.after(intent))
         self._intents.put(intent)
 
@@ -257,7 +261,7 @@ class Viewer(Page[ViewState]):
                 self._draw_scene(snapshot, state)
                 note = note if note.text else self._standing_note(snapshot)
             tiles, built = self._tiles.shown(), self._built.shown()
-            self.view.show(snapshot, state, tiles, built, note, drawn_by)
+            self.view.show(snapshot, state, tiles, built, note, self._saved, drawn_by)
             if snapshot is not None:
                 for layer in self.layers:
                     layer.show(snapshot, theme)
@@ -266,6 +270,7 @@ class Viewer(Page[ViewState]):
             # Only now: the moved board comes before maps and pictures of a target.
             for layer in self.layers:
                 layer.show_late(snapshot, theme)
+            self.view.end_map.show(snapshot, theme)
             self._tiles.order(snapshot, dark=state.dark)
 
     def _draw_scene(self, snapshot: Snapshot, state: ViewState) -> None:
@@ -302,8 +307,6 @@ class Viewer(Page[ViewState]):
         caption = next((layer.caption for layer in self.layers if layer.caption), "")
         if caption:
             return Note(caption)
-        if self._saved and snapshot.phase in ("converged", "finished"):
-            return Note(self._saved)
         return Note(snapshot.warnings[-1], warns=True) if snapshot.warnings else NO_NOTE
 
     def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
@@ -342,5 +345,8 @@ class Viewer(Page[ViewState]):
             step = self._state.seeing(snapshot).step
             colour = Theme(True).step_colours[step - 1]
             annotate(rgb, snapshot, newest.observation, step, colour)
+            known = snapshot.calibration
+            if known is not None and all(known.free):
+                self._straightener.straighten(rgb, known.camera, self._state.straight_share)
         self.view.show_picture(rgb)
         self.server.flush()

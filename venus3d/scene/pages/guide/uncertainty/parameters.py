@@ -43,11 +43,17 @@ def _shared_errors_text(calibration: Calibration) -> str:
 def value_text(value: float, sigma: float, index: int) -> str:
     """Value ± sigma of the parameter of this index, with their significant figures."""
     unit = f" {texts.PIXELS}" if index < _IN_PIXELS else ""
+    shown, spread = figures(value, sigma, index)
+    return f"{shown} <i>± {spread}{unit}</i>" if spread else f"{shown}{unit}"
+
+
+def figures(value: float, sigma: float, index: int) -> tuple[str, str]:
+    """The same without the unit, apart; no sigma for a parameter held fixed."""
     if not sigma > 0:
-        return f"{value:.1f}{unit}" if index < _IN_PIXELS else f"{value:.4f}"
+        return f"{value:.1f}" if index < _IN_PIXELS else f"{value:.4f}", ""
     # Two figures of the sigma are significant.
     places = min(max(1 - math.floor(math.log10(sigma)), 0), 6)
-    return f"{value:.{places}f} <i>± {sigma:.{places}f}{unit}</i>"
+    return f"{value:.{places}f}", f"{sigma:.{places}f}"
 
 
 def sparkline(history: Sequence[Progress], index: int) -> str:

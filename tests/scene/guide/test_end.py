@@ -1,0 +1,140 @@
+"""The end of a calibration: what is asked before it, what is said of it, the result to copy."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.scene.guided import guided_session
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.guidance.convergence import Convergence
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.straighten import Straightener
+from venus3d.scene.pages.guide.end_panel import fields_of_view, result_html
+from venus3d.scene.pages.guide.guidance_panel import guidance_html
+from venus3d.scene.pages.guide.intents import EndNow, Finish, GoOn, Straighten, Toggle
+from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.web.theme import Theme
+
+
+@pytest.fixture(scope="module")
+def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
+    """A session after five views, without doubts."""
+    return replace(guided_session(paper_camera, default_board, Settings()), diagnoses=())
+
+
+def ended(guided: Snapshot, *unsettled: str) -> Snapshot:
+    """The same, ended by hand; these parameters have not settled."""
+    judged = tuple(name not in unsettled for name in PARAMETERS)
+    convergence = Convergence(np.ones(9), judged, "repaired")
+    return replace(guided, phase="finished", convergence=convergence, target=None, match=None)
+
+
+def said(snapshot: Snapshot, state: ViewState | None = None) -> tuple[str, str]:
+    """The badge, and all that the card says."""
+    html = guidance_html(snapshot, state or ViewState(), Theme(True), "")
+    badge = re.search(r"v-badge'>(.*?)<", html)
+    assert badge is not None
+    return badge.group(1), re.sub(r"<[^>]*>", " ", html)
+
+
+def test_finish_is_asked_once_with_what_it_means(guided: Snapshot) -> None:
+    asked = ViewState().after(Finish())
+    known = guided.calibration
+    assert known is not None
+    judged = ended(guided, "k2", "p1").convergence
+    badge, text = said(replace(guided, convergence=judged), asked)
+    assert badge == "?" and "End now?" in text and "k2 and p1" in text
+    fx, sigma = map(float, re.findall(r"fx (\S+) ± (\S+) px", text)[0])
+    assert fx == pytest.approx(known.camera.fx, abs=0.1 * known.sigma[0])
+    assert sigma == pytest.approx(known.sigma[0], rel=0.05)
+    for answer in (EndNow(), GoOn()):
+        assert not asked.after(answer).asked_to_end
+
+
+def test_an_end_that_has_not_settled_has_no_tick(guided: Snapshot) -> None:
+    badge, text = said(ended(guided, "fx", "k3"))
+    assert badge != "✓" and "✓" not in text and "fx and k3" in text
+    badge, text = said(ended(guided))
+    assert badge == "✓" and "Not settled" not in text
+    nothing = replace(ended(guided, *PARAMETERS), calibration=None, convergence=None)
+    assert said(nothing)[0] != "✓"
+
+
+def test_a_view_taken_back_is_not_said_to_be_captured_by_holding_still(guided: Snapshot) -> None:
+    assert guided.match is not None
+    there = replace(guided, match=replace(guided.match, reached=True), taken_back=True)
+    _, text = said(there)
+    assert "Hold still" not in text and "C captures it now" in text
+
+
+def test_the_fields_of_view_are_opencvs(paper_camera: Camera) -> None:
+    w, h = paper_camera.image_size
+    cx, cy = paper_camera.cx, paper_camera.cy
+    ends = np.array([[-0.5, cy], [w - 0.5, cy], [cx, -0.5], [cx, h - 0.5], [-0.5, -0.5]])
+    ends = np.vstack([ends, [[w - 0.5, h - 0.5]]])[:, None]
+    criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-12)
+    xy: Any = cv2.undistortPoints(
+        ends, paper_camera.K, paper_camera.distortion, R=None, P=None, criteria=criteria
+    )
+    rays = np.concatenate([xy[:, 0], np.ones((6, 1))], axis=1)
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    angles = [np.degrees(np.arccos(rays[i] @ rays[i + 1])) for i in (0, 2, 4)]
+    np.testing.assert_allclose(fields_of_view(paper_camera), angles, atol=1e-4)
+    pinhole = paper_camera.without_distortion()
+    left, right = (cx + 0.5) / pinhole.fx, (w - 0.5 - cx) / pinhole.fx
+    expected = np.degrees(np.arctan(left) + np.arctan(right))
+    assert fields_of_view(pinhole)[0] == pytest.approx(expected)
+
+
+def test_the_result_can_be_copied_in_full(guided: Snapshot) -> None:
+    known = guided.calibration
+    assert known is not None and result_html(guided, "") == ""
+    html = result_html(ended(guided), "Saved: here.")
+    assert "Saved: here." in html
+    copies = re.findall(r"data-copy='(.*?)'", html, re.DOTALL)
+    values = dict(zip(re.findall(r"<b>([a-z]+\d?)</b>", html), map(float, copies[:9]), strict=True))
+    for name, value in zip(PARAMETERS, known.camera.parameters, strict=True):
+        assert values[name] == pytest.approx(value, rel=1e-8)
+    names: dict[str, Any] = {"np": np}
+    exec(copies[9], names)
+    np.testing.assert_allclose(names["K"], known.camera.K, atol=1e-4)
+    np.testing.assert_allclose(names["distortion"], known.camera.distortion, atol=1e-6)
+    table = [line.split("\t") for line in copies[10].splitlines()]
+    sigma = {row[0]: float(row[2]) for row in table if len(row) == 3}
+    np.testing.assert_allclose([sigma[name] for name in PARAMETERS], known.sigma, rtol=1e-3)
+
+
+def test_the_straight_picture_is_opencvs(paper_camera: Camera) -> None:
+    rng = np.random.default_rng(0)
+    blocks = rng.integers(0, 256, (18, 32, 3)).astype(np.uint8)
+    picture = cv2.resize(blocks, (640, 360), interpolation=cv2.INTER_CUBIC).astype(np.uint8)
+    small = paper_camera.scaled((640, 360))
+    expected = cv2.undistort(picture, small.K, small.distortion).astype(int)
+    straightener = Straightener()
+    whole, half, none = picture.copy(), picture.copy(), picture.copy()
+    straightener.straighten(whole, paper_camera, 1.0)
+    straightener.straighten(half, paper_camera, 0.5)
+    straightener.straighten(none, paper_camera, 0.0)
+    inner = np.s_[20:-20, 20:-20]
+    assert np.abs(whole.astype(int)[inner] - expected[inner]).max() <= 2
+    assert np.array_equal(half[:, :315], whole[:, :315])
+    assert np.array_equal(half[:, 325:], picture[:, 325:]) and np.array_equal(none, picture)
+
+
+def test_the_picture_is_compared_at_the_end_and_whole_before(guided: Snapshot) -> None:
+    state = ViewState().seeing(guided)
+    assert state.straight_share == 0.0
+    assert state.after(Toggle("straight")).seeing(guided).straight_share == 1.0
+    over = state.seeing(ended(guided))
+    assert over.straight_share == 0.5
+    assert over.after(Straighten(0.8)).seeing(ended(guided)).straight_share == 0.8
+    assert over.after(Toggle("straight")).straight_share == 0.0
+    assert over.seeing(guided).straight_share == 0.0, "guiding again shows the picture as it comes"

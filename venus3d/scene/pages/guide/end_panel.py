@@ -1,0 +1,168 @@
+"""The end of a calibration: the question before it, its buttons, and the result in large figures
+to read off and copy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import escape
+
+import numpy as np
+import viser
+
+from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.guidance.prompts import Phase
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.engine.sentences import listed
+from venus3d.scene.pages.guide import texts as say
+from venus3d.scene.pages.guide.intents import EndNow, GoOn, Intent, NewSession
+from venus3d.scene.pages.guide.progress_panel import rounded
+from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.pages.guide.uncertainty.maps import map_html, map_of
+from venus3d.scene.pages.guide.uncertainty.parameters import figures
+from venus3d.scene.web.buttons import ButtonRow
+from venus3d.scene.web.copy_button import copy_button
+from venus3d.scene.web.step_card import guide_card, second_line
+from venus3d.scene.web.theme import Theme
+
+OVER: tuple[Phase, ...] = ("converged", "finished")
+"""The phases in which no more views are asked for."""
+
+
+class EndButtons:
+    """What can be chosen when a calibration ends: end it now, go on, begin a new one."""
+
+    def __init__(self, gui: viser.GuiApi, ask: Callable[[Intent], None]) -> None:
+        """Make them in the current panel; `ask` is called on viser's threads."""
+        title, hint = say.ROWS["end"]
+        labels = _end_labels(asked=True, over=False)
+        self._row = ButtonRow[Intent](gui, title, labels, lambda intent, _: ask(intent), hint=hint)
+        self._row.visible = False
+
+    def show(self, state: ViewState, phase: Phase) -> None:
+        """Show those that mean something now."""
+        self._row.show(_end_labels(asked=state.asked_to_end, over=phase in OVER))
+
+
+def _end_labels(*, asked: bool, over: bool) -> dict[Intent, str]:
+    if asked:
+        return {EndNow(): say.END_NOW, GoOn(): say.GO_ON}
+    return {GoOn(): say.GO_ON, NewSession(): say.NEW_SESSION} if over else {}
+
+
+class EndMap:
+    """How well the camera is known over the picture, once the calibration is over."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        """Make it in the current panel, hidden."""
+        self._shown: tuple[object, ...] = ()
+        self._map = gui.add_html("", visible=False)
+
+    def show(self, snapshot: Snapshot, theme: Theme) -> None:
+        """Draw it once for each calibration that is over; slow."""
+        over = snapshot.phase in OVER and snapshot.uncertainty is not None
+        self._map.visible = over
+        if over and (snapshot.calibration, theme) != self._shown:
+            self._shown = (snapshot.calibration, theme)
+            shown = map_html(map_of(snapshot, "now", dark=theme.dark))
+            self._map.content = f"<div class='v-end-map'>{shown}</div>"
+
+
+def question_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
+    """What it means to end the calibration now."""
+    if snapshot.calibration is None:
+        return guide_card(theme.quiet, "?", say.END_QUESTION, say.END_WITHOUT_RESULT, note=note)
+    below = second_line(unsettled_text(snapshot) or say.ALL_SETTLED)
+    sentence = _focal_text(snapshot.calibration)
+    return guide_card(theme.quiet, "?", say.END_QUESTION, sentence, below=below, note=note)
+
+
+def ended_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
+    """The card of a calibration that was ended by hand; with a tick only if all has settled."""
+    if snapshot.calibration is None:
+        return guide_card(theme.quiet, "■", say.ENDED, say.ENDED_WITHOUT_RESULT, note=note)
+    missing, sentence = unsettled_text(snapshot), _focal_text(snapshot.calibration)
+    if missing:
+        below = second_line(f"{missing} {say.UNSETTLED_NEXT}")
+        return guide_card(theme.quiet, "■", say.UNSETTLED, sentence, below=below, note=note)
+    return guide_card(theme.reached, "✓", say.FINISHED, sentence, note=note)
+
+
+def unsettled_text(snapshot: Snapshot) -> str:
+    """Which parameters have not settled, in a sentence; empty if all have."""
+    judged = snapshot.convergence
+    names = PARAMETERS if judged is None else judged.unsettled
+    return say.NOT_SETTLED.format(names=listed(names)) if names else ""
+
+
+def _focal_text(calibration: Calibration) -> str:
+    value, sigma = figures(calibration.camera.fx, float(calibration.sigma[0]), 0)
+    count = len(calibration.views)
+    views = say.FROM_VIEW if count == 1 else say.FROM_VIEWS.format(count=count)
+    return say.FOCAL.format(value=value, sigma=sigma, views=views)
+
+
+def result_html(snapshot: Snapshot, saved: str) -> str:
+    """The result of a calibration that is over: parameters to copy, field of view, where it is
+    saved; empty before."""
+    known = snapshot.calibration
+    if known is None or snapshot.phase not in OVER:
+        return ""
+    cells = "".join(_cell(known, index) for index in (0, 4, 1, 5, 2, 6, 3, 7, 8))
+    wide, high, across = fields_of_view(known.camera)
+    view = say.FIELD_OF_VIEW.format(wide=wide, high=high, across=across)
+    copies = "".join(
+        copy_button(text, label, hint) for text, (label, hint) in _copies(known, snapshot)
+    )
+    last = snapshot.history[-1]
+    line = say.RESULT_LINE.format(
+        views=len(known.views), rms=rounded(known.rms_px), error=rounded(last.uncertainty_px)
+    )
+    where = f"<div class='v-line'>{escape(saved)}</div>" if saved else ""
+    title = f"<h3 title='{escape(say.RESULT_HINT)}'>{say.RESULT_TITLE}</h3>"
+    return (
+        f"<div class='v-progress' data-panel='result'>{title}<div class='v-figures'>{cells}</div>"
+        f"<div class='v-line' title='{escape(say.FIELD_OF_VIEW_HINT)}'>{view}</div>"
+        f"<div class='v-line' title='{escape(say.UNCERTAINTY_HINT)}'>{line}</div>"
+        f"<div class='v-copies'>{copies}</div>{where}</div>"
+    )
+
+
+def fields_of_view(camera: Camera) -> tuple[float, float, float]:
+    """Degrees that the picture covers, through the lens as it is: across its middle row and column
+    from edge to edge, and from its upper left to its lower right corner."""
+    w, h = camera.width - 0.5, camera.height - 0.5
+    ends = [
+        [(-0.5, camera.cy), (w, camera.cy)],
+        [(camera.cx, -0.5), (camera.cx, h)],
+        [(-0.5, -0.5), (w, h)],
+    ]
+    xy = camera.unproject(ends)
+    rays = np.concatenate([xy, np.ones((3, 2, 1))], axis=2)
+    rays /= np.linalg.norm(rays, axis=2, keepdims=True)
+    angles = np.degrees(np.arccos(np.clip((rays[:, 0] * rays[:, 1]).sum(axis=1), -1, 1)))
+    return float(angles[0]), float(angles[1]), float(angles[2])
+
+
+def _cell(known: Calibration, index: int) -> str:
+    value, sigma = figures(float(known.camera.parameters[index]), float(known.sigma[index]), index)
+    extra = f" <i>± {sigma}</i>" if sigma else f" <i>{say.HELD}</i>"
+    exact = f"{known.camera.parameters[index]:.10g}"
+    return (
+        f"<div><b>{PARAMETERS[index]}</b><span>{value}{extra}</span>"
+        f"{copy_button(exact, hint=say.COPY_ONE.format(name=PARAMETERS[index]))}</div>"
+    )
+
+
+def _copies(known: Calibration, snapshot: Snapshot) -> list[tuple[str, tuple[str, str]]]:
+    camera = known.camera
+    matrix = np.array2string(camera.K, separator=", ", precision=6, suppress_small=True)
+    lens = np.array2string(camera.distortion, separator=", ", precision=8)
+    python = f"K = np.array({' '.join(matrix.split())})\ndistortion = np.array({lens})\n"
+    lines = [
+        f"{name}\t{value:.10g}\t{sigma:.4g}"
+        for name, value, sigma in zip(PARAMETERS, camera.parameters, known.sigma, strict=True)
+    ]
+    error = snapshot.history[-1].uncertainty_px
+    table = "\n".join([*lines, f"uncertainty_px\t{error:.4g}", ""])
+    return [(python, say.COPY_PYTHON), (table, say.COPY_TABLE)]
