@@ -69,8 +69,10 @@ def test_an_end_that_has_not_settled_has_no_tick(guided: Snapshot) -> None:
 
 
 def test_a_view_taken_back_is_not_said_to_be_captured_by_holding_still(guided: Snapshot) -> None:
-    assert guided.match is not None
-    there = replace(guided, match=replace(guided.match, reached=True), taken_back=True)
+    todo = guided.remaining
+    assert todo is not None and todo.match is not None
+    reached = replace(todo, match=replace(todo.match, reached=True))
+    there = replace(guided, remaining=reached, taken_back=True)
     _, text = said(there)
     assert "Hold still" not in text and "C captures it now" in text
 

@@ -158,7 +158,7 @@ def _copies(known: Calibration, snapshot: Snapshot) -> list[tuple[str, tuple[str
     camera = known.camera
     matrix = np.array2string(camera.K, separator=", ", precision=6, suppress_small=True)
     lens = np.array2string(camera.distortion, separator=", ", precision=8)
-    python = f"K = np.array({' '.join(matrix.split())})\ndistortion = np.array({lens})\n"
+    python = say.PYTHON.format(matrix=" ".join(matrix.split()), lens=lens)
     lines = [
         f"{name}\t{value:.10g}\t{sigma:.4g}"
         for name, value, sigma in zip(PARAMETERS, camera.parameters, known.sigma, strict=True)

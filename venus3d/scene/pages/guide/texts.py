@@ -56,6 +56,7 @@ FIELD_OF_VIEW = (
 FIELD_OF_VIEW_HINT = "From edge to edge and from corner to corner, through the lens as it is."
 COPY_ONE = "Copy {name} in full"
 COPY_PYTHON = ("Copy for Python", "The camera matrix and the distortion as OpenCV takes them")
+PYTHON = "K = np.array({matrix})\ndistortion = np.array({lens})\n"
 COPY_TABLE = ("Copy as a table", "Names, values and uncertainties, for a spreadsheet")
 COMPARED = "Undistorted"
 COMPARED_HINT = (
