@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from tests.browser.keyboard import pressed
 from tests.ports import free_port
 from tests.waiting import wait_until
 from venus3d.engine.calibration.detection import Detector
@@ -19,6 +20,7 @@ from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.startup import Startup
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.keys import KEYS
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.sim import Simulation
 
@@ -41,7 +43,7 @@ def guided(chromium: Any, start: Callable[..., Any], tmp_path: Path) -> Any:
     page.set_default_timeout(_PATIENCE_MS)
     page.goto(program.url)
     page.wait_for_selector(".v-chip")
-    page.keyboard.press("o")
+    page.keyboard.press(pressed(KEYS["autopilot"]))
     yield page
     context.close()
 
@@ -51,7 +53,7 @@ def wait_for_views(page: Any, count: int) -> None:
 
 
 @pytest.fixture
-def standing(viewer: Viewer) -> Iterator[Session]:
+def standing(viewer: Viewer) -> Iterator[tuple[Session, Simulation]]:
     """A session on the viewer whose simulated board stands still at the first target."""
     camera, board = PAPER_CAMERA.scaled((640, 360)), Board()
     session = Session(board, camera.image_size)
@@ -66,29 +68,38 @@ def standing(viewer: Viewer) -> Iterator[Session]:
     live = LiveGuide(session, source, tracker, viewer, lambda _: None, lambda: source)
     thread = threading.Thread(target=live.run)
     thread.start()
-    yield session
+    yield session, source
     live.stop()
     thread.join()
 
 
 def test_what_is_taken_back_stays_so_while_the_board_stands_there(
-    standing: Session, open_page: Callable[[], Any]
+    standing: tuple[Session, Simulation], open_page: Callable[[], Any]
 ) -> None:
     """The board stands where the first view is asked for: it used to be taken again at once."""
+    session, source = standing
     page = open_page()
     wait_for_views(page, 1)
-    page.keyboard.press("u")
+    page.keyboard.press(pressed(KEYS["undo"]))
     page.wait_for_selector(".v-title:has-text('Taken back')")
-    seen = standing.snapshot().number
-    wait_until(lambda: standing.snapshot().number > seen + 20)  # three still frames are enough
+    seen = session.snapshot().number
+    wait_until(lambda: session.snapshot().number > seen + 20)  # three still frames are enough
     wait_for_views(page, 0)
-    page.keyboard.press("c")
+    page.keyboard.press(pressed(KEYS["capture"]))
     wait_for_views(page, 1)
+
+    page.keyboard.press(pressed(KEYS["undo"]))
+    page.wait_for_selector(".v-title:has-text('Taken back')")
+    before = source.board_pose.t
+    for _ in range(12):  # 2 mm each, and faster while the key repeats
+        page.keyboard.press("l")
+    wait_until(lambda: not session.snapshot().taken_back, "the board has left the pose")
+    assert source.board_pose.t[0] > before[0] + 0.02 and source.board_pose.t[1] == before[1]
 
 
 def test_an_end_is_asked_about_told_and_taken_back(guided: Any, tmp_path: Path) -> None:
     wait_for_views(guided, 2)
-    guided.keyboard.press("o")
+    guided.keyboard.press(pressed(KEYS["autopilot"]))
     guided.get_by_role("button", name="Finish").click()
     guided.wait_for_selector(".v-title:has-text('End now?')")
     text = guided.inner_text(".v-guide")
@@ -96,7 +107,7 @@ def test_an_end_is_asked_about_told_and_taken_back(guided: Any, tmp_path: Path) 
     guided.get_by_role("button", name="Go on").click()
     guided.wait_for_selector(".v-title:has-text('End now?')", state="detached")
 
-    guided.keyboard.press("Shift+F")
+    guided.keyboard.press(pressed(KEYS["finish"]))
     guided.wait_for_selector(".v-title:has-text('End now?')")
     guided.get_by_role("button", name="End now").click()
     guided.wait_for_selector(".v-title:has-text('Ended before it settled')")
@@ -112,16 +123,16 @@ def test_an_end_is_asked_about_told_and_taken_back(guided: Any, tmp_path: Path) 
     copied = guided.evaluate("navigator.clipboard.readText()")
     assert float(copied) == pytest.approx(kept["intrinsics"]["fx"], rel=1e-8)
 
-    guided.keyboard.press("Shift+G")
+    guided.keyboard.press(pressed(KEYS["resume"]))
     guided.wait_for_selector(".v-title:has-text('Ended')", state="detached")
     guided.wait_for_selector(".v-chip")
     wait_for_views(guided, kept["views"])
 
     for _ in range(2):  # by the key alone; then a new one
-        guided.keyboard.press("Shift+F")
+        guided.keyboard.press(pressed(KEYS["finish"]))
         guided.wait_for_timeout(300)
     guided.get_by_role("button", name="New session").click()
-    guided.keyboard.press("o")
+    guided.keyboard.press(pressed(KEYS["autopilot"]))
     wait_until(lambda: len(list(tmp_path.glob("result*.json"))) == 2, "both results are there")
     earlier = next(path for path in tmp_path.glob("result-*.json"))
     assert json.loads(earlier.read_text())["intrinsics"] == kept["intrinsics"]

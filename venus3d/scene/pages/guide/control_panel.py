@@ -15,6 +15,7 @@ from venus3d.scene.pages.guide.intents import (
     GoOn,
     Intent,
     NewSession,
+    NudgeBoard,
     SkipTarget,
     Straighten,
     Toggle,
@@ -22,6 +23,7 @@ from venus3d.scene.pages.guide.intents import (
     UndoView,
 )
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.web.board_keys import board_commands
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
@@ -69,7 +71,7 @@ class ControlPanel:
         self, gui: viser.GuiApi, ask: Callable[[Intent], None], *, simulated: bool
     ) -> None:
         """Create the buttons in the current panel."""
-        self._ask = ask
+        self._ask, self._simulated = ask, simulated
         self._offered = CONTROLS.keys() - (set() if simulated else {"autopilot"})
         self._capture = gui.add_button(say.CAPTURE, icon=viser.Icon.CAMERA, hint=say.CAPTURE_HINT)
         self._capture.on_click(lambda _: ask(Capture()))
@@ -84,11 +86,15 @@ class ControlPanel:
     @property
     def commands(self) -> tuple[Command, ...]:
         """The same as commands, with keys."""
-        return tuple(
+        moves: tuple[Command, ...] = ()
+        if self._simulated:
+            moves = board_commands(lambda number, sign: self._ask(NudgeBoard(number, sign)))
+        ours = (
             Command(*_command_texts(name, key), lambda intent=intent: self._ask(intent))
             for name, (intent, key) in CONTROLS.items()
             if name in self._offered
         )
+        return (*ours, *moves)
 
     def show(self, state: ViewState, phase: Phase = "startup", *, known: bool = False) -> None:
         """Update the buttons; hide those without a use. `known`: whether the lens is."""

@@ -120,6 +120,16 @@ class DragBoard:
     """`T_camera_board`."""
 
 
+@dataclass(frozen=True)
+class NudgeBoard:
+    """Move the simulated board a little."""
+
+    number: int
+    """Index of the pose vector's number, 0 ... 5."""
+    sign: int
+    """1 or -1."""
+
+
 Intent = (
     Capture
     | SkipTarget
@@ -135,4 +145,5 @@ Intent = (
     | Toggle
     | TurnStep
     | DragBoard
+    | NudgeBoard
 )

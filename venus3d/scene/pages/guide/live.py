@@ -22,6 +22,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.scene.pages.guide import intents, texts
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.board_keys import KeyMoves
 from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame, Source
@@ -55,6 +56,7 @@ class LiveGuide:
             source, tracker, on_picture=self._show_picture, reopen=again
         )
         self._silent_since = ""
+        self._by_keys = KeyMoves()
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
 
@@ -202,6 +204,10 @@ class LiveGuide:
             case intents.DragBoard(pose) if isinstance(source, Simulation):
                 source.autopilot_on = False
                 source.move_to(pose)
+            case intents.NudgeBoard(number, sign) if isinstance(source, Simulation):
+                source.autopilot_on = False
+                now_s = time.monotonic()
+                source.move_to(self._by_keys.moved(source.board_pose, number, sign, now_s))
             case _:
                 pass
 

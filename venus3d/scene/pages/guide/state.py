@@ -14,6 +14,7 @@ from venus3d.scene.pages.guide.intents import (
     GoOn,
     Intent,
     NewSession,
+    NudgeBoard,
     Straighten,
     Toggle,
     TurnStep,
@@ -117,7 +118,7 @@ class ViewState:
                 return replace(self, asked_to_end=False)
             case Straighten(share):
                 return replace(self, straight=True, compared=share)
-            case DragBoard() if self.autopilot:
+            case DragBoard() | NudgeBoard() if self.autopilot:
                 return replace(self, autopilot=False)
             case _:
                 return self

@@ -166,7 +166,10 @@ OTHER_COMMAND_HINT = "Ask for another pose that is nearly as good as the target"
 # -- what a run says -------------------------------------------------------------------------------
 
 VIEWER_TITLE = "Viewer"
-DRAG_HINT = "Drag the board by its handles in the scene, or press Shift+P for the autopilot."
+DRAG_HINT = (
+    "Drag the board by its handles, move it by keys (H shows them), or press Shift+P for the "
+    "autopilot."
+)
 ENDED = "This calibration has ended; no more views are taken."
 NOTHING_TO_CAPTURE = "Nothing to capture: no board is seen, or this view is taken."
 VIEWS_STAY = "This calibration has ended; its views stay as they are."
