@@ -26,7 +26,7 @@ from venus3d.sources.sim import Simulation
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
-_PATIENCE_MS = 40_000
+_PATIENCE_MS = 60_000
 _VIEWS = r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) === n"
 
 
@@ -133,6 +133,8 @@ def test_an_end_is_asked_about_told_and_taken_back(guided: Any, tmp_path: Path) 
         guided.wait_for_timeout(300)
     guided.get_by_role("button", name="New session").click()
     guided.keyboard.press(pressed(KEYS["autopilot"]))
-    wait_until(lambda: len(list(tmp_path.glob("result*.json"))) == 2, "both results are there")
+    wait_until(
+        lambda: len(list(tmp_path.glob("result*.json"))) == 2, "both results are there", 60.0
+    )
     earlier = next(path for path in tmp_path.glob("result-*.json"))
     assert json.loads(earlier.read_text())["intrinsics"] == kept["intrinsics"]
