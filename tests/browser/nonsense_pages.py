@@ -125,6 +125,7 @@ GUIDE_ROWS = (
     ("skip", "undo", "finish"),
     ("previous", "play", "next"),
     ("follow", "strip", "theme"),
+    ("words", "built"),
     ("pause", "autopilot"),
 )
 
@@ -138,7 +139,9 @@ def test_guide(viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot) 
         for place, name in enumerate(names):
             does(viewer, button(page, row, place), CONTROLS[name][0])
             if name == "finish":  # asks; the answers stand beside the question
-                does(viewer, button(page, 0, 1, "[data-dock-leaf]:has(.v-guide)"), intents.GoOn())
+                card = "[data-dock-leaf]:has(.v-guide)"
+                does(viewer, button(page, 0, 1, card), intents.GoOn())
+                page.wait_for_selector(f"{card} {ROW}", state="hidden")
     for intent, hotkey in CONTROLS.values():
         if hotkey is not None:
             does(viewer, key(page, hotkey), intent)

@@ -96,6 +96,10 @@ class Autopilot:
         """Whether the hand has nothing left to do and holds still."""
         return self._target is not None and not self._legs
 
+    def forget_target(self) -> None:
+        """As before the first target: without one, bring the board back into view."""
+        self._target, self._aimed = None, False
+
     def advance(
         self, pose: Pose, target: Target | None, dt_s: float, seen: Pose | None = None
     ) -> Pose:

@@ -148,6 +148,12 @@ class Simulation:
         with self._lock:
             self._target, self._seen = target, seen
 
+    def begin_anew(self) -> None:
+        """Have the autopilot bring the board into view, as for the first target."""
+        with self._lock:
+            self._target = None
+            self._autopilot.forget_target()
+
     def move_to(self, pose: Pose) -> None:
         """Move the board to `T_camera_board`, kept in front of the lens and in view."""
         with self._lock:

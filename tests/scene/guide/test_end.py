@@ -21,6 +21,7 @@ from venus3d.scene.pages.guide.end_panel import fields_of_view, result_html
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import EndNow, Finish, GoOn, Straighten, Toggle
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.web.step_card import NO_NOTE
 from venus3d.scene.web.theme import Theme
 
 
@@ -39,7 +40,7 @@ def ended(guided: Snapshot, *unsettled: str) -> Snapshot:
 
 def said(snapshot: Snapshot, state: ViewState | None = None) -> tuple[str, str]:
     """The badge, and all that the card says."""
-    html = guidance_html(snapshot, state or ViewState(), Theme(True), "")
+    html = guidance_html(snapshot, state or ViewState(), Theme(True), NO_NOTE)
     badge = re.search(r"v-badge'>(.*?)<", html)
     assert badge is not None
     return badge.group(1), re.sub(r"<[^>]*>", " ", html)

@@ -9,6 +9,7 @@ from html import escape
 import numpy as np
 import viser
 
+from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.prompts import Phase
@@ -16,13 +17,12 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.sentences import listed
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import EndNow, GoOn, Intent, NewSession
-from venus3d.scene.pages.guide.progress_panel import rounded
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.maps import map_html, map_of
 from venus3d.scene.pages.guide.uncertainty.parameters import figures
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.copy_button import copy_button
-from venus3d.scene.web.step_card import guide_card, second_line
+from venus3d.scene.web.step_card import Note, guide_card, second_line
 from venus3d.scene.web.theme import Theme
 
 OVER: tuple[Phase, ...] = ("converged", "finished")
@@ -68,7 +68,7 @@ class EndMap:
             self._map.content = f"<div class='v-end-map'>{shown}</div>"
 
 
-def question_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
+def question_card(snapshot: Snapshot, theme: Theme, note: Note) -> str:
     """What it means to end the calibration now."""
     if snapshot.calibration is None:
         return guide_card(theme.quiet, "?", say.END_QUESTION, say.END_WITHOUT_RESULT, note=note)
@@ -77,7 +77,7 @@ def question_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
     return guide_card(theme.quiet, "?", say.END_QUESTION, sentence, below=below, note=note)
 
 
-def ended_card(snapshot: Snapshot, theme: Theme, note: str) -> str:
+def ended_card(snapshot: Snapshot, theme: Theme, note: Note) -> str:
     """The card of a calibration that was ended by hand; with a tick only if all has settled."""
     if snapshot.calibration is None:
         return guide_card(theme.quiet, "■", say.ENDED, say.ENDED_WITHOUT_RESULT, note=note)
@@ -116,7 +116,7 @@ def result_html(snapshot: Snapshot, saved: str) -> str:
     )
     last = snapshot.history[-1]
     line = say.RESULT_LINE.format(
-        views=len(known.views), rms=rounded(known.rms_px), error=rounded(last.uncertainty_px)
+        views=len(known.views), rms=figure(known.rms_px), error=figure(last.uncertainty_px)
     )
     where = f"<div class='v-line'>{escape(saved)}</div>" if saved else ""
     title = f"<h3 title='{escape(say.RESULT_HINT)}'>{say.RESULT_TITLE}</h3>"

@@ -195,6 +195,8 @@ class LiveGuide:
                 session.resume()
             case intents.NewSession():
                 session.restart()
+                if isinstance(source, Simulation):
+                    source.begin_anew()
             case intents.Toggle("paused"):
                 self._stream.pause(self._viewer.state.paused)
                 for monitor in self._monitors:
