@@ -103,6 +103,14 @@ def test_three_scales_that_are_right_make_a_move_that_is_done(at) -> None:
     assert dial_html(found, 1).count("✓") == 3 and found.within[0]
 
 
+def test_a_scale_that_is_near_enough_tells_what_the_sentence_tells(at) -> None:
+    """Not "done" beside "2 mm to your left"."""
+    found = at(mm=(-2, 0.3, 40))
+    assert "2 mm to your right" in step_prompt(found.steps[0]).holder
+    told = [t.text for t in svg(dial_html(found, 1)).iter("text") if "v-part" in t.attrib["class"]]
+    assert told == ["✓ 2 mm →", "✓ done", "40 mm"]
+
+
 def test_amounts_have_a_sign_and_a_unit(at) -> None:
     found = at(x=12, y=-31, mm=(30, 0, 40))
     assert [amount_text(found, step) for step in (1, 2, 3, 4)] == ["50 mm", "+12°", "−31°", "0°"]

@@ -107,7 +107,9 @@ def _scale(
 
     at, right, middle = place(-towards), abs(towards) <= band, y + 34
     second = towards > 0
-    text = f"✓ {texts.DONE}" if right else words[second].format(mm=abs(whole(towards)))
+    # What the sentence still tells stands here as well, in green once it is near enough.
+    text = words[second].format(mm=abs(whole(towards))) if whole(towards) else texts.DONE
+    text = f"✓ {text}" if right else text
     colour = "var(--done)" if right else "var(--step)"
     rest = "" if right else _line(at, middle, place(-np.sign(towards) * band), middle, 9)
     first_end, second_end = (
