@@ -264,7 +264,7 @@ def cards_say(viewer: Viewer) -> dict[str, Any]:
     html = viewer.view.projections._tiles.content
     cards = re.findall(
         r"<div class='v-tile( v-on)?'.*?<b>(\d)</b><strong>[^<]*<small>(.*?)</small></strong>"
-        r"<span>([^<]*)</span>.*?v-steps-(\d)'",
+        r"<span>([^<]*)</span>.*?data-shot='steps-(\d)'",
         html,
     )
     return {
@@ -342,7 +342,10 @@ def monitor_shall_say(told: Told, mm: Matrix, now: Any, board: Board) -> dict[st
         f"{y} ↓" if mm[1] > 0 else f"↑ {y}",
         z,
     )
-    said["move"] = ["✓ done" if abs(v) <= band else p for v, p in zip(mm, parts, strict=True)]
+    said["move"] = [
+        p if abs(v) > band else "✓ done" if abs(v) < 0.5 else f"✓ {p}"
+        for v, p in zip(mm, parts, strict=True)
+    ]
     return said
 
 

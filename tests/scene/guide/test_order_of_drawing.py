@@ -27,7 +27,7 @@ def test_the_board_moves_before_maps_and_pictures_come(
 ) -> None:
     """These take longer than all the rest, and nobody waits for them. All come, too, though no
     frame comes any more."""
-    came = shown(guided, Projections(painter), MAP, "v-steps-4' role='img'")
+    came = shown(guided, Projections(painter), MAP, "data-shot='steps-4' role='img'")
     assert 0 <= board_in(came) < place_of(MAP, came)
 
 
