@@ -101,7 +101,8 @@ def normal_matrices(
     rows = J.reshape(*J.shape[:2], -1)
     normal = rows @ np.swapaxes(rows, 1, 2)
     if shared is not None:
-        taken = (J @ shared).reshape(*J.shape[:2], -1)
+        # One large product: many small ones take twice the time.
+        taken = (J.reshape(-1, J.shape[3]) @ shared).reshape(*J.shape[:2], -1)
         normal -= taken @ np.swapaxes(taken, 1, 2)
     return normal
 
