@@ -6,6 +6,8 @@ import pytest
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.exercise import LEVELS
+from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.scene.pages.exercise.practice import Practice, PracticeSettings
 from venus3d.scene.pages.exercise.view_model import (
     ChooseLevel,
@@ -16,6 +18,8 @@ from venus3d.scene.pages.exercise.view_model import (
     Rename,
     Request,
 )
+from venus3d.scene.web.board_keys import BOARD_KEYS
+from venus3d.scene.web.pose_texts import NUDGES
 
 
 @pytest.fixture
@@ -66,6 +70,48 @@ def test_whoever_moves_what_a_level_leaves_alone_is_told_why_nothing_happens(
     assert view_of(trainee, 1).note and view_of(trainee, 1).attempt.path_mm == 0
     ask(trainee, Nudge(free.index(True), 1), 2.0)
     assert not view_of(trainee, 2).note
+
+
+def keys_for(sentence: str) -> list[tuple[int, int]]:
+    """The keys that a person presses who reads this and has not learnt what a turn is: those whose
+    words are in it."""
+    words = {
+        "top edge towards": "top edge nearer",
+        "bottom edge towards": "bottom edge nearer",
+        "right edge towards": "right edge nearer",
+        "left edge towards": "left edge nearer",
+        "board clockwise": "clockwise",
+        "counter-clockwise": "counter-clockwise",
+        "to the right": "right",
+        "to the left": "left",
+        " down": "down",
+        " up": "up",
+        "mm away": "farther",
+        "mm towards": "nearer",
+    }
+    told = [key for said, key in words.items() if said in sentence]
+    return [BOARD_KEYS[key] for key in BOARD_KEYS if NUDGES[BOARD_KEYS[key]] in told]
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_who_presses_the_keys_of_the_words_reaches_the_target(
+    settings: PracticeSettings, level: int
+) -> None:
+    """Swing was guessed wrong: the words named one edge, the key the other one."""
+    trainee, now = Practice(settings, 1), 0.0
+    ask(trainee, ChooseLevel(level), now)
+    for _ in range(1500):
+        view = view_of(trainee, now)
+        if view.stage != "aim":
+            break
+        step = view.match.steps[view.match.active_step - 1]
+        wanted = keys_for(step_prompt(step).camera)
+        assert wanted, step_prompt(step).camera
+        for number, sign in wanted:
+            now += 0.3  # each a press of its own
+            ask(trainee, Nudge(number, sign), now)
+    assert view_of(trainee, now).stage == "hold"
+    assert view_of(trainee, now + 1.1).stage == "reached"
 
 
 def test_a_drag_says_which_numbers_it_changes(settings: PracticeSettings) -> None:

@@ -114,9 +114,9 @@ SLIDERS = "Move the board with sliders"
 KEYS_TITLE = "Keys and mouse"
 
 MOUSE_LINES = (
-    ("drag", "move the board, in any view"),
-    ("Shift + drag", "tilt and swing it"),
-    ("Ctrl + drag", "rotate it"),
+    ("drag", "move it in the plane that you see"),
+    ("Shift + drag", "turn it like a ball"),
+    ("Ctrl + drag", "rotate it round its centre"),
     ("right button", "drag up or down: farther, nearer"),
     ("drag beside it", "turn the view; V puts it back"),
 )
