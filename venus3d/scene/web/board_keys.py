@@ -63,7 +63,10 @@ def key_html(name: str) -> str:
 
 
 def _pair(one: str, other: str) -> str:
-    return f"{say.NUDGES[BOARD_KEYS[one]]}, {say.NUDGES[BOARD_KEYS[other]]}"
+    words, others = say.NUDGES[BOARD_KEYS[one]], say.NUDGES[BOARD_KEYS[other]]
+    first, _, rest = words.partition(" ")
+    # "left, right edge nearer"
+    return f"{first if rest and others.endswith(rest) else words}, {others}"
 
 
 class KeyMoves:

@@ -72,8 +72,8 @@ BARS_TITLE = "How far from the target"
 BARS_LEGEND = "Make each bar end before its mark; then it is green."
 
 TIME, TIME_UNIT = "time", "s"
-MOVED = "moved; shortest way: {shortest}"
-TURNED = "turned; shortest way: {shortest}"
+MOVED = "moved, at least {shortest}"
+TURNED = "turned, at least {shortest}"
 
 RESULTS_TITLE = "Your poses so far"
 NO_RESULTS = "Each pose that you reach is listed here, with its time and its way."
