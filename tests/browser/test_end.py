@@ -133,4 +133,5 @@ def test_an_end_is_asked_about_told_and_taken_back(guided: Any, tmp_path: Path) 
         guided.wait_for_timeout(300)
     guided.get_by_role("button", name="New session").click()
     guided.wait_for_selector(".v-title:has-text('Ended')", state="detached")
-    assert json.loads((tmp_path / "result.json").read_text()) == kept, "the result stays"
+    stays = json.loads((tmp_path / "result.json").read_text())
+    assert stays["intrinsics"] == kept["intrinsics"], "the result stays"

@@ -165,6 +165,17 @@ def test_without_a_target_after_the_first_the_board_is_held(targets: list[Target
     assert pose.distance_to(targets[1].pose) < 1e-9
 
 
+def test_a_new_session_brings_the_board_back_into_view(targets: list[Target]) -> None:
+    """It has no target until the whole board is seen, which the hand held out of sight for good."""
+    autopilot, pose = hand(tremor=0.0), Pose.from_vector([0, 0, 0, 0.3, 0.2, 0.4])
+    for _ in range(50):
+        pose = autopilot.advance(pose, targets[0], 0.04)
+    autopilot.forget_target()
+    for _ in range(400):
+        pose = autopilot.advance(pose, None, 0.04)
+    assert pose.distance_to(home_pose()) < 0.005
+
+
 def test_a_target_that_only_shifts_does_not_start_the_steps_anew(
     paper_camera: Camera, default_board: Board
 ):
