@@ -85,7 +85,7 @@ def test_the_guides_help_and_the_card_of_a_view(
     known = guided_session(paper_camera, default_board, Settings())
     viewer.show(replace(known, target=None, match=None, remaining=None, pose=None))
     page = open_page()
-    page.keyboard.press("v")
+    page.keyboard.press("Shift+V")
     wait_until(lambda: "/views/2/sheet" in viewer.scene_names, "the views stand in the scene")
     page.wait_for_timeout(1000)  # viser's picture follows its messages by a frame or two
     page.keyboard.press("h")
