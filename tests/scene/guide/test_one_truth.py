@@ -163,9 +163,10 @@ class Recorded(Projections):
         return ""
 
     def of(self, steps: Steps, *args: Any, **how: Any) -> Pictures:
-        self.done = how["done"]
-        self.steps = steps
-        assert not how["amounts"], "a picture has no number that could contradict the words"
+        if "done" in how:  # not those of the pose from upright
+            self.done = how["done"]
+            self.steps = steps
+            assert not how["amounts"], "a picture has no number that could contradict the words"
         picture: Future[Any] = Future()
         picture.set_result(np.zeros((9, 16, 3), np.uint8))
         return picture, picture, picture, picture
@@ -426,3 +427,25 @@ def test_the_steps_side_by_side_say_the_same(
 
         wait_until(lambda facts=facts: all(map(str.endswith, captions(), facts)), "captions")
     viewer.change(lambda state: replace(state, strip=False))
+
+
+def test_how_the_pose_is_built_is_drawn_only_when_asked_for(
+    pages: Pages, paper_camera: Camera, default_board: Board
+) -> None:
+    """The paper's steps from upright, under a name of their own, whatever the board does."""
+    rng, viewer = np.random.default_rng(17), pages.viewer
+    now, target = a_pair(rng, 0)
+    assert now is not None
+    snapshot = pose_snapshot(default_board, paper_camera, Pose(*now), Pose(*target))
+    pages.show(snapshot)
+    panel = viewer.view.built._tiles
+    assert not panel.visible and not panel.content
+    viewer.change(lambda state: replace(state, built=True, camera_words=True))
+    wait_until(lambda: panel.visible and "data-shot='built-4'" in panel.content, "it is shown")
+    upright = told(None, target, default_board, "camera")
+    cards = re.findall(
+        r"<small>Step \d of 4 · ([^<]*) in all</small></strong><span>([^<]*)<", panel.content
+    )
+    assert cards == list(zip(upright.amounts, upright.sentences, strict=True))
+    viewer.change(lambda state: replace(state, built=False, camera_words=False))
+    wait_until(lambda: not panel.visible, "it is folded away")
