@@ -34,6 +34,7 @@ KEYS = {
     "views",
     "intrinsics",
     "std",
+    "std_noise_only",
     "image_size",
     "board",
     "warnings",
