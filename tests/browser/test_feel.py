@@ -22,6 +22,7 @@ from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.control_panel import useful_in
 from venus3d.scene.pages.guide.method_panel import OFFERED
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.web.board_keys import BOARD_KEYS
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -84,7 +85,12 @@ def test_every_key_does_what_the_help_says(
         return lambda: page.locator(selector).count() == count
 
     knowledge: Any = viewer.layers[0]
-    before = knowledge.state
+    before, state = knowledge.state, viewer.state
+
+    def asks_to_move(number: int, sign: int) -> Callable[[], bool]:
+        move = intents.NudgeBoard(number, sign)
+        return lambda: asks(intents.NudgeBoard)() and move in asked
+
     effects: dict[str, Callable[[], bool]] = {
         "N": shows(".v-title:has-text('Step 4 of 4')"),
         "P": shows(".v-title:has-text('Step 3 of 4')"),
@@ -101,7 +107,14 @@ def test_every_key_does_what_the_help_says(
         "shift+V": lambda: knowledge.state.views != before.views,
         "shift+N": lambda: knowledge.state.view is not None,
         "shift+G": lambda: knowledge.state.search != before.search,
+        "X": lambda: viewer.state.camera_words,
+        "shift+R": lambda: viewer.state.all_steps,
+        "shift+B": lambda: viewer.state.surroundings != state.surroundings,
+        "shift+F": lambda: viewer.state.straight,
         "space": asks_to_switch("paused"),
+        **{key: asks_to_move(*move) for key, move in BOARD_KEYS.items()},
+        "end": asks(intents.Finish),
+        "shift+end": asks(intents.GoOn),
         "H": shows(".v-keys"),
         "escape": shows(".v-keys", 0),
     }
