@@ -87,6 +87,8 @@ def test_a_view_is_sent_again_until_the_browser_shows_it(rig: CameraRig) -> None
         assert sent(client, PATIENCE_S, 1)
         client.look(position=EYE.tolist(), look_at=AT.tolist())
         assert stays(client, 1.7)
+        rig.go(lambda _: SceneCamera(2 * EYE, AT, 0.7), at_once=True)
+        assert np.allclose(sent(client, PATIENCE_S, 3), 2 * EYE), "a later one as well"
 
 
 def test_a_browser_that_never_answers_is_left_alone_in_the_end(rig: CameraRig) -> None:

@@ -6,7 +6,7 @@
 
 A view is a function of the window's aspect (width over height), so that it fits every tab. A new
 tab, or one whose aspect changes, jumps to the view at once. A browser that is still setting up its
-scene may drop or change its first view; it is sent again until the browser confirms it.
+scene may drop or change a view; each is sent again until the browser confirms it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _USUAL_ASPECT = 1.0
 _THERE = 0.01
 """A tab this near its goal, metres, has arrived."""
 _RESENT, _FIRST_RESENT_S = 5, 0.25
-"""How often an unconfirmed first view is sent again, and after how long at first: twice as long
+"""How often an unconfirmed view is sent again, and after how long at first: twice as long
 each time."""
 _A_TURN = 0.5
 """Two reports nearer than this, relative to the distance looked at, are a person's movement; what a
@@ -190,7 +190,7 @@ class _Tab:
     """The window's aspect when its view was last set."""
     goal: SceneCamera | None = None
     settled: bool = False
-    """Whether the browser has shown its goal once, or a person has moved it, or it never will."""
+    """Whether the browser has shown the goal, or never will, or a person has moved the camera."""
     resent: int = 0
     sent_at: float = 0.0
     sent: tuple[tuple[float, SceneCamera], ...] = ()
@@ -222,7 +222,7 @@ class _Tab:
 
     @property
     def _unheard(self) -> bool:
-        """Whether the browser has had time enough to confirm its first view, and has not."""
+        """Whether the browser has had time enough to confirm its view, and has not."""
         if self.settled or self.goal is None:
             return False
         return time.monotonic() - self.sent_at > _FIRST_RESENT_S * 2**self.resent
@@ -272,10 +272,14 @@ class _Tab:
 
     def advance(self, framing: Framing) -> None:
         again = self._unheard
-        self.resent += again
-        self.settled = self.settled or self.resent > _RESENT
         self.aspect, self.sent_at = self.window, time.monotonic()
-        self.goal = framing(self.aspect)
+        goal = framing(self.aspect)
+        if self.goal is None or _difference(goal, self.goal) > 1e-6:
+            self.settled, self.resent = False, 0
+        elif again:
+            self.resent += 1
+            self.settled = self.resent >= _RESENT
+        self.goal = goal
         shown, done, start = self.goal, (self.sent_at - self.begun) / FLIGHT_SECONDS, self.start
         if start is not None and done < 1:
             shown = between(start, self.goal, max(0.0, done))
