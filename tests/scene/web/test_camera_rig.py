@@ -109,6 +109,19 @@ def test_a_person_who_turns_an_unconfirmed_view_is_left_alone(rig: CameraRig) ->
         assert stays(client, 1.7)
 
 
+def test_a_browser_that_applies_eye_and_target_one_by_one_is_no_person(rig: CameraRig) -> None:
+    """Half a view was taken for a turn, and the page kept it: the board was out of sight."""
+    with RawClient(port_of(rig)) as client:
+        client.backlog()
+        client.look(**USUAL)
+        assert sent(client, PATIENCE_S, 1)
+        client.look(position=USUAL["position"], look_at=AT.tolist())
+        client.look(position=EYE.tolist(), look_at=AT.tolist())
+        sent(client, 0.3)
+        rig.refit(lambda _: SceneCamera(2 * EYE, AT, 0.7))
+        assert sent(client, PATIENCE_S, 1)
+
+
 def test_a_view_that_a_person_has_turned_stays_until_it_is_fitted_again(rig: CameraRig) -> None:
     def framing(aspect: float) -> SceneCamera:
         return SceneCamera(EYE * aspect, AT, 0.7)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,8 +31,6 @@ Framing = Callable[[float], SceneCamera]
 NEAR, FAR = 0.01, 50.0
 """Clipping planes, metres."""
 _USUAL_ASPECT = 1.0
-_THERE = 0.01
-"""A tab this near its goal, metres, has arrived."""
 _RESENT, _FIRST_RESENT_S = 5, 0.25
 """How often an unconfirmed view is sent again, and after how long at first: twice as long
 each time."""
@@ -250,16 +248,15 @@ class _Tab:
         self.reported = seen
         if self.goal is None:
             return
-        if not self.settled and np.linalg.norm(seen.position - self.goal.position) < _THERE:
-            self.settled = True
+        self.settled = self.settled or _is_same(seen, self.goal)
         resets = [view for view in (reset_view, self.first) if view is not None]
         if self.turned_at is not None:
             if any(_is_same(seen, view) for view in resets):  # "Reset View" has been chosen
                 self.turned_at = None
                 self.leave()
             return
-        known = any(_is_same(seen, view) for view in (*(v for _, v in self.sent), *resets))
-        if not known and before is not None and _is_turned(before, seen):
+        known = (*(view for _, view in self.sent), *resets)
+        if not _is_mixed(seen, known) and before is not None and _is_turned(before, seen):
             self.settled, self.start = True, None
             self.turned_at = time.monotonic()
 
@@ -306,6 +303,15 @@ def _is_turned(before: SceneCamera, after: SceneCamera) -> bool:
 
 def _is_same(one: SceneCamera, other: SceneCamera) -> bool:
     return _difference(one, other) < _SAME
+
+
+def _is_mixed(seen: SceneCamera, known: Sequence[SceneCamera]) -> bool:
+    """Whether eye and target point are each those of a known view: a browser may apply one before
+    the other."""
+    near = _SAME * float(np.linalg.norm(seen.position - seen.look_at))
+    eyes = (float(np.linalg.norm(seen.position - view.position)) for view in known)
+    targets = (float(np.linalg.norm(seen.look_at - view.look_at)) for view in known)
+    return min(eyes, default=np.inf) < near and min(targets, default=np.inf) < near
 
 
 def _difference(one: SceneCamera, other: SceneCamera) -> float:
