@@ -67,6 +67,9 @@ def test_observations_of_an_own_detector(
     misread = replace(unsettled, board=default_board)
     with pytest.raises(CalibrationError, match="more than one layout"):
         calibrate_images([misread, detector.detect(pictures[1])], default_board)
+    larger = replace(default_board, square=0.03)
+    with pytest.raises(CalibrationError, match="use the board that the detector has"):
+        calibrate_images([*map(detector.detect, pictures)], larger)
 
 
 def test_what_is_to_be_known_of_the_pictures(

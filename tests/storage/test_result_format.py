@@ -64,6 +64,8 @@ def test_every_key_is_described(session: Snapshot, paper_camera: Camera) -> None
 
 def test_a_result_is_read_back(tmp_path: Path, calibration: Calibration) -> None:
     diagnoses = (*diagnose(calibration), LAYOUT)
+    plain = read_result(write_result(tmp_path / "plain.json", calibration))
+    assert plain.diagnoses == diagnose(calibration)
     path = write_result(tmp_path / "r.json", calibration, warnings=["w"], diagnoses=diagnoses)
     result = read_result(path)
     assert result.schema == 2 and result.warnings == ("w",) and result.diagnoses == diagnoses

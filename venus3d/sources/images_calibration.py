@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 from venus3d.engine.calibration.adjustment import Calibration, calibrate
@@ -49,12 +49,13 @@ def calibrate_images(
         max_frames: of a video, the maximum number of frames, the most informative ones.
         every: of a video, take every n-th frame that shows the board instead.
 
-    See `diagnose` for what may be wrong with the calibration.
+    Images that do not show the board are left out: `len(calibration.views)` tells, and each view's
+    `observation.name`. See `diagnose` for what may be wrong with the calibration.
 
     Raises:
         SourceError: images that cannot be read.
         CalibrationError: fewer than three images show the board, or they do not determine the
-            camera.
+            camera; or the observations are of another board.
     """
     listed = images if isinstance(images, Sequence) and not isinstance(images, str) else ()
     observations = [image for image in listed if isinstance(image, Observation)]
@@ -109,7 +110,13 @@ def _board_of(observations: Sequence[Observation], board: Board) -> Board:
             "The board was read in more than one layout before it was settled; detect it again in "
             "all images with the same detector."
         )
-    return boards.pop() if boards else board
+    read = boards.pop() if boards else board
+    if replace(read, legacy=board.legacy, inverted=board.inverted) != board:
+        raise CalibrationError(
+            "The observations are of a board with other sizes or another dictionary than the one "
+            "given; use the board that the detector has."
+        )
+    return read
 
 
 def _board_diagnoses(detector: Detector, recording: Recording) -> tuple[Diagnosis, ...]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
@@ -127,10 +128,12 @@ def write_result(
     calibration: Calibration,
     *,
     warnings: Sequence[str] = (),
-    diagnoses: Sequence[Diagnosis] = (),
+    diagnoses: Sequence[Diagnosis] | None = None,
 ) -> Path:
-    """Write a calibration as a result.json. Raises `StorageError` if it cannot be written."""
-    summary = summary_of(calibration, warnings=warnings, diagnoses=diagnoses)
+    """Write a calibration as a result.json, with its `diagnose`d doubts unless others are given.
+    Raises `StorageError` if it cannot be written."""
+    found = diagnose(calibration) if diagnoses is None else diagnoses
+    summary = summary_of(calibration, warnings=warnings, diagnoses=found)
     return write_bytes(Path(path), result_json(summary, calibration).encode())
 
 

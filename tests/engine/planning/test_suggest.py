@@ -169,6 +169,12 @@ def test_combinations_without_sense_are_told(
         )
 
 
+@pytest.mark.parametrize("limits", [Limits(), {"near": 0.35}])
+def test_limits_are_fields_of_limits(limits: object) -> None:
+    with pytest.raises(VenusError, match="a dictionary of fields of Limits"):
+        PlanningSettings(limits=limits)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_skipped_pose_is_not_offered_again_nearby(
     method: Method, paper_camera: Camera, default_board: Board

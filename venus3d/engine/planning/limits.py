@@ -1,4 +1,4 @@
-"""The eight limits on target poses, the margin that a pose leaves to each, and why one is refused.
+"""The limits on target poses, the margin that a pose leaves to each, and why one is refused.
 
 Everything uses `Limits.margins`: `accepts`, the sentences of `refusals`, the corrections in
 `pose_space`.

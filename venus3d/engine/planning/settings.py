@@ -4,7 +4,7 @@ Invalid combinations are refused when the settings are made."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal, get_args
 
 from venus3d.engine.calibration.corner_noise import RENDERED, NoiseModel
@@ -51,6 +51,12 @@ class PlanningSettings:
     """Method venus: return the best pose that the annealing met, not the last one."""
 
     def __post_init__(self) -> None:
+        known = [field.name for field in fields(Limits)]
+        if not isinstance(self.limits, Mapping) or not set(self.limits) <= set(known):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise VenusError(
+                'Give the limits as a dictionary of fields of Limits, such as {"nearest": 0.35}; '
+                f"they are {', '.join(known)}."
+            )
         for kind, name, names in (
             ("method", self.method, METHODS),
             ("cost", self.cost, COSTS),

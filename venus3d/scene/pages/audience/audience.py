@@ -1,8 +1,9 @@
-"""The second monitor: takes snapshots and pictures like the viewer, and accepts no input.
+"""The second monitor: takes snapshots and pictures like the viewer, and accepts no input but each
+browser's own point of view.
 
 Any thread may call it, also of another program: `Audience("127.0.0.1", 8090).show(snapshot)`. Two
 threads draw the newest snapshot and picture; errors are logged, reported to the operator
-(`on_failure`), and the page is reloaded. Browser input is dropped
+(`on_failure`), and the page is reloaded. All other browser input is dropped
 (`scene.web.server.ReadOnlyServer`).
 """
 

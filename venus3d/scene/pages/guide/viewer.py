@@ -34,9 +34,9 @@ from venus3d.render.shapes import Shape
 from venus3d.render.straighten import Straightener
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.pages.guide.subject import subject_of
 from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
 from venus3d.scene.pages.guide.view import GuideView
-from venus3d.scene.pages.guide.viewpoint import subject_of
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command
