@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from venus3d.engine.amounts import signed, whole
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
@@ -288,10 +289,9 @@ def _change_told(before: Pose, after: Pose) -> str:
     """Which of the six numbers a drag has changed, and by how much; empty for nothing."""
     change = after.vector() - before.vector()
     change[:3] = (change[:3] + 180) % 360 - 180
-    told = (
-        text.format(amount=amount).replace("-", "−")
+    changes = ", ".join(
+        text.format(amount=signed(amount))
         for text, amount in zip(CHANGES, change * _UNITS, strict=True)
-        if abs(amount) >= 0.5
+        if whole(amount)
     )
-    changes = ", ".join(told)
     return DRAGGED.format(changes=changes) if changes else ""

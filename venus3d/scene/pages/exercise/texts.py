@@ -55,12 +55,12 @@ LEVEL_UP = "From now on level {level}: {name}."
 GIVEN_UP_NOTE = "That one is given up; here is another."
 DRAGGED = "This drag: {changes}."
 CHANGES = (
-    "turn about X {amount:+.0f}°",
-    "turn about Y {amount:+.0f}°",
-    "turn about Z {amount:+.0f}°",
-    "right {amount:+.0f} mm",
-    "down {amount:+.0f} mm",
-    "distance {amount:+.0f} mm",
+    "turn about X {amount}°",
+    "turn about Y {amount}°",
+    "turn about Z {amount}°",
+    "right {amount} mm",
+    "down {amount} mm",
+    "distance {amount} mm",
 )
 STAYS = "That is right already on this level, and stays as it is."
 TO_GO = "to go"
