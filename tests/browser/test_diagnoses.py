@@ -57,7 +57,15 @@ def test_how_bad_it_is_can_be_read_without_colours(
     for kind, word, sign in (("parallel-views", "Weak:", "!"), ("wrong-layout", "Note:", "i")):
         named = page.wait_for_selector(f"[data-kind='{kind}'] .v-named").inner_text()
         assert word in named and sign in named.split(word)[0]
-    lost = replace(guiding, phase="startup", calibration=None, pose=None, match=None, target=None)
+    lost = replace(
+        guiding,
+        phase="startup",
+        calibration=None,
+        pose=None,
+        match=None,
+        target=None,
+        remaining=None,
+    )
     viewer.show(replace(lost, diagnoses=(MARKERS,)))
     named = page.wait_for_selector("[data-kind='wrong-dictionary'] .v-named").inner_text()
     assert "Wrong:" in named and "✕" in named
