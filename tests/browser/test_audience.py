@@ -267,6 +267,7 @@ def test_a_click_on_the_page_has_it_speak_at_most_every_four_seconds(
     wait_for_sentence(listening, "Swing")
     assert listening.evaluate("spoken") == []
     listening.get_by_role("button", name="Voice").click()
+    listening.wait_for_function("spoken.length === 1")
     audience.show(rotate)
     listening.wait_for_function("spoken.length === 2")
     (first, said, language), (second, then, _) = listening.evaluate("spoken")
