@@ -6,9 +6,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.guidance.convergence import Convergence
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.texts import DIAGNOSIS_TITLES
 from venus3d.scene.pages.guide.viewer import Viewer
@@ -77,7 +79,14 @@ def test_how_bad_it_is_can_be_read_without_colours(
 def test_a_doubtful_result_is_not_called_calibrated(
     viewer: Viewer, open_page: Open, guiding: Snapshot
 ) -> None:
-    settled = replace(guiding, phase="converged", target=None, match=None)
+    settled = replace(
+        guiding,
+        phase="converged",
+        target=None,
+        match=None,
+        remaining=None,
+        convergence=Convergence(np.full(9, 0.99), (True,) * 9, "repaired"),
+    )
     viewer.show(replace(settled, diagnoses=(LAYOUT,)))
     page = open_page()
     page.wait_for_selector(".v-title:has-text('Done')")

@@ -13,7 +13,7 @@ from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.state import Sound
 from venus3d.scene.pages.audience.view_model import AudienceViewModel, Cue
 
-GAP_S = 4.0
+GAP_S = 4.1
 """Shortest time between two sentences."""
 HESITATION_S = 7.0
 """Seconds without progress after which the sentence is repeated."""
