@@ -179,13 +179,13 @@ def test_whoever_has_only_a_keyboard_calibrates(
     # Until the box has the focus, what is typed are keys of the page.
     page.wait_for_selector("input[placeholder^='Search']:focus")
     page.keyboard.type("Finish")
-    page.wait_for_selector(
-        ".mantine-Spotlight-action[data-selected]:has-text('End the calibration')"
-    )
+    page.wait_for_selector(".mantine-Spotlight-action[data-selected]:has-text('Finish')")
     page.keyboard.press("Enter")
-    page.wait_for_selector(".v-title:has-text('Finished')")
+    page.wait_for_selector(".v-title:has-text('End now?')")
+    page.keyboard.press("End")
+    page.wait_for_selector(".v-title:has-text('Ended'), .v-title:has-text('Done')")
     page.get_by_role("button", name="Capture this view").wait_for(state="detached")
-    for gone in ("Skip K", "Play L", "Finish"):
+    for gone in ("Skip G", "Play ⇧␣", "Finish"):
         assert page.get_by_role("button", name=gone, exact=True).count() == 0, gone
     assert not page.get_by_text(PICTURE_LEGEND[0][1]).is_visible()
     context.close()
