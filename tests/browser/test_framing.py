@@ -15,6 +15,8 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
 from venus3d.scene.pages.guide.viewer import Viewer
 
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
 BOX = "() => document.querySelector('[data-engine]').getBoundingClientRect().toJSON()"
 PINK = (255, 0, 255)
 

@@ -32,7 +32,7 @@ def test_never_more_often_than_once_in_four_seconds() -> None:
             moment = replace(kinds[rng.integers(len(kinds))], left=float(rng.random()))
         moments.append((float(at), moment))
     times = spoken_times(Speaker(), moments)
-    assert len(times) > 60 and GAP_S == 4.0
+    assert len(times) > 60 and GAP_S > 4.0
     assert min(np.diff(times)) >= 4.0
 
 
@@ -41,7 +41,7 @@ def test_what_is_new_is_spoken_at_once_or_when_it_may_be() -> None:
     assert speaker.due(MOVE, 100.0) == "Move the board 60 millimetres up."
     assert speaker.due(MOVE, 101.0) == ""
     assert speaker.due(TURN, 102.0) == "", "too early"
-    assert speaker.due(TURN, 104.0) == "Swing the edge by 31 degrees."
+    assert speaker.due(TURN, 100.1 + GAP_S) == "Swing the edge by 31 degrees."
     assert speaker.due(HOLD, 110.0) == texts.HOLD_STILL[2]
     assert speaker.due(HOLD, 200.0) == "", "it was said, and nobody hesitates"
 
