@@ -182,6 +182,8 @@ def test_whoever_has_only_a_keyboard_calibrates(
     page.wait_for_selector(".mantine-Spotlight-action[data-selected]:has-text('Finish')")
     page.keyboard.press("Enter")
     page.wait_for_selector(".v-title:has-text('End now?')")
+    # Until the list is gone, its box takes the key.
+    page.wait_for_selector("input[placeholder^='Search']", state="detached")
     page.keyboard.press("End")
     page.wait_for_selector(".v-title:has-text('Ended'), .v-title:has-text('Done')")
     page.get_by_role("button", name="Capture this view").wait_for(state="detached")

@@ -100,9 +100,14 @@ def test_a_slider_moves_scene_words_and_both_pictures(teaching: ServedTeaching, 
     before = sources(page)
     # Y is the second of the six number fields.
     field = page.locator("input[type=text], input[inputmode]").filter(visible=True)
-    fields = [f for f in field.all() if f.input_value() == f"{FREE_VECTOR[1]:g}"]
-    fields[0].fill("-80")
-    fields[0].press("Enter")
+
+    def fields() -> list[Any]:
+        return [f for f in field.all() if f.input_value() == f"{FREE_VECTOR[1]:g}"]
+
+    wait_until(fields, "the number's field is there")
+    field_of_y = fields()[0]
+    field_of_y.fill("-80")
+    field_of_y.press("Enter")
     wait_until(lambda: teaching.state.vector[1] == -80, "the number arrives")
     page.wait_for_selector(".v-now:has-text('Step 3 of 4: Swing about Y')")
     page.wait_for_selector(".v-now i:has-text('−80°')")

@@ -112,12 +112,27 @@ def test_what_fails_is_told_and_the_next_view_is_tried(
     keeper.put(anew(guided))
     wait_until(lambda: told)
     why = ": The disk is full." if isinstance(error, StorageError) else "; the terminal says why."
-    assert told == [f"Not saved{why} The next view is tried again."]
+    again = "It is tried again every two seconds."
+    again = again if isinstance(error, StorageError) else "The next view is tried again."
+    assert told == [f"Not saved{why} {again}"]
     assert ("Odd." in caplog.text) == isinstance(error, ValueError)  # a mistake of ours, in full
     disk.error = None
     keeper.put(last := anew(guided))
     keeper.close()
     assert disk.written == [last] and len(told) == 1
+
+
+def test_the_last_view_is_tried_again_until_the_disk_has_room(guided: Snapshot) -> None:
+    """No next view comes after the end; the failure is told once."""
+    disk, said, told = Disk(), list[str](), list[str]()
+    disk.error = StorageError("The disk is full.")
+    keeper = ResultSaver(disk.write, said.append, told.append)
+    keeper.put(last := anew(guided, "converged"))
+    wait_until(lambda: told)
+    disk.error = None
+    wait_until(lambda: said)
+    assert disk.written == [last] and len(told) == 1
+    keeper.close()
 
 
 def test_where_nothing_was_captured_there_is_no_thread() -> None:

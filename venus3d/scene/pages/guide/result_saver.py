@@ -14,6 +14,9 @@ from venus3d.threads.latest import Latest
 
 _LOG = logging.getLogger(__name__)
 
+RETRY_S = 2.0
+"""Seconds after which a failed write is tried again."""
+
 
 def is_over(snapshot: Snapshot) -> bool:
     """Whether no more views are requested."""
@@ -34,7 +37,7 @@ class ResultSaver:
         Args:
             write: writes one moment's calibration; returns a sentence that says where.
             saved: called with that sentence when the calibration is over.
-            failed: called with the reason of a failed write; the next view is tried again.
+            failed: called with the reason of a failed write, which is tried again.
         """
         self._write, self._saved, self._failed = write, saved, failed
         self._box: Latest[Snapshot] = Latest()
@@ -62,14 +65,28 @@ class ResultSaver:
             self._thread.join()
 
     def _run(self) -> None:
-        while (snapshot := self._box.take()) is not None:
-            try:
-                sentence = self._write(snapshot)
-            except VenusError as error:
+        failed: Snapshot | None = None
+        while True:
+            newest = self._box.take(None if failed is None else RETRY_S)
+            snapshot = failed if newest is None else newest
+            if snapshot is None:
+                return  # closed
+            failed = None if self._is_written(snapshot, told=newest is None) else snapshot
+            if newest is None and self._box.closed:
+                return  # the last chance
+
+    def _is_written(self, snapshot: Snapshot, *, told: bool) -> bool:
+        """Write; False if it is worth another try. `told`: a failure is known already."""
+        try:
+            sentence = self._write(snapshot)
+        except VenusError as error:
+            if not told:
                 self._failed(texts.NOT_SAVED.format(error=error))
-            except Exception:  # our error: the next view is worth trying
-                _LOG.exception(texts.NOT_SAVED_LOG)
-                self._failed(texts.NOT_SAVED_MISTAKE)
-            else:
-                if is_over(snapshot):
-                    self._saved(sentence)
+            return False
+        except Exception:  # our error: the next view is worth trying
+            _LOG.exception(texts.NOT_SAVED_LOG)
+            self._failed(texts.NOT_SAVED_MISTAKE)
+            return True
+        if is_over(snapshot):
+            self._saved(sentence)
+        return True

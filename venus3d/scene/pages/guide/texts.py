@@ -178,7 +178,7 @@ NO_OTHER_POSE = "No other pose is nearly as good; G asks for another one."
 NO_POSE_TO_CHOOSE = "There is no other pose to choose just now."
 HAND_TOO_FAR = "The simulated hand did not come near enough to its target; lower --overlap."
 SOURCE_BROKE = "Reading the source failed: {error}"
-NOT_SAVED = "Not saved: {error} The next view is tried again."
+NOT_SAVED = "Not saved: {error} It is tried again every two seconds."
 NOT_SAVED_MISTAKE = "Not saved; the terminal says why. The next view is tried again."
 NOT_SAVED_LOG = "venus3d: a result could not be saved"
 
