@@ -13,7 +13,6 @@ from venus3d.engine.calibration.information import (
     shared_share,
     view_information,
 )
-from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.shared_errors import (
     MODEL_VIEWS,
     CornerErrors,
@@ -68,14 +67,12 @@ def residuals_of(
     full = all_unknowns(poses)
     scale = 1 / np.linalg.norm(full, axis=0)
     solution = np.linalg.lstsq(full * scale, drawn, rcond=None)[0] * scale
-    ids = np.arange(len(BOARD.corners))
     views = [
         ViewResidual.of(
-            PAPER_CAMERA,
             BOARD,
-            Observation(ids, BOARD.corners[:, :2], PAPER_CAMERA.image_size),
-            pose,
-            left.reshape(2, -1).T,
+            BOARD.corners,
+            left.reshape(2, -1),
+            PAPER_CAMERA.jacobians(BOARD.corners, pose.R[None], pose.t[None])[0],
         )
         for pose, left in zip(poses, np.split(drawn - full @ solution, len(poses)), strict=True)
     ]

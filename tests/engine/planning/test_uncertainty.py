@@ -135,14 +135,14 @@ def test_without_a_view_is_what_a_calibration_without_it_says(
 def test_leaving_out_a_bad_view_is_foretold_to_help(
     paper_camera: Camera, default_board: Board, rng: np.random.Generator
 ) -> None:
-    """One view with corners ten times as noisy spoils all sigmas; without it they are small."""
+    """One view with corners four times as noisy spoils all sigmas; without it they are small."""
     good = [observe(paper_camera, default_board, vector, rng) for vector in POSES]
-    shaken = replace(good[2], corners=good[2].corners + rng.normal(0, 3, good[2].corners.shape))
+    shaken = replace(good[2], corners=good[2].corners + rng.normal(0, 1.2, good[2].corners.shape))
     spoilt = calibrate(default_board, [*good[:2], shaken, *good[3:]])
     told = influences(spoilt)
     done = calibrate(default_board, [*good[:2], *good[3:]])
     now = projection_uncertainty_px(spoilt.camera, spoilt.covariance)
-    assert told[2].uncertainty_px < 0.6 * now
+    assert told[2].uncertainty_px < 0.7 * now
     assert told[2].uncertainty_px == pytest.approx(
         projection_uncertainty_px(done.camera, done.covariance), rel=0.05
     )

@@ -1,32 +1,55 @@
-"""Bundle adjustment: from observations to a `Calibration`, the camera and its covariance.
+"""Calibration: from observations to the camera, its covariance and the board as it is.
 
-OpenCV finds the optimum (`cv2.calibrateCamera`, Zhang 2000, eq. (9) of the paper) but returns
-standard deviations only, and those of independent noise; the covariance is computed here, with the
-errors that a view's corners share (`shared_errors`).
+`bundle` finds the optimum (eq. (9) of the paper), `robust_fit` leaves out what does not fit,
+`board_shape` adds a bow and a stretch of the board where the residuals ask for them, and
+`shared_errors` gives the covariance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Literal
 
-import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from venus3d.engine.calibration.information import covariance_of, information_of
-from venus3d.engine.calibration.observation import Observation, View, reprojection_errors
-from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
-from venus3d.engine.calibration.shared_errors import (
-    CornerErrors,
-    ViewResidual,
-    corner_errors,
-    robust_covariance,
+from venus3d.engine.calibration.board_shape import uncertainty_of, with_shape
+from venus3d.engine.calibration.bundle import Corners, Problem, adjust
+from venus3d.engine.calibration.information import covariance_of
+from venus3d.engine.calibration.initial_values import located_by
+from venus3d.engine.calibration.observation import (
+    Observation,
+    View,
+    determines_homography,
+    reprojection_errors,
+    rms_distance,
 )
+from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
+from venus3d.engine.calibration.robust_fit import (
+    RobustFit,
+    from_several_starts,
+    readable,
+    without_outliers,
+)
+from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.sentences import listed
+
+LeftOutReason = Literal["undetermined", "misfit"]
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """A view that the calibration does without."""
+
+    number: int
+    observation: Observation
+    reason: LeftOutReason
+    """"undetermined": its corners fix no pose; "misfit": they fit no pose of this board."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +57,7 @@ class Calibration:
     """The calibrated camera with its covariance and its views."""
 
     board: Board
-    """The board whose corners the views show."""
+    """The board whose corners the views show, with the bow and the stretch that were found."""
     camera: Camera
     covariance: Array
     """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed. With the errors
@@ -48,8 +71,13 @@ class Calibration:
     corner_errors: CornerErrors
     """What of it is independent, and what a view's corners share."""
     rms_px: float
-    """Root mean square reprojection distance over all corners, pixels (OpenCV's rms)."""
+    """Root mean square reprojection distance over all corners fitted, pixels (OpenCV's rms)."""
     views: tuple[View, ...]
+    left_out: tuple[LeftOut, ...] = ()
+    """Views that are not fitted, by number."""
+    shape_sigma: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Standard deviations of the board's two `bow`s, metres, and of its `stretch`; 0 where the
+    residuals did not ask for it."""
 
     @property
     def sigma(self) -> Array:
@@ -79,19 +107,15 @@ UNDETERMINED = 0.1
 # Lower bound of the corner noise: exact corners must not make a degenerate set look determined.
 # Higher for the start-up model, which mistakes distortion for focal length.
 _NOMINAL_NOISE_PX: dict[Model, float] = {"full": 0.05, "startup": 0.25}
+_BASIS: dict[Model, Array] = {
+    "full": np.eye(len(PARAMETERS)),
+    # One parameter moves fx and fy together.
+    "startup": np.array([[float(name in ("fx", "fy"))] for name in PARAMETERS]),
+}
 _UNTIED = (
     "The focal length is not determined by these views: {why}; "
     "tilt the board by 20-45° in different directions."
 )
-_STARTUP_FLAGS = (
-    cv2.CALIB_FIX_PRINCIPAL_POINT
-    | cv2.CALIB_FIX_ASPECT_RATIO
-    | cv2.CALIB_ZERO_TANGENT_DIST
-    | cv2.CALIB_FIX_K1
-    | cv2.CALIB_FIX_K2
-    | cv2.CALIB_FIX_K3
-)
-_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-12)
 
 
 def calibrate(
@@ -104,67 +128,161 @@ def calibrate(
 ) -> Calibration:
     """The camera with the least sum of squared reprojection errors.
 
+    Corners and views that do not fit are left out and named (`robust_fit`); a bow of the board and
+    a stretch of its print are estimated where the residuals ask for them (`board_shape`). Where
+    neither is the case, the optimum is that of `cv2.calibrateCamera`.
+
     Args:
         board: its corners are relative to its centre, so a view's pose is `T_camera_board`.
-        observations: views of one image size, each with at least 4 corners of the board.
+        observations: views of one image size; one that determines no pose is left out.
         model: "full" estimates all nine parameters. "startup" (3.1) estimates one focal length
             (fx = fy, as a board tilted about one axis does not show both) and assumes no distortion
             and the principal point at the image's centre.
-        start: initial guess; None: OpenCV's closed form.
+        start: initial guess; None: several starts, the best is kept.
         numbers: the views' numbers; 1, 2, ... if not given.
 
     Raises:
         CalibrationError: no or unusable views, mixed image sizes, views that do not determine the
             focal length (all parallel, all frontal), or an implausible result.
     """
-    size = _checked(observations)
-    corners = sum(o.count for o in observations)
-    free_count = len(PARAMETERS) if model == "full" else 1
-    degrees_of_freedom = 2 * corners - free_count - 6 * len(observations)
-    if degrees_of_freedom <= 0:
-        raise CalibrationError(
-            f"{corners} corners in {len(observations)} views are too few for the nine parameters; "
-            "take more views, or views that show more of the board."
-        )
-    points = [board.points_of(o.ids) for o in observations]
-    camera, poses = _optimum(points, observations, size, model, start)
-    located = list(zip(observations, poses, strict=True))
-    residuals = [reprojection_errors(camera, board, o, pose) for o, pose in located]
-    squares = [float(np.sum(r * r)) for r in residuals]
-    if not np.isfinite(sum(squares)):
-        raise CalibrationError(_UNTIED.format(why="the estimate folded up"))
-    sigma = float(np.sqrt(sum(squares) / degrees_of_freedom))
-    information = np.sum([information_of(camera, board, o, p) for o, p in located], axis=0)
-    noise_only = covariance = _covariance(camera, information, sigma, model)
-    errors = CornerErrors(sigma)
-    if model == "full":
-        parts = [
-            ViewResidual.of(camera, board, o, pose, r)
-            for (o, pose), r in zip(located, residuals, strict=True)
-        ]
-        found = corner_errors(parts)
-        if found.shared_px > 0:
-            errors, covariance = found, robust_covariance(parts, found)
-    numbered = range(1, len(observations) + 1) if numbers is None else numbers
-    views = tuple(
-        View(number, o, pose, float(np.sqrt(square / o.count)), r)
-        for number, o, pose, square, r in zip(
-            numbered, observations, poses, squares, residuals, strict=True
-        )
+    size = _common_size(observations)
+    counted = range(1, len(observations) + 1) if numbers is None else numbers
+    usable, left_out = _usable(board, list(zip(counted, observations, strict=True)), size)
+    try:
+        _check_count([seen for _, seen in usable], model)
+        fit = _fitted(board, [seen for _, seen in usable], size, model, start)
+        calibration = _calibration(board, [usable[i] for i in fit.kept], fit, model)
+        _check_result(calibration)
+    except CalibrationError as error:
+        if not left_out:
+            raise
+        raise CalibrationError(f"{error} {_named(left_out)}") from error
+    left_out += [
+        LeftOut(number, seen, "misfit")
+        for index, (number, seen) in enumerate(usable)
+        if index not in fit.kept
+    ]
+    return replace(calibration, left_out=tuple(sorted(left_out, key=lambda one: one.number)))
+
+
+def _named(left_out: Sequence[LeftOut]) -> str:
+    names = listed([one.observation.name or f"view {one.number}" for one in left_out])
+    return (
+        f"Not used: {names}, which show fewer than four corners, corners on one line, or no image "
+        "of this board."
     )
-    calibration = Calibration(
+
+
+def _usable(
+    board: Board, views: Sequence[tuple[int, Observation]], size: tuple[int, int]
+) -> tuple[list[tuple[int, Observation]], list[LeftOut]]:
+    """The views that can show the board and fix its pose, and the others."""
+    fixed = [determines_homography(board.points_of(seen.ids)) for _, seen in views]
+    left_out = [
+        LeftOut(*view, "undetermined") for view, good in zip(views, fixed, strict=True) if not good
+    ]
+    usable = [view for view, good in zip(views, fixed, strict=True) if good]
+    if not usable:
+        return usable, left_out
+    points = [board.points_of(seen.ids) for _, seen in usable]
+    possible = readable(Corners.of(points, [seen.corners for _, seen in usable]), size)
+    left_out += [
+        LeftOut(*view, "misfit") for view, good in zip(usable, possible, strict=True) if not good
+    ]
+    return [view for view, good in zip(usable, possible, strict=True) if good], left_out
+
+
+def _fitted(
+    board: Board,
+    observations: Sequence[Observation],
+    size: tuple[int, int],
+    model: Model,
+    start: Camera | None,
+) -> RobustFit:
+    points = [board.points_of(o.ids) for o in observations]
+    corners = Corners.of(points, [o.corners for o in observations])
+    problem = Problem(corners, _BASIS[model])
+    try:
+        if start is None:
+            solution = from_several_starts(problem, size)
+        else:
+            solution = adjust(problem, located_by(corners, start))
+        if model == "startup":
+            return RobustFit(problem, solution, corners.weights, tuple(range(len(points))))
+        fit = without_outliers(problem, solution)
+        return with_shape(board, fit) or fit
+    except CalibrationError as error:
+        raise CalibrationError(_UNTIED.format(why="they may all be frontal or parallel")) from error
+
+
+def _calibration(
+    board: Board, views: Sequence[tuple[int, Observation]], fit: RobustFit, model: Model
+) -> Calibration:
+    parameters, sigma = fit.solution.parameters, fit.sigma_px
+    errors, covariance, noise_only = _covariances(board, fit, model)
+    shape, free = parameters.shape, np.flatnonzero(fit.problem.basis[len(PARAMETERS) :].any(axis=1))
+    shape_sigma = np.zeros(3)
+    shape_sigma[free] = np.sqrt(np.diag(covariance)[len(PARAMETERS) :])
+    if len(shape):
+        bow = (board.bow[0] + float(shape[0]), board.bow[1] + float(shape[1]))
+        board = replace(board, bow=bow, stretch=board.stretch + float(shape[2]))
+    weights = fit.problem.corners.weights
+    found = tuple(
+        _view(parameters.camera, board, number, seen, pose, used[: seen.count] > 0)
+        for (number, seen), pose, used in zip(views, parameters.poses, weights, strict=True)
+    )
+    squares = sum(view.observation.count * view.rms_px**2 for view in found)
+    p = len(PARAMETERS)
+    return Calibration(
         board=board,
-        camera=camera,
-        covariance=covariance,
-        covariance_noise_only=noise_only,
-        free=tuple(model == "full" or name in ("fx", "fy") for name in PARAMETERS),
+        camera=parameters.camera,
+        covariance=covariance[:p, :p],
+        covariance_noise_only=noise_only[:p, :p],
+        free=tuple(bool(row.any()) for row in fit.problem.basis[:p]),
         residual_sigma_px=sigma,
         corner_errors=errors,
-        rms_px=float(np.sqrt(sum(squares) / corners)),
-        views=views,
+        rms_px=float(np.sqrt(squares / sum(view.observation.count for view in found))),
+        views=found,
+        shape_sigma=(float(shape_sigma[0]), float(shape_sigma[1]), float(shape_sigma[2])),
     )
-    _check_result(calibration)
-    return calibration
+
+
+def _covariances(board: Board, fit: RobustFit, model: Model) -> tuple[CornerErrors, Array, Array]:
+    """The corners' errors and the covariances of the camera's nine parameters and those of the
+    shape that are free, with shared errors and without."""
+    sigma = fit.sigma_px
+    try:
+        with np.errstate(divide="ignore", invalid="ignore"):  # an exactly frontal view
+            unit = covariance_of(fit.solution.information)
+    except np.linalg.LinAlgError as error:
+        raise CalibrationError(_UNTIED.format(why="they may all be parallel")) from error
+    if model == "startup":
+        basis = fit.problem.basis
+        unit = basis @ unit @ basis.T
+    _check_determined(fit.solution.parameters.camera, unit, sigma, model)
+    errors, noise_only = CornerErrors(sigma), sigma**2 * unit
+    covariance = noise_only
+    if model == "full":
+        found = uncertainty_of(board, fit)
+        if found.errors.shared_px > 0:
+            errors, covariance = found.errors, found.covariance
+    return errors, covariance, noise_only
+
+
+def _view(
+    camera: Camera,
+    board: Board,
+    number: int,
+    seen: Observation,
+    pose: Pose,
+    used: NDArray[np.bool_],
+) -> View:
+    fitted = seen if used.all() else seen.only(used)
+    errors = reprojection_errors(camera, board, fitted, pose)
+    if not np.isfinite(errors).all():
+        raise CalibrationError(_UNTIED.format(why="the estimate folded up"))
+    left_out = None if used.all() else seen.only(~used)
+    return View(number, fitted, pose, rms_distance(errors), errors, left_out)
 
 
 def largest_angle_deg(calibration: Calibration) -> float:
@@ -173,16 +291,8 @@ def largest_angle_deg(calibration: Calibration) -> float:
     return float(np.degrees(np.arccos(np.clip(np.min(normals @ normals.T), -1.0, 1.0))))
 
 
-def determines_homography(corners: Array) -> bool:
-    """Whether corners (N, 2) fix a homography: at least four, not all collinear."""
-    if corners.shape[0] < 4:
-        return False
-    spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
-    return bool(spread[1] > 0.02 * spread[0])
-
-
-def _checked(observations: Sequence[Observation]) -> tuple[int, int]:
-    """The common image size (width, height); raises unless the observations can be calibrated."""
+def _common_size(observations: Sequence[Observation]) -> tuple[int, int]:
+    """(width, height) of all observations; raises if there is none or they differ."""
     if not observations:
         raise CalibrationError(
             "There is no view to calibrate from: the board was found in no image; check its size "
@@ -194,79 +304,31 @@ def _checked(observations: Sequence[Observation]) -> tuple[int, int]:
         raise CalibrationError(
             f"The images differ in size ({named} px); calibrate each size by itself."
         )
-    for index, o in enumerate(observations, start=1):
-        if not determines_homography(o.corners):
-            raise CalibrationError(
-                f"View {o.name or index} shows fewer than four corners that are not on one line; "
-                "leave it out."
-            )
     return sizes[0]
 
 
-def _optimum(
-    points: list[Array],
-    observations: Sequence[Observation],
-    size: tuple[int, int],
-    model: Model,
-    start: Camera | None,
-) -> tuple[Camera, list[Pose]]:
-    # OpenCV takes single precision here: 6e-5 px at 1000 px, far below the corner noise.
-    objects: list[Any] = [p.astype(np.float32).reshape(-1, 1, 3) for p in points]
-    images: list[Any] = [o.corners.astype(np.float32).reshape(-1, 1, 2) for o in observations]
-    flags = _STARTUP_FLAGS if model == "startup" else 0
-    try:
-        K, distortion = _start(objects, images, size, model, start)
-        if start is not None or model == "startup":
-            flags |= cv2.CALIB_USE_INTRINSIC_GUESS
-        _, K, distortion, rvecs, tvecs = cv2.calibrateCamera(
-            objects, images, size, K, distortion, flags=flags, criteria=_CRITERIA
+def _check_count(usable: Sequence[Observation], model: Model) -> None:
+    if not usable:
+        raise CalibrationError(
+            "No view shows enough of the board: each has fewer than four corners, or only corners "
+            "on one line; bring the board nearer, or more of it into the picture."
         )
-        camera = Camera.from_opencv(K, distortion, size)
-    except (cv2.error, CalibrationError) as error:
-        # OpenCV's message ("focal length must be positive") does not help a user.
-        raise CalibrationError(_UNTIED.format(why="they may all be frontal or parallel")) from error
-    return camera, [Pose.from_rvec_tvec(r, t) for r, t in zip(rvecs, tvecs, strict=True)]
+    corners = sum(o.count for o in usable)
+    free = _BASIS[model].shape[1]
+    if 2 * corners - free - 6 * len(usable) <= 0:
+        raise CalibrationError(
+            f"{corners} corners in {len(usable)} views are too few for the nine parameters; "
+            "take more views, or views that show more of the board."
+        )
 
 
-def _start(
-    objects: list[Any],
-    images: list[Any],
-    size: tuple[int, int],
-    model: Model,
-    start: Camera | None,
-) -> tuple[Any, Any]:
-    if model == "full":
-        camera = start or Camera.guess(size)
-        return camera.K, camera.distortion.copy()
-    if start is None:
-        K = np.asarray(cv2.initCameraMatrix2D(objects, images, size, 1.0), dtype=np.float64)
-        f = float(K[0, 0])
-        if not np.isfinite(f) or not 0.1 < f / size[0] < 50:
-            f = Camera.guess(size).fx
-    else:
-        f = start.fx
-    K = np.array([[f, 0, (size[0] - 1) / 2], [0, f, (size[1] - 1) / 2], [0, 0, 1]])
-    return K, np.zeros(5)
-
-
-def _covariance(camera: Camera, total: Array, sigma: float, model: Model) -> Array:
-    """(9, 9) covariance of the parameters for corner noise `sigma` and the views' information."""
-    try:
-        if model == "full":
-            covariance = covariance_of(total, 1.0)
-        else:
-            # One parameter moves fx and fy together: df = (1, 1, 0 ...).
-            covariance = np.zeros((9, 9))
-            with np.errstate(divide="ignore"):  # an exactly frontal view: caught below
-                covariance[:2, :2] = 1.0 / total[:2, :2].sum()
-    except np.linalg.LinAlgError as error:
-        raise CalibrationError(_UNTIED.format(why="they may all be parallel")) from error
-    variance = np.diag(covariance)
+def _check_determined(camera: Camera, unit: Array, sigma: float, model: Model) -> None:
+    """Raises if the covariance for a noise of one pixel leaves the focal length open."""
+    variance = np.diag(unit)
     f = np.array([camera.fx, camera.fy])
     nominal = max(sigma, _NOMINAL_NOISE_PX[model]) * np.sqrt(np.maximum(variance[:2], 0)) / f
-    if not np.isfinite(covariance).all() or (variance < 0).any() or nominal.max() > UNDETERMINED:
+    if not np.isfinite(unit).all() or (variance < 0).any() or nominal.max() > UNDETERMINED:
         raise CalibrationError(_UNTIED.format(why="they are nearly frontal or nearly parallel"))
-    return sigma**2 * covariance
 
 
 def _check_result(calibration: Calibration) -> None:

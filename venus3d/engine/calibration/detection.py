@@ -15,10 +15,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.adjustment import determines_homography
 from venus3d.engine.calibration.board_recognition import BoardRecognition, recognise_board
 from venus3d.engine.calibration.diagnosis import Diagnosis
-from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.calibration.refinement import (
     Grey,
     edge_sharpness,
@@ -154,7 +153,7 @@ class Detector:
         if grey.size == 0:
             return nothing
         ids, corners = self._read(grey, quick)
-        if not determines_homography(corners):
+        if not determines_homography(self._board.points_of(ids)):
             if region is None and not quick:
                 self._check.missed(grey)
                 self._missed.append(grey)

@@ -45,6 +45,10 @@ class Observation:
         """A copy without the image, for long-term storage."""
         return self if self.image is None else replace(self, image=None)
 
+    def only(self, used: NDArray[np.bool_]) -> Observation:
+        """A copy with some of the corners, by a mask (N,)."""
+        return replace(self, ids=self.ids[used], corners=self.corners[used])
+
     @staticmethod
     def nothing(image_size: tuple[int, int], time_s: float = 0.0, name: str = "") -> Observation:
         """The observation of an image in which no board was found."""
@@ -60,11 +64,27 @@ class View:
     number: int
     """Counts from 1 in the order of capture; unchanged when another view is dropped."""
     observation: Observation
+    """The corners that the calibration is fitted to."""
     pose: Pose
     rms_px: float
     """Root mean square of the corners' reprojection distance, pixels."""
     errors: Array = field(repr=False)
     """(N, 2) observed minus projected corners, pixels."""
+    left_out: Observation | None = None
+    """Corners of the same image that fit no pose of the board; they do not count in anything."""
+
+
+def determines_homography(points: Array) -> bool:
+    """Whether points (N, 2 or 3) of the board fix a homography: not if all lie on one line, or all
+    but one. Judged on the board, since a lens bends a line's image."""
+    n = len(points)
+    if n < 4:
+        return False
+    xy = points[:, :2] - points[:, :2].mean(axis=0)
+    # The scatter without each of the points in turn; its smaller eigenvalue is the width of a line.
+    scatter = xy.T @ xy - n / (n - 1) * xy[:, :, None] * xy[:, None, :]
+    values = np.linalg.eigvalsh(scatter)
+    return bool((values[:, 0] > 1e-3 * values[:, 1]).all())
 
 
 def rms_distance(errors: Array) -> float:

@@ -34,10 +34,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from venus3d.engine.calibration.information import covariance_of, shared_modes
-from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.engine.geometry.pose import Array
 
 SURE, UNSURE = 24.0, 8.0
 """Twice the gain in log-likelihood at which a shared part counts fully, and not at all. Independent
@@ -80,18 +78,20 @@ class ViewResidual:
         return len(self.errors) - 6
 
     @classmethod
-    def of(
-        cls, camera: Camera, board: Board, seen: Observation, pose: Pose, errors: Array
-    ) -> ViewResidual:
-        """Project the pose out of an observation's residuals (M, 2), observed minus projected."""
-        points = board.points_of(seen.ids)
-        jacobian = camera.jacobians(points, pose.R[None], pose.t[None])[0]
-        stacked = jacobian.reshape(len(jacobian), -1).T
+    def of(cls, board: Board, points: Array, errors: Array, by: Array) -> ViewResidual:
+        """Project the pose out of a view's residuals.
+
+        Args:
+            points: (M, 3) on the board.
+            errors: (2, M) observed minus projected.
+            by: (6 + p, 2, M) derivatives by the pose and the intrinsics.
+        """
+        stacked = by.reshape(len(by), -1).T
         modes = np.kron(np.eye(2), shared_modes(board, points))
-        columns = np.concatenate([errors.T.reshape(-1, 1), stacked[:, 6:], modes], axis=1)
+        columns = np.concatenate([errors.reshape(-1, 1), stacked[:, 6:], modes], axis=1)
         Q = np.linalg.qr(stacked[:, :6]).Q
         columns = (columns - Q @ (Q.T @ columns)).astype(np.float64)
-        p = len(jacobian) - 6
+        p = len(by) - 6
         return cls(columns[:, 0], columns[:, 1 : 1 + p], columns[:, 1 + p :])
 
 

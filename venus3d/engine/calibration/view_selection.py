@@ -11,11 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate, determines_homography
+from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.information import information_of, prior_information
 from venus3d.engine.calibration.observation import (
     Observation,
+    determines_homography,
     reprojection_errors,
     rms_distance,
 )
@@ -52,7 +53,9 @@ def select_views(
             this share of the image's width. Repeating a view averages its noise, but not what is
             the same in both: a bent board, a lens that the model does not fit.
     """
-    usable = [i for i, o in enumerate(observations) if determines_homography(o.corners)]
+    usable = [
+        i for i, o in enumerate(observations) if determines_homography(board.points_of(o.ids))
+    ]
     if not usable:
         return []
     median = float(np.median([observations[i].sharpness for i in usable]))

@@ -39,6 +39,10 @@ class Board:
     """Layout of boards printed before OpenCV 4.6; differs if the row count is even."""
     inverted: bool = False
     """White markers on black."""
+    bow: tuple[float, float] = (0.0, 0.0)
+    """How far the middle lies behind the ends, along x and along y, metres: a parabola each."""
+    stretch: float = 0.0
+    """By how much the print is longer along x than along y, as a share: half to each."""
 
     def __post_init__(self) -> None:
         if self.columns < 3 or self.rows < 3:
@@ -120,7 +124,20 @@ class Board:
         x = (np.arange(1, self.columns) - self.columns / 2) * self.square
         y = (np.arange(1, self.rows) - self.rows / 2) * self.square
         across, down = np.tile(x, y.size), np.repeat(y, x.size)
-        return np.stack([across, down, np.zeros(down.size)], 1).astype(np.float64)
+        flat = np.stack([across, down, np.zeros(down.size)], 1).astype(np.float64)
+        return flat + np.tensordot([*self.bow, self.stretch], self.deformations(flat), 1)
+
+    def deformations(self, points: Array) -> Array:
+        """(3, ..., 3) shift of points (..., 3) of the flat board by one metre of each `bow` and by
+        a `stretch` of 1."""
+        x, y, flat = points[..., 0], points[..., 1], np.zeros(points.shape[:-1])
+        return np.stack(
+            [
+                np.stack([flat, flat, 1 - (2 * x / self.width) ** 2], axis=-1),
+                np.stack([flat, flat, 1 - (2 * y / self.height) ** 2], axis=-1),
+                np.stack([x / 2, -y / 2, flat], axis=-1),
+            ]
+        )
 
     @cached_property
     def outline(self) -> Array:

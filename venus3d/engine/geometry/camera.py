@@ -212,7 +212,7 @@ class Camera:
         """The same derivatives as (N, 15, 2, M): six of the pose (w, v), nine of the intrinsics.
         Each of the 15 is contiguous, u of all points and then v: J J^T needs no copy."""
         rotations, positions = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64)
-        arm = rotations @ np.asarray(points, dtype=np.float64).T
+        arm = rotations @ np.swapaxes(np.asarray(points, dtype=np.float64), -1, -2)
         iz = 1.0 / (arm[:, 2] + positions[:, 2, None])
         x, y = (arm[:, 0] + positions[:, 0, None]) * iz, (arm[:, 1] + positions[:, 1, None]) * iz
         x2, y2, xy = x * x, y * y, x * y

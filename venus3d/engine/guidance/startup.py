@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration, calibrate, determines_homography
+from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
-from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -81,7 +81,7 @@ class Startup:
         usable = (
             observation.image_size == self._image_size
             and bool(np.isfinite(observation.corners).all())
-            and determines_homography(observation.corners)
+            and determines_homography(self._board.points_of(observation.ids))
         )
         if not usable:
             return False

@@ -1,0 +1,115 @@
+"""The board as it is: a bow and a stretch of the print, estimated if the residuals ask for them.
+
+A board that is not flat, or a print that is longer one way, moves all corners of all views in one
+pattern, and the intrinsics give way to it: a bow of 2 mm moves fx by 4 % at a low rms. Three
+parameters are added to the bundle adjustment (`Board.bow`, `Board.stretch`), shared by all views.
+
+They must be earned: each stays if it lies `EARNED` standard deviations beyond what passes for flat
+and true (`FLAT`, `TRUE`), with the errors that a view's corners share (`shared_errors`). A board
+that bends anew in each view, glare or a rolling shutter are such errors and do not pass for a bow.
+Independent noise alone would not do: good recordings reach 6 to 12 of its standard deviations. What
+is smaller than `FLAT` stays in the uncertainty: taken into the model in one half of a recording and
+not in the other, it moved the halves apart (docs/uncertainty.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from venus3d.engine.calibration.bundle import adjust, derivatives, one_step
+from venus3d.engine.calibration.information import covariance_of
+from venus3d.engine.calibration.robust_fit import RobustFit, without_outliers
+from venus3d.engine.calibration.shared_errors import (
+    CornerErrors,
+    ViewResidual,
+    corner_errors,
+    robust_covariance,
+)
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.geometry.pose import Array
+
+EARNED = 5.0
+"""Standard deviations beyond flat and true at which a parameter of the shape is kept."""
+FLAT, TRUE = 0.001, 0.002
+"""A board passes for flat with a bow up to this share of its longer side, a print for true with a
+stretch up to this."""
+FEWEST_VIEWS = 4
+"""With fewer views, a shape cannot be told from what their corners share."""
+PRIOR_BOW_M, PRIOR_STRETCH = 0.0005, 0.005
+"""Standard deviations of a bow and of a stretch before any picture is seen."""
+_PRIOR = np.array([PRIOR_BOW_M, PRIOR_BOW_M, PRIOR_STRETCH])
+_NOISE_PX = 0.1
+"""A corner's noise that weighs this prior: the fit's own would be the misfit of a flat board."""
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """What the residuals of a fit say of its errors."""
+
+    errors: CornerErrors
+    covariance: Array
+    """(q, q) of the adjusted parameters, with the errors that a view's corners share."""
+
+
+def uncertainty_of(board: Board, fit: RobustFit) -> Uncertainty:
+    """The corners' errors and the covariance of a fit."""
+    problem, solution = fit.problem, fit.solution
+    parts: list[ViewResidual] = []
+    for by, errors, points, weights in zip(
+        derivatives(problem, solution.parameters),
+        solution.errors,
+        problem.corners.points,
+        problem.corners.weights,
+        strict=True,
+    ):
+        used = weights > 0
+        parts.append(ViewResidual.of(board, points[used], errors[:, used], by[:, :, used]))
+    found = corner_errors(parts)
+    return Uncertainty(found, robust_covariance(parts, found))
+
+
+def with_shape(board: Board, flat: RobustFit) -> RobustFit | None:
+    """A fit of the full model with the parameters of the board's shape that it earns; None if it
+    earns none."""
+    problem, sigma, p = flat.problem, flat.sigma_px, len(PARAMETERS)
+    if len(problem.corners.points) < FEWEST_VIEWS:
+        return None
+    every = np.eye(p + len(_PRIOR))
+    whole = replace(
+        problem,
+        basis=every,
+        deformations=board.deformations(problem.corners.points),
+        prior=(_NOISE_PX / _PRIOR) ** 2,
+    )
+    at = replace(flat.solution.parameters, shape=np.zeros(len(_PRIOR)))
+    tolerance = np.array([FLAT, FLAT, 0]) * max(board.width, board.height) + [0, 0, TRUE]
+    step, information = one_step(whole, replace(flat.solution, parameters=at))
+    # Cheap, and hardly ever stricter: the errors that views share only add to this uncertainty.
+    spread = sigma * np.sqrt(np.diag(covariance_of(information))[p:])
+    if (abs(step[p:]) < EARNED * spread + 0.5 * tolerance).all():
+        return None
+    fit = replace(flat, problem=whole, solution=replace(flat.solution, parameters=at))
+    kept = np.ones(len(_PRIOR), dtype=bool)
+    while kept.any():
+        fit = _refitted(fit, basis=every[:, np.append(np.ones(p, dtype=bool), kept)])
+        covariance = uncertainty_of(board, fit).covariance
+        shape = fit.solution.parameters.shape
+        beyond = (abs(shape) - tolerance)[kept] / np.sqrt(np.diag(covariance)[p:])
+        if (beyond >= EARNED).all():
+            # The views determine it: the prior would only draw a strong bow towards flat.
+            return _refitted(fit, prior=np.zeros(len(_PRIOR)))
+        kept[np.flatnonzero(kept)[int(np.argmin(beyond))]] = False
+        parameters = replace(fit.solution.parameters, shape=shape * kept)
+        fit = replace(fit, solution=replace(fit.solution, parameters=parameters))
+    return None
+
+
+def _refitted(fit: RobustFit, **changes: Array) -> RobustFit:
+    """A changed problem's fit, from where this one ended, with all corners of its views."""
+    corners = replace(fit.problem.corners, weights=fit.counted)
+    problem = replace(fit.problem, corners=corners, **changes)
+    again = without_outliers(problem, adjust(problem, fit.solution.parameters))
+    return replace(again, kept=tuple(fit.kept[i] for i in again.kept))
