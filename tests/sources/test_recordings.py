@@ -14,6 +14,7 @@ from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame
 from venus3d.sources.live import Live
 from venus3d.sources.open_frame_source import open_frame_source
+from venus3d.sources.opencv_log import silence_opencv
 from venus3d.sources.video import Video
 
 
@@ -23,6 +24,7 @@ def picture(seed: int = 0, size: tuple[int, int] = (64, 48)) -> np.ndarray:
 
 def write_video(path: Path, codec: str = "mp4v", frames: int = 20, rate: float = 20.0) -> Path:
     """Frame n is of the grey value 12 n, so that a decoded frame tells its number."""
+    silence_opencv()  # FFmpeg asks once how much to say
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*codec), rate, (320, 240))
     for number in range(frames):
         writer.write(np.full((240, 320, 3), 12 * number, np.uint8))

@@ -5,6 +5,7 @@ once."""
 from __future__ import annotations
 
 import errno
+import io
 import os
 import pkgutil
 import signal
@@ -52,6 +53,10 @@ OK, MISTAKE, INTERRUPTED = 0, 2, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Reads `sys.argv` by default."""
     given = sys.argv[1:] if arguments is None else list(arguments)
+    for stream in (sys.stdout, sys.stderr):
+        # A file's name may hold what the terminal cannot show: that ends no command.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         try:
             code = _run(given)

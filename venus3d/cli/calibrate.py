@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from venus3d.cli.options import CalibrateOptions
+from venus3d.cli.progress import search_progress
 from venus3d.cli.report import deliver, print_note, print_result, write_first
 from venus3d.engine.errors import VenusError
 from venus3d.sources.images_calibration import FEWEST_VIEWS, calibrate_recording
@@ -20,13 +21,15 @@ def calibrate_command(options: CalibrateOptions) -> None:
         raise VenusError("--every must be at least 1.")
     if options.output is not None:
         prepare(options.output)
-    found = calibrate_recording(
-        options.source,
-        board,
-        max_frames=options.max_frames,
-        every=options.every,
-        on_progress=print_note,
-    )
+    with search_progress() as on_count:
+        found = calibrate_recording(
+            options.source,
+            board,
+            max_frames=options.max_frames,
+            every=options.every,
+            on_progress=print_note,
+            on_count=on_count,
+        )
     calibration, warnings, diagnoses = found.calibration, found.warnings, found.diagnoses
     summary = summary_of(calibration, warnings=warnings, diagnoses=diagnoses)
     files = None if options.output is None else ResultFolder(options.output, print_note)

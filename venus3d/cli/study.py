@@ -13,6 +13,7 @@ import numpy as np
 from tyro.conf import OmitSubcommandPrefixes, Positional, arg, subcommand
 
 from venus3d import __version__
+from venus3d.cli.progress import search_progress
 from venus3d.cli.report import print_note
 from venus3d.engine.errors import VenusError
 from venus3d.options import BoardOptions, Switch, check_range
@@ -219,7 +220,8 @@ def _table1(options: Table1Options) -> None:
             pools.append(simulated_pool(board, np.random.default_rng(options.seed)))
         else:
             same = options.same_percent / 100
-            pools.append(pool_of(spec, board, same=same, on_count=_tell_count))
+            with search_progress() as on_count:
+                pools.append(pool_of(spec, board, same=same, on_count=on_count))
         for note in pools[-1].notes:
             print_note(f"{spec}: {note}")
     setup = {
@@ -251,7 +253,8 @@ def _table2(options: Table2Options) -> None:
     check_range("--frames", options.frames, 1, 1_000_000)
     board = options.board.board()
     folder = prepare(options.output)
-    clip = load_clip(options.source, board, on_count=_tell_count)
+    with search_progress() as on_count:
+        clip = load_clip(options.source, board, on_count=on_count)
     for note in clip.notes:
         print_note(f"{options.source}: {note}")
     costs = run_table2(clip, options.frames, options.threads, options.seed)
@@ -288,16 +291,13 @@ def _halves(options: HalvesOptions) -> None:
     board = options.board.board()
     folder = prepare(options.output)
     same = options.same_percent / 100
-    pool = pool_of(options.source, board, same=same, on_count=_tell_count)
+    with search_progress() as on_count:
+        pool = pool_of(options.source, board, same=same, on_count=on_count)
     for note in pool.notes:
         print_note(f"{options.source}: {note}")
     rows = halves(pool, options.cuts, options.seed)
     write_bytes(folder / "rows.csv", csv_of(rows))
     _deliver(halves_text(pool, rows), folder)
-
-
-def _tell_count(count: int) -> None:
-    print_note(f"{count} frames looked at ...")
 
 
 def _deliver(text: str, folder: Path, name: str = "table.md") -> None:

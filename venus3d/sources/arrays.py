@@ -29,6 +29,9 @@ class Arrays:
         """(width, height) of the first image."""
         return (self._images[0].shape[1], self._images[0].shape[0])
 
+    def __len__(self) -> int:
+        return len(self._images)
+
     def read(self) -> Frame | None:
         """The next image; None after the last."""
         if self._next >= len(self._images):

@@ -5,19 +5,34 @@ from __future__ import annotations
 import glob
 import re
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 from venus3d.engine.errors import SourceError
+from venus3d.engine.sentences import listed
 from venus3d.sources.frame import Frame
-from venus3d.sources.images import SUFFIXES, read_image, size_of
+from venus3d.sources.images import (
+    SUFFIXES,
+    UNREAD_PICTURES,
+    VIDEOS,
+    ImageHeader,
+    is_image,
+    read_header,
+    read_image,
+    shown,
+)
+
+_MOST_NAMED = 5
 
 
 class Folder:
     """Images of one size, in order; `Frame.time_s` counts them.
 
-    All file headers are read at once, so that an unusable file is found before the work starts.
-    Raises `SourceError` for an empty list, a file that is no image, and images of several sizes.
+    Whichever way they are named, a file is read if its name or its content is that of an image
+    (`is_image`), and the notes say what was left out. All file headers are read at once, so that
+    an unusable file is found before the work starts. Raises `SourceError` for an empty list, a
+    damaged file, and images of several sizes.
     """
 
     is_live = False
@@ -25,28 +40,32 @@ class Folder:
     def __init__(self, paths: Sequence[Path]) -> None:
         if not paths:
             raise SourceError("There are no images to read; give at least one.")
-        self._paths = tuple(paths)
-        self._size = _common_size(self._paths)
+        self._paths, left_out = _sorted_out(paths)
+        if not self._paths:
+            raise SourceError(f"{_left_out(left_out)} There is no other image.")
+        headers = {path: read_header(path) for path in self._paths}
+        self._size = _common_size(headers)
         self._next = 0
-        self.notes: tuple[str, ...] = ()
+        self.notes: tuple[str, ...] = (
+            *([_left_out(left_out)] if left_out else []),
+            *_header_notes(headers),
+        )
 
     @staticmethod
     def of_directory(directory: Path) -> Folder:
         """The images in a directory, without subfolders."""
         try:
-            files = [path for path in directory.iterdir() if path.is_file()]
+            entries = [path for path in directory.iterdir() if not path.name.startswith(".")]
         except OSError as error:
             raise SourceError(
-                f"The folder {directory} cannot be read ({error.strerror}); check its permissions."
+                f"The folder {shown(directory)} cannot be read ({error.strerror}); check its "
+                "permissions."
             ) from error
-        images = [
-            path
-            for path in files
-            if path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
-        ]
+        # Tables, notes and earlier results lie beside the images: nobody misses them.
+        images = [path for path in entries if _has_picture_name(path) or is_image(path)]
         if not images:
             raise SourceError(
-                f"The folder {directory} holds no images; "
+                f"The folder {shown(directory)} holds no images; "
                 "it needs PNG, JPEG, TIFF or BMP files right inside it."
             )
         return Folder(sorted(images, key=_natural))
@@ -55,10 +74,10 @@ class Folder:
     def of_pattern(pattern: str) -> Folder:
         """The files that match a pattern such as `shots/*.png`."""
         paths = [Path(name) for name in glob.glob(pattern, recursive=True)]
-        images = [path for path in paths if path.is_file()]
+        images = [path for path in paths if not path.is_dir() or _has_picture_name(path)]
         if not images:
             raise SourceError(
-                f"No file matches {pattern}; check the pattern, and quote it in the shell."
+                f"No file matches {shown(pattern)}; check the pattern, and quote it in the shell."
             )
         return Folder(sorted(images, key=_natural))
 
@@ -74,16 +93,70 @@ class Folder:
         """The next image; None after the last. Raises `SourceError` if it is damaged."""
         if self._next >= len(self._paths):
             return None
-        path = self._paths[self._next]
-        frame = Frame(read_image(path), float(self._next), path.name)
-        if frame.image_size != self._size:
-            raise SourceError(f"The image {path} changed its size meanwhile; start again.")
+        frame = self._read(self._next)
         self._next += 1
         return frame
+
+    def readers(self) -> Iterator[Callable[[], Frame]]:
+        """A function for each image, in order, that reads it on any thread, a JPEG as grey."""
+        return (partial(self._read, index, grey=True) for index in range(len(self._paths)))
 
     def close(self) -> None:
         """Ends reading; nothing is held open."""
         self._next = len(self._paths)
+
+    def _read(self, index: int, *, grey: bool = False) -> Frame:
+        path = self._paths[index]
+        frame = Frame(read_image(path, grey=grey), float(index), shown(path.name))
+        if frame.image_size != self._size:
+            raise SourceError(f"The image {shown(path)} changed its size meanwhile; start again.")
+        return frame
+
+
+def _has_picture_name(path: Path) -> bool:
+    return path.suffix.lower() in (*SUFFIXES, *UNREAD_PICTURES, *VIDEOS)
+
+
+def _sorted_out(paths: Iterable[Path]) -> tuple[tuple[Path, ...], list[str]]:
+    """The images, and the names of the others."""
+    images: list[Path] = []
+    others: list[str] = []
+    for path in paths:
+        if path.is_dir() or not (is_image(path) or not path.exists()):
+            others.append(shown(path.name))
+        else:
+            images.append(path)  # whatever is wrong with it is told when it is opened
+    return tuple(images), others
+
+
+def _left_out(names: list[str]) -> str:
+    if len(names) == 1:
+        return (
+            f"{names[0]} is left out, as it is not read as an image; save it as a JPEG or PNG file "
+            "of full size if it is one."
+        )
+    return (
+        f"{len(names)} files are left out, as they are not read as images "
+        f"({listed(names, most=_MOST_NAMED)}); save those that are as JPEG or PNG files of full "
+        "size."
+    )
+
+
+def _header_notes(headers: dict[Path, ImageHeader]) -> Iterator[str]:
+    several = [shown(path.name) for path, header in headers.items() if header.pictures > 1]
+    if several:
+        pages = sum(header.pictures - 1 for header in headers.values())
+        yield (
+            f"Of {listed(several, most=_MOST_NAMED)} only the first picture is read, and {pages} "
+            "more are left out; save each as a file of its own."
+        )
+    turned = sum(header.orientation != 1 for header in headers.values())
+    if turned:
+        yield (
+            f"{turned} of {len(headers)} images {'has' if turned == 1 else 'have'} an orientation "
+            "tag, which is not applied: a lens is calibrated on the sensor's rows and columns. "
+            "Read images the same way before you undistort them (cv2.IMREAD_IGNORE_ORIENTATION)."
+        )
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
@@ -92,20 +165,24 @@ def _natural(path: Path) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdecimal() else (-1, part.lower()) for part in parts]
 
 
-def _common_size(paths: Sequence[Path]) -> tuple[int, int]:
+def _common_size(headers: dict[Path, ImageHeader]) -> tuple[int, int]:
     by_size: dict[tuple[int, int], list[str]] = defaultdict(list)
-    for path in paths:
-        by_size[size_of(path)].append(path.name)
+    for path, header in headers.items():
+        by_size[header.size].append(shown(path.name))
     if len(by_size) == 1:
         return next(iter(by_size))
     # The rarest size first: most often it is the stray one to be removed.
     groups = sorted(by_size.items(), key=lambda item: len(item[1]))
     sizes = "; ".join(f"{_named(names)}: {w} x {h} px" for (w, h), names in groups)
-    raise SourceError(
-        f"The images have {len(groups)} sizes ({sizes}); keep one size, one camera has only one."
+    turned = len(groups) == 2 and groups[0][0] == groups[1][0][::-1]
+    why = (
+        "some were turned by 90° by a program: turn those back, all by the same quarter"
+        if turned
+        else "keep one size, one camera has only one"
     )
+    raise SourceError(f"The images have {len(groups)} sizes ({sizes}); {why}.")
 
 
 def _named(names: list[str]) -> str:
-    shown = ", ".join(names[:3])
-    return shown if len(names) <= 3 else f"{shown} and {len(names) - 3} more"
+    shown_names = ", ".join(names[:3])
+    return shown_names if len(names) <= 3 else f"{shown_names} and {len(names) - 3} more"

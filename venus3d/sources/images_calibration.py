@@ -15,7 +15,7 @@ from venus3d.engine.calibration.view_selection import select_views
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.sentences import listed
-from venus3d.sources.recording import Images, Recording, observe_recording
+from venus3d.sources.recording import Images, OnCount, Recording, observe_recording
 
 FEWEST_VIEWS = 3
 """Two views determine nine parameters in theory only; three can contradict each other."""
@@ -72,12 +72,12 @@ def calibrate_recording(
     max_frames: int = 40,
     every: int | None = None,
     on_progress: Callable[[str], None] = lambda _: None,
+    on_count: OnCount | None = None,
 ) -> ImagesCalibration:
-    """`calibrate_images`, with warnings and diagnoses; `on_progress` is called with sentences."""
+    """`calibrate_images`, with warnings and diagnoses; `on_progress` is called with sentences,
+    `on_count` after every image."""
     detector = Detector(board)
-    recording = observe_recording(
-        images, detector, lambda count: on_progress(f"{count} frames looked at ...")
-    )
+    recording = observe_recording(images, detector, on_count)
     seen = [o for o in recording.observations if o.count]
     warnings = [*recording.notes, *detector.notes]
     if recording.is_video:

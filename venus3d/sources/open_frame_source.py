@@ -10,7 +10,7 @@ import cv2
 
 from venus3d.engine.errors import SourceError
 from venus3d.sources.folder import Folder
-from venus3d.sources.images import SUFFIXES, is_image
+from venus3d.sources.images import UNREAD_PICTURES, is_image, shown
 from venus3d.sources.live import Live, open_camera, stream_capture
 from venus3d.sources.video import Video
 
@@ -45,11 +45,13 @@ def open_frame_source(
         return Folder.of_directory(path)
     if path.is_file():
         return _open_file(path, realtime)
+    if path.is_symlink():
+        raise SourceError(f"{shown(path)} is a link that leads to no file; name the file itself.")
     if any(character in spec for character in "*?["):
         return Folder.of_pattern(str(path))
     raise SourceError(
-        f"There is no file or folder {spec}; give an existing video, image or folder, a pattern of "
-        "images, a camera's number or a stream's address (guide also takes sim)."
+        f"There is no file or folder {shown(spec)}; give an existing video, image or folder, a "
+        "pattern of images, a camera's number or a stream's address (guide also takes sim)."
     )
 
 
@@ -63,10 +65,15 @@ def _open_address(address: str, realtime: bool) -> Live | Video:
 
 def _open_file(path: Path, realtime: bool) -> Folder | Video:
     if not os.access(path, os.R_OK):
-        raise SourceError(f"The file {path} may not be read by you; check its permissions.")
+        raise SourceError(f"The file {shown(path)} may not be read by you; check its permissions.")
     if path.stat().st_size == 0:
-        raise SourceError(f"The file {path} is empty; record or copy it again.")
+        raise SourceError(f"The file {shown(path)} is empty; record or copy it again.")
     # Files named or starting like an image are images; anything else must be a video.
-    if path.suffix.lower() in SUFFIXES or is_image(path):
+    if is_image(path):
         return Folder([path])
+    if path.suffix.lower() in UNREAD_PICTURES:
+        raise SourceError(
+            f"{shown(path)} is a kind of picture that is not read; save it as a JPEG or PNG file "
+            "of full size."
+        )
     return Video(path, realtime=realtime)

@@ -1,10 +1,20 @@
-"""Detects the board in every frame of a recording: a video, image files, arrays."""
+"""Detects the board in every frame of a recording: a video, image files, arrays.
+
+Images are read and searched on all cores, a few ahead of the one whose turn it is. What they show
+is taken over in their order, so the result is that of one thread.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +25,23 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import SourceError
 from venus3d.sources.arrays import Arrays
 from venus3d.sources.folder import Folder
-from venus3d.sources.frame import Source
+from venus3d.sources.frame import Frame
+from venus3d.sources.live import Live
 from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.video import Video
 
 Images = str | Path | Sequence[str | Path] | Sequence[NDArray[np.uint8]] | NDArray[np.uint8]
 """What `open_frame_source` takes, or a list of image files, or one of arrays (H, W[, 3])."""
-_COUNTED_EVERY = 100
+OnCount = Callable[[int, int, "int | None"], None]
+"""Called with the number of frames searched, of those that show the board, and of all if known."""
+_AHEAD = 2
+"""Frames in work per core: while one is searched, the next is read."""
+_LAG = 16
+"""Frames in work at most. Whether a frame is searched quickly first is judged by 16 frames before
+the last 16, so that it is the same for any number of threads."""
+_MOSTLY = 0.6
+"""A quick search takes less than half the time of a full one, and is enough where it finds every
+corner of the board: it is tried first if more than this share of those frames shows them all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,42 +56,120 @@ class Recording:
 
 
 def observe_recording(
-    images: Images, detector: Detector, on_count: Callable[[int], None] | None = None
+    images: Images,
+    detector: Detector,
+    on_count: OnCount | None = None,
+    *,
+    threads: int | None = None,
 ) -> Recording:
     """Detect the board in every frame of a recording.
 
     Args:
         images: see `Images`.
         detector: learns the board's layout as it goes.
-        on_count: called with the number of frames searched, every hundred frames.
+        on_count: called after every frame; counts anew where frames have to be read again.
+        threads: all cores if None; any number gives the same result.
 
     Raises `SourceError` for what cannot be read, and for a live camera, which has no end.
     """
-    recording = _observe(images, detector, on_count)
+    threads = threads or _cores()
+    recording = _observe(images, detector, on_count, threads)
     # Frames read before the layout was determined are read again.
     if any(o.board != detector.board for o in recording.observations):
-        recording = _observe(images, detector, on_count)
+        recording = _observe(images, detector, on_count, threads)
     return recording
 
 
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
 def _observe(
-    images: Images, detector: Detector, on_count: Callable[[int], None] | None
+    images: Images, detector: Detector, on_count: OnCount | None, threads: int
 ) -> Recording:
     observations: list[Observation] = []
+    found = 0
     with closing(_opened(images)) as source:
-        if source.is_live:
+        if isinstance(source, Live):
             raise SourceError(
                 "A live camera has no end to wait for; use venus3d guide for it, or record a "
                 "video first."
             )
-        while (frame := source.read()) is not None:
-            observations.append(detector.detect(frame.image, time_s=frame.time_s, name=frame.name))
-            if on_count is not None and len(observations) % _COUNTED_EVERY == 0:
-                on_count(len(observations))
+        total = source.announced if isinstance(source, Video) else len(source)
+        for frame, seen, by in _looked_at(source, detector, threads):
+            observations.append(detector.take_over(seen, frame.image, by))
+            found += observations[-1].count > 0
+            if on_count is not None:
+                on_count(len(observations), found, total)
         return Recording(tuple(observations), tuple(source.notes), isinstance(source, Video))
 
 
-def _opened(images: Images) -> Source:
+class _Look:
+    """Reads and searches one frame after the other, on any thread."""
+
+    def __init__(self, detector: Detector) -> None:
+        self._detector, self._local = detector, threading.local()
+
+    def __call__(
+        self, read: Callable[[], Frame], quick: bool
+    ) -> tuple[Frame, Observation, Detector]:
+        """The frame and what a copy of the detector saw in it; `quick`: searched so first."""
+        mine: Detector | None = getattr(self._local, "detector", None)
+        if mine is None or not mine.settled:
+            mine = self._local.detector = self._detector.copy()
+        frame = read()
+        if quick and mine.settled:
+            seen = mine.detect(frame.image, quick=True, time_s=frame.time_s, name=frame.name)
+            if seen.count == mine.board.corner_count:
+                return frame, seen, mine
+        return frame, mine.detect(frame.image, time_s=frame.time_s, name=frame.name), mine
+
+
+def _looked_at(
+    source: Folder | Arrays | Video, detector: Detector, threads: int
+) -> Iterator[tuple[Frame, Observation, Detector]]:
+    """Each frame in order, with what a copy of the detector saw in it."""
+    look = _Look(detector)
+    pool = ThreadPoolExecutor(threads, thread_name_prefix="look")
+    waiting: deque[Future[tuple[Frame, Observation, Detector]]] = deque()
+    whole: list[bool] = []
+    try:
+        for number, read in enumerate(_readers(source)):
+            before = whole[max(0, number - 2 * _LAG) : max(0, number - _LAG)]
+            waiting.append(pool.submit(look, read, sum(before) > _MOSTLY * max(1, len(before))))
+            if len(waiting) >= min(_AHEAD * threads, _LAG):
+                yield _next(waiting, whole, detector)
+        while waiting:
+            yield _next(waiting, whole, detector)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _next(
+    waiting: deque[Future[tuple[Frame, Observation, Detector]]],
+    whole: list[bool],
+    detector: Detector,
+) -> tuple[Frame, Observation, Detector]:
+    done = waiting.popleft().result()
+    whole.append(done[1].count == detector.board.corner_count)
+    return done
+
+
+def _readers(source: Folder | Arrays | Video) -> Iterator[Callable[[], Frame]]:
+    """A function for each frame that gives it: files are read by whoever looks at them, a video,
+    whose frames come one after the other, is read here."""
+    if isinstance(source, Folder):
+        yield from source.readers()
+        return
+    while (frame := source.read()) is not None:
+        yield partial(_same, frame)
+
+
+def _same(frame: Frame) -> Frame:
+    return frame
+
+
+def _opened(images: Images) -> Folder | Arrays | Video | Live:
     if isinstance(images, (str, Path)):
         return open_frame_source(str(images))
     arrays = [image for image in images if isinstance(image, np.ndarray)]

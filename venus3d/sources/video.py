@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.errors import SourceError
 from venus3d.sources.frame import Frame
+from venus3d.sources.images import shown
 from venus3d.sources.opencv_log import silence_opencv
 
 
@@ -25,13 +27,13 @@ class Video:
         """Open `path` (a file or its address). With `realtime`, frames come when the video's clock
         says so, and a late reader skips frames. Raises `SourceError` if no frame can be read."""
         silence_opencv()
-        self._path = path
+        self._path = shown(path)
         self._realtime = realtime
-        self._capture = cv2.VideoCapture(str(path))
+        self._capture = _opened(path)
         if not self._capture.isOpened():
             raise SourceError(
-                f"{path} cannot be played: it is no video, or it was cut off before its end was "
-                "written; record or copy it again, or convert it to MP4."
+                f"{self._path} cannot be played: it is no video, or it was cut off before its end "
+                "was written; record or copy it again, or convert it to MP4."
             )
         self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         self._announced = int(max(0, self._capture.get(cv2.CAP_PROP_FRAME_COUNT)))
@@ -45,7 +47,8 @@ class Video:
         if self._first is None:
             self.close()
             raise SourceError(
-                f"No frame of {path} can be decoded: the file is damaged; record or copy it again."
+                f"No frame of {self._path} can be decoded: the file is damaged; record or copy it "
+                "again."
             )
         self._size = (int(self._first.shape[1]), int(self._first.shape[0]))
 
@@ -53,6 +56,11 @@ class Video:
     def image_size(self) -> tuple[int, int]:
         """(width, height) of the frames."""
         return self._size
+
+    @property
+    def announced(self) -> int | None:
+        """Number of frames by the file's own account, roughly; None if it does not say."""
+        return self._announced or None
 
     def read(self) -> Frame | None:
         """The next frame (with `realtime`: the one that is due now); None at the end."""
@@ -121,3 +129,16 @@ class Video:
                 "could be read.",
             )
         self.close()
+
+
+def _opened(path: Path | str) -> cv2.VideoCapture:
+    name = str(path)
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        # OpenCV ends the process at a name that is not UTF-8: it gets another name for the file.
+        with tempfile.TemporaryDirectory() as folder:
+            link = Path(folder, f"video{Path(name).suffix if Path(name).suffix.isascii() else ''}")
+            link.symlink_to(Path(name).absolute())
+            return cv2.VideoCapture(str(link))
+    return cv2.VideoCapture(name)

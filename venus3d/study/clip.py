@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.sources.open_frame_source import open_frame_source
-from venus3d.sources.recording import observe_recording
+from venus3d.sources.recording import OnCount, observe_recording
 from venus3d.study.pool import frames_with_board
 
 Image = NDArray[np.uint8]
@@ -49,7 +49,7 @@ def load_clip(
     board: Board,
     *,
     most: int = MOST_PICTURES,
-    on_count: Callable[[int], None] | None = None,
+    on_count: OnCount | None = None,
 ) -> Clip:
     """Up to `most` frames, evenly spread over those that show the board, at about 1280 x 720.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 
@@ -19,7 +19,7 @@ from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
-from venus3d.sources.recording import Recording, observe_recording
+from venus3d.sources.recording import OnCount, Recording, observe_recording
 from venus3d.sources.sim import Simulation
 
 FEWEST_TRAINING, FEWEST_TEST = 6, 4
@@ -61,7 +61,7 @@ def pool_of(
     board: Board,
     *,
     same: float = SAME,
-    on_count: Callable[[int], None] | None = None,
+    on_count: OnCount | None = None,
 ) -> ViewPool:
     """Search a recording once and keep the views that can be calibrated from.
 
@@ -69,7 +69,7 @@ def pool_of(
         spec: what the user typed; a recording for `open_frame_source`.
         board: what it shows.
         same: see `distinct`.
-        on_count: called with the number of frames searched, every hundred.
+        on_count: see `observe_recording`.
 
     Raises:
         SourceError: it cannot be read.

@@ -6,6 +6,7 @@ the board's layout and polarity are determined. Subpixel corners: `refinement`.
 
 from __future__ import annotations
 
+import copy
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
@@ -47,7 +48,8 @@ _KEPT_MISSED = 3
 
 
 class Detector:
-    """Finds one board in images. Used by one thread; learns the board's layout as it goes."""
+    """Finds one board in images. Used by one thread; learns the board's layout as it goes.
+    Other threads can look for it with a `copy` each, and hand what they saw to `take_over`."""
 
     def __init__(self, board: Board, *, find_layout: bool = True, refine: bool = True) -> None:
         """A detector for `board`.
@@ -67,6 +69,7 @@ class Detector:
         self._frames = 0
         self._check = BoardRecognition(board)
         self._missed: deque[Grey] = deque(maxlen=_KEPT_MISSED)
+        self._is_copy = False
 
     @property
     def board(self) -> Board:
@@ -105,6 +108,25 @@ class Detector:
         """What the last images without the board show instead; may take a second."""
         found = recognise_board(self._asked, self._missed)
         return () if found is None else (found,)
+
+    def copy(self) -> Detector:
+        """A detector for another thread, as this one is now: for one image until the layout is
+        settled, then for any number."""
+        other = copy.copy(self)
+        other._finders, other._evidence = {}, dict(self._evidence)
+        other._frames, other._is_copy = 0, True
+        return other
+
+    def take_over(self, seen: Observation, image: Any, by: Detector) -> Observation:
+        """What `by`, a `copy`, saw in an image (see `detect`), as if it had been detected here:
+        called in the order of the images, the copies give the same as one detector."""
+        if by._frames:  # it is evidence for a layout, which is weighed here
+            return self.detect(image, time_s=seen.time_s, name=seen.name)
+        if seen.count:
+            self._check.found()
+        else:
+            self._miss(_grey(image))
+        return replace(seen, board=self._board, board_diagnoses=self.diagnoses)
 
     def settle(self, images: Iterable[Any]) -> Board:
         """Detect in images until the layout is settled; returns the board with that layout."""
@@ -154,11 +176,11 @@ class Detector:
             return nothing
         ids, corners = self._read(grey, quick)
         if not determines_homography(self._board.points_of(ids)):
-            if region is None and not quick:
-                self._check.missed(grey)
-                self._missed.append(grey)
+            if region is None and not quick and not self._is_copy:
+                self._miss(grey)
             return nothing
-        self._check.found()
+        if not self._is_copy:
+            self._check.found()
         scales = local_scales(self._board, ids, corners)
         if self._refine:
             corners = refine_corners(grey, corners, refinement_windows(self._board, scales))
@@ -166,6 +188,10 @@ class Detector:
         self.square_px = float(squares.min())
         sharpness = edge_sharpness(grey, corners, squares)
         return Observation(ids, corners + np.array([x0, y0]), size, sharpness)
+
+    def _miss(self, grey: Grey) -> None:
+        self._check.missed(grey)
+        self._missed.append(grey)
 
     def _read(self, grey: Grey, quick: bool) -> tuple[NDArray[np.intp], Array]:
         """Ids (N,) and corners (N, 2) of the presumed board; compares readings until settled."""
