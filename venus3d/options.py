@@ -13,6 +13,7 @@ from tyro.conf import FlagCreatePairsOff, arg
 
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
+from venus3d.languages import Language
 
 Switch = FlagCreatePairsOff[bool]
 """An option that is off by default."""
@@ -21,6 +22,10 @@ Switch = FlagCreatePairsOff[bool]
 def optional(unit: str, usual: str) -> object:
     """How `--help` shows an option that is None by default."""
     return arg(metavar=unit, help_behavior_hint=f"(usual: {usual})")
+
+
+LanguageOption = Annotated[Language | None, arg(help_behavior_hint="(usual: the browser's)")]
+"""The language of a page."""
 
 
 @dataclass(frozen=True)

@@ -217,7 +217,7 @@ def teaching(paper_camera: Camera, default_board: Board) -> Iterator[ServedTeach
 
 
 TEACH_ROWS = ((PAGE_ROW,), (STEP_ROW[:3], LOOK_ROW))
-TEACH_MENU = tuple(actions for _, actions, _ in MENU_ROWS)
+TEACH_MENU = MENU_ROWS
 
 
 def test_teach(chromium: Any, teaching: ServedTeaching) -> None:

@@ -91,7 +91,7 @@ def open_audience(options: GuideOptions) -> Audience | None:
         light=options.audience_light,
         sound=options.audience_sound,
     )
-    return Audience(*audience_address(options.audience, options.port), state)
+    return Audience(*audience_address(options.audience, options.port), state, options.language)
 
 
 def _attach(audience: Audience, viewer: Viewer) -> None:

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
+from venus3d.scene.pages.exercise import texts
 from venus3d.scene.pages.exercise.html import clock
 from venus3d.scene.pages.exercise.options import TrialOptions
 from venus3d.scene.pages.exercise.run import run_trial
-from venus3d.scene.pages.exercise.texts import TRIAL_HELP_NAMES
 from venus3d.scene.pages.exercise.trial_plan import times_of
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Help
 from venus3d.storage.exercise import ExerciseRow
@@ -55,7 +55,8 @@ def times_table(rows: Sequence[ExerciseRow]) -> str:
     """
     people = list(dict.fromkeys(row.participant for row in rows))
     cells = [
-        [TRIAL_HELP_NAMES[h], *(_total(rows, person, h) for person in people)] for h in TRIAL_HELPS
+        [texts.TRIAL_HELP_NAMES[h], *(_total(rows, person, h) for person in people)]
+        for h in TRIAL_HELPS
     ]
     lines = [["time after the first pose", *people], *cells]
     widths = [max(len(line[i]) for line in lines) for i in range(len(people) + 1)]

@@ -13,6 +13,7 @@ from typing import Annotated, Literal, get_args
 from msgspec import Meta, Struct
 
 from venus3d.engine.geometry.pose import Pose
+from venus3d.languages import Language
 
 Viewpoint = Literal["outside", "camera", "holder", "above"]
 """Viewpoint of the scene: from behind and beside the camera, through it, from the holder's place,
@@ -105,6 +106,8 @@ class LessonFile(Struct, frozen=True, forbid_unknown_fields=True):
     title: Text
     summary: Text
     page: Annotated[tuple[LessonPage, ...], Meta(min_length=1)]
+    language: Language | None = None
+    """Of its texts; the page speaks it while the lesson is open."""
 
 
 @dataclass(frozen=True)
@@ -117,3 +120,5 @@ class Lesson:
     summary: str
     """One sentence: what the learner understands afterwards."""
     pages: tuple[LessonPage, ...]
+    language: Language | None = None
+    """Of its texts, if it is stated."""

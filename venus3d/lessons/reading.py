@@ -40,7 +40,7 @@ def read_lesson(path: str | Path) -> Lesson:
             line = lines_of(text).broken or line
         sentence = syntax_mistake(str(error), text.splitlines()[line - 1])
         raise LessonError(file.name, line, sentence) from None
-    return Lesson(file.stem, content.title, content.summary, content.page)
+    return Lesson(file.stem, content.title, content.summary, content.page, content.language)
 
 
 def shipped_lessons() -> tuple[Lesson, ...]:

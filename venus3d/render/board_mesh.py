@@ -12,9 +12,9 @@ from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.render import texts
 from venus3d.render.shapes import Colour, LineShape, MeshShape
 from venus3d.render.text_drawing import font
-from venus3d.render.texts import LEFT, RIGHT, TOP
 
 RIM = 0.3
 """Width of the unprinted rim around the squares, in squares."""
@@ -89,9 +89,9 @@ def _back_mesh(board: Board) -> trimesh.Trimesh:
     picture = Image.new("RGB", size, BODY_COLOUR)
     draw, face = ImageDraw.Draw(picture), font(size[1] // 9, bold=True)
     for text, x, y, anchor in (
-        (TOP, 0.5, 0.04, "ma"),
-        (LEFT, 0.03, 0.5, "lm"),
-        (RIGHT, 0.97, 0.5, "rm"),
+        (texts.TOP, 0.5, 0.04, "ma"),
+        (texts.LEFT, 0.03, 0.5, "lm"),
+        (texts.RIGHT, 0.97, 0.5, "rm"),
     ):
         draw.text((x * size[0], y * size[1]), text, fill=(40, 42, 46), font=face, anchor=anchor)
     uv = np.array([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]])

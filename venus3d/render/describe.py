@@ -31,6 +31,7 @@ from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render import texts
 from venus3d.render.board_mesh import board_ghost, board_outline, board_shape, held_board
 from venus3d.render.frustum import camera_shapes
 from venus3d.render.palette import ground, mixed, step_colour
@@ -38,7 +39,6 @@ from venus3d.render.shapes import LabelShape, Shape
 from venus3d.render.step_shapes import instruction_shapes, pose_during
 from venus3d.render.strip import caption, strip_shapes
 from venus3d.render.surroundings import surroundings
-from venus3d.render.texts import TARGET_LABEL
 
 
 @dataclass(frozen=True)
@@ -175,4 +175,6 @@ def _target_shapes(board: Board, pose: Pose, dark: bool) -> tuple[Shape, ...]:
     colours = ground(dark)
     outline = board_outline(board, pose, "/target/board", colours.target, 2.0)
     below = pose.apply([0, board.height / 2 + 0.7 * board.square, 0])
-    return outline, LabelShape("/target/label", TARGET_LABEL, np.asarray(below), colours.target)
+    return outline, LabelShape(
+        "/target/label", texts.TARGET_LABEL, np.asarray(below), colours.target
+    )

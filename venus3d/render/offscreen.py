@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
 from dataclasses import replace
 from functools import partial
 from textwrap import shorten
@@ -19,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
+from venus3d.render import texts
 from venus3d.render.lens import lens_for
 from venus3d.render.painter import Painter
 from venus3d.render.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
 from venus3d.render.text_drawing import paint_labels
-from venus3d.render.texts import NO_OPENGL, OPENGL_FAILED
 
 Image = NDArray[np.uint8]
 Backend = Literal["gl", "painter"]
@@ -72,7 +73,7 @@ class Offscreen:
                 if not self._falls_back:
                     self._thread.shutdown()
                     raise RuntimeError(f"OpenGL cannot be used: {error}") from error
-                self.note = NO_OPENGL.format(cause=_cause(error))
+                self.note = texts.NO_OPENGL.format(cause=_cause(error))
 
     def submit(
         self,
@@ -103,7 +104,8 @@ class Offscreen:
             )
             return picture if finish is None else finish(picture)
 
-        return self._thread.submit(draw)
+        # The render thread speaks the language of whoever asks.
+        return self._thread.submit(copy_context().run, draw)
 
     def render(self, camera: Camera, shapes: Sequence[Shape], **options: Any) -> Image:
         """`submit` and wait for the picture."""
@@ -134,7 +136,7 @@ class Offscreen:
             painted = picture(painter)
             self._release()
             self._renderer, self.backend = painter, "painter"
-            self.note = OPENGL_FAILED.format(cause=_cause(error))
+            self.note = texts.OPENGL_FAILED.format(cause=_cause(error))
             _LOG.warning("%s", self.note)
             return painted
 

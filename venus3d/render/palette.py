@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from venus3d.engine.geometry.pose import Array
+from venus3d.render import texts
 from venus3d.render.shapes import Colour
-from venus3d.render.texts import STEP_SHORT_TITLES, STEP_TITLES
 
 
 @dataclass(frozen=True)
@@ -23,12 +23,18 @@ class StepStyle:
     """Name and colour of one step."""
 
     number: int
-    title: str
-    """What to do, in a few words: "Tilt about X"."""
-    short_title: str
-    """In one: "Tilt"."""
     on_dark: Colour
     on_light: Colour
+
+    @property
+    def title(self) -> str:
+        """What to do, in a few words: "Tilt about X"."""
+        return texts.STEP_TITLES[self.number - 1]
+
+    @property
+    def short_title(self) -> str:
+        """In one: "Tilt"."""
+        return texts.STEP_SHORT_TITLES[self.number - 1]
 
     def colour(self, dark: bool) -> Colour:
         """The step's colour on dark or light ground."""
@@ -36,10 +42,10 @@ class StepStyle:
 
 
 STEP_STYLES: tuple[StepStyle, StepStyle, StepStyle, StepStyle] = (
-    StepStyle(1, STEP_TITLES[0], STEP_SHORT_TITLES[0], (210, 110, 150), (173, 30, 208)),
-    StepStyle(2, STEP_TITLES[1], STEP_SHORT_TITLES[1], (244, 93, 21), (191, 76, 0)),
-    StepStyle(3, STEP_TITLES[2], STEP_SHORT_TITLES[2], (81, 223, 255), (0, 122, 140)),
-    StepStyle(4, STEP_TITLES[3], STEP_SHORT_TITLES[3], (125, 135, 248), (5, 30, 90)),
+    StepStyle(1, (210, 110, 150), (173, 30, 208)),
+    StepStyle(2, (244, 93, 21), (191, 76, 0)),
+    StepStyle(3, (81, 223, 255), (0, 122, 140)),
+    StepStyle(4, (125, 135, 248), (5, 30, 90)),
 )
 """Steps 1 ... 4."""
 

@@ -16,12 +16,12 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.render import texts
 from venus3d.render.describe import describe_step
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground, picture_background, step_style, text_on
 from venus3d.render.shapes import Colour, LabelShape, Shape
 from venus3d.render.text_drawing import fitting_font, font, wrapped_lines
-from venus3d.render.texts import CORNERS_OUTSIDE, ONE_CORNER_OUTSIDE
 
 Picture = NDArray[np.uint8]
 Pictures = tuple[Future[Picture], Future[Picture], Future[Picture], Future[Picture]]
@@ -195,7 +195,7 @@ def _banner(draw: ImageDraw.ImageDraw, size: tuple[int, int], corners: int, dark
     colours = ground(dark)
     # A tile on the page is half as wide as its picture and must stay readable.
     face = font(round(size[0] * 0.04), bold=True)
-    text = ONE_CORNER_OUTSIDE if corners == 1 else CORNERS_OUTSIDE.format(count=corners)
+    text = texts.ONE_CORNER_OUTSIDE if corners == 1 else texts.CORNERS_OUTSIDE.format(count=corners)
     half, tall = face.getlength(text) / 2 + 8, round(size[0] * 0.056)
     middle, bottom = size[0] / 2, size[1] - 5
     draw.rectangle((middle - half, bottom - tall, middle + half, bottom), fill=colours.warning)

@@ -12,6 +12,7 @@ from venus3d.engine.amounts import step_amount
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.render import texts
 from venus3d.render.board_mesh import board_outline, board_shape
 from venus3d.render.palette import ground, step_colour, step_style
 from venus3d.render.shapes import (
@@ -24,7 +25,6 @@ from venus3d.render.shapes import (
     Shape,
 )
 from venus3d.render.step_shapes import instruction_shapes, pose_during
-from venus3d.render.texts import DONE
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres; above everything drawn in place."""
@@ -68,7 +68,7 @@ def strip_shapes(
 
 def caption(step: Step, done: bool = False) -> str:
     """Number, word and amount: "2 Tilt about X +30°"."""
-    amount = DONE if done else "" if step.is_idle else step_amount(step)
+    amount = texts.DONE if done else "" if step.is_idle else step_amount(step)
     return f"{step.number} {step_style(step.number).title} {amount}".rstrip()
 
 

@@ -1,5 +1,7 @@
 """Texts in the scene and in pictures, and notes on the renderer in use."""
 
+from venus3d.languages.texts_module import speak
+
 STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
 STEP_SHORT_TITLES = ("Move", "Tilt", "Swing", "Rotate")
 TARGET_LABEL = "Target"
@@ -13,3 +15,5 @@ NO_OPENGL = (
     "libgl1-mesa-dri ({cause})."
 )
 OPENGL_FAILED = "OpenGL failed while it drew, so OpenCV paints the pictures from now on ({cause})."
+
+speak(__name__)

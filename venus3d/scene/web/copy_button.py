@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from venus3d.scene.web.texts import COPY_HINT
+from venus3d.scene.web import texts
 
 # navigator.clipboard exists on localhost and https only; elsewhere the selection is copied.
 _COPY = (
@@ -16,8 +16,9 @@ _COPY = (
 )
 
 
-def copy_button(text: str, label: str = "", hint: str = COPY_HINT) -> str:
+def copy_button(text: str, label: str = "", hint: str = "") -> str:
     """A button that copies `text`; without a `label` a small one, to stand beside a number."""
+    hint = hint or texts.COPY_HINT
     shown = f"<span>{escape(label)}</span>" if label else ""
     return (
         f"<button class='v-copy' type='button' title='{escape(hint)}' "

@@ -7,11 +7,12 @@ import logging
 import threading
 import time
 from collections.abc import Callable
+from contextvars import copy_context
 from traceback import extract_tb
 
 import viser
 
-from venus3d.scene.web import texts
+from venus3d.scene.web import terminal_texts, texts
 
 _LOG = logging.getLogger(__name__)
 _LONGEST_WAIT_S = 30.0
@@ -33,7 +34,7 @@ class Failures:
         key = (what, type(error), *((frame.filename, frame.lineno) for frame in place))
         if key not in self._told:
             self._told.add(key)
-            _LOG.error(texts.FAILED_ONCE, what, exc_info=error)
+            _LOG.error(terminal_texts.FAILED_ONCE, what, exc_info=error)
 
 
 class DrawingThreads:
@@ -41,12 +42,14 @@ class DrawingThreads:
     the page's caller; the page is reloaded and the loops go on. Repeated failures are retried less
     and less often."""
 
-    def __init__(self, draw_anew: Callable[[Exception], None], **loops: Callable[[], None]) -> None:
+    def __init__(
+        self, draw_anew: Callable[[Exception | None], None], **loops: Callable[[], None]
+    ) -> None:
         """One thread per loop, named by its keyword.
 
         Args:
-            draw_anew: replaces the page after this error. Called by one thread at a time, while the
-            others may still draw on the old page.
+            draw_anew: replaces the page after this error, or without one. Called by one thread at a
+            time, while the others may still draw on the old page.
         """
         self.stop = threading.Event()
         """Set when the page is closed, not when a loop fails."""
@@ -55,8 +58,11 @@ class DrawingThreads:
         self._mending = threading.Lock()
         self._page = 0  # counts the pages
         self._wait_s, self._failed_at = 0.0, -_FORGIVEN_S
+        # They speak the language in which they are made.
         self._threads = [
-            threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
+            threading.Thread(
+                target=copy_context().run, args=(self._guarded, loop), name=name, daemon=True
+            )
             for name, loop in loops.items()
         ]
 
@@ -75,6 +81,12 @@ class DrawingThreads:
             thread.join(timeout=5)
         return True
 
+    def draw_anew(self) -> None:
+        """Replace the page although nothing has failed. Called by one of the threads."""
+        with self._mending:
+            self._draw_anew(None)
+            self._page += 1
+
     def _guarded(self, loop: Callable[[], None]) -> None:
         while not self.stop.is_set():
             page = self._page
@@ -88,7 +100,7 @@ class DrawingThreads:
         with self._mending:
             if page != self._page:
                 return  # it failed on a page that another thread has already replaced
-            self._failures.tell(error, texts.DRAWING_FAILED)
+            self._failures.tell(error, terminal_texts.DRAWING_FAILED)
             if time.monotonic() - self._failed_at > _FORGIVEN_S:
                 self._wait_s = 0.0
             while not self._is_drawn_anew(error):
@@ -105,7 +117,7 @@ class DrawingThreads:
         try:
             self._draw_anew(error)
         except Exception as again:
-            self._failures.tell(again, texts.DRAWING_ANEW_FAILED)
+            self._failures.tell(again, terminal_texts.DRAWING_ANEW_FAILED)
             return False
         return True
 

@@ -11,22 +11,8 @@ from typing import Any
 
 import viser
 
+from venus3d.scene.web import texts as say
 from venus3d.scene.web.scene_view import Host
-from venus3d.scene.web.texts import (
-    BY_NAME,
-    ESCAPE_COMMAND,
-    ESCAPE_COMMAND_HINT,
-    HELP_CAMERA,
-    HELP_CLOSE,
-    HELP_CLOSE_HINT,
-    HELP_COMMAND,
-    HELP_COMMAND_HINT,
-    HELP_INTRO,
-    HELP_TITLE,
-    KEY_NAMES,
-    NO_KEY,
-    SHIFTED,
-)
 from venus3d.scene.web.theme import Theme
 
 SHIFT = "shift+"
@@ -90,9 +76,9 @@ class HelpOverlay:
         self._lock = Lock()
         self._open: dict[int, tuple[Any, Any]] = {}  # the modal and its style sheet
         add = host.gui.add_command
-        toggle = add(HELP_COMMAND, description=HELP_COMMAND_HINT, hotkey="H")
+        toggle = add(say.HELP_COMMAND, description=say.HELP_COMMAND_HINT, hotkey="H")
         toggle.on_trigger(lambda event: _in_tab(event.client, self.toggle))
-        close = add(ESCAPE_COMMAND, description=ESCAPE_COMMAND_HINT, hotkey="escape")
+        close = add(say.ESCAPE_COMMAND, description=say.ESCAPE_COMMAND_HINT, hotkey="escape")
         close.on_trigger(lambda event: _in_tab(event.client, self._close))
 
     def explain(self, commands: Sequence[Command]) -> None:
@@ -120,11 +106,11 @@ class HelpOverlay:
 
     def _show_in(self, client: viser.ClientHandle) -> None:
         with self._lock, client.atomic():
-            modal = client.gui.add_modal(HELP_TITLE)
+            modal = client.gui.add_modal(say.HELP_TITLE)
             with modal:
                 sheet = client.gui.add_html(self._theme.sheet)
                 client.gui.add_html(keys_html(self._commands))
-                button = client.gui.add_button(HELP_CLOSE, hint=HELP_CLOSE_HINT)
+                button = client.gui.add_button(say.HELP_CLOSE, hint=say.HELP_CLOSE_HINT)
                 button.on_click(lambda _: self._close(client))
             self._open[client.client_id] = (modal, sheet)
 
@@ -137,7 +123,7 @@ class HelpOverlay:
 
 def keys_html(commands: Sequence[Command]) -> str:
     """The help's table: key, name and description of each command; below it those without a key."""
-    help_itself = Command(HELP_COMMAND, "H", HELP_COMMAND_HINT, lambda: None)
+    help_itself = Command(say.HELP_COMMAND, "H", say.HELP_COMMAND_HINT, lambda: None)
     rows = "".join(
         f"<tr><td><kbd class='v-key'>{escape(key_name(c.hotkey))}</kbd></td>"
         f"<td><b>{escape(c.label)}</b></td><td>{escape(c.description)}</td></tr>"
@@ -149,20 +135,20 @@ def keys_html(commands: Sequence[Command]) -> str:
         for c in commands
         if c.hotkey is None
     )
-    by_name = f"<p><b>{BY_NAME.format(key=NO_KEY)}</b> {named}</p>" if named else ""
+    by_name = f"<p><b>{say.BY_NAME.format(key=say.NO_KEY)}</b> {named}</p>" if named else ""
     return (
-        f"<div class='v-keys'><p>{escape(HELP_INTRO)}</p><table>{rows}</table>{by_name}"
-        f"<p>{escape(HELP_CAMERA)}</p></div>"
+        f"<div class='v-keys'><p>{escape(say.HELP_INTRO)}</p><table>{rows}</table>{by_name}"
+        f"<p>{escape(say.HELP_CAMERA)}</p></div>"
     )
 
 
 def key_name(hotkey: str | None) -> str:
     """A key as labelled on the keyboard, with Shift or alone."""
     if hotkey is None:
-        return NO_KEY
+        return say.NO_KEY
     alone = hotkey.removeprefix(SHIFT)
-    name = KEY_NAMES.get(alone, alone)
-    return name if alone == hotkey else SHIFTED.format(key=name)
+    name = say.KEY_NAMES.get(alone, alone)
+    return name if alone == hotkey else say.SHIFTED.format(key=name)
 
 
 def _in_tab(client: viser.ClientHandle | None, do: Callable[[viser.ClientHandle], None]) -> None:

@@ -29,7 +29,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Generic, TypeVar
 
-from venus3d.scene.web import texts
+from venus3d.languages import PageLanguage
+from venus3d.scene.web import terminal_texts
 from venus3d.scene.web.drawing import DrawingThreads, tell_of_failure
 from venus3d.scene.web.server import LocalServer, serve_anew
 
@@ -56,12 +57,18 @@ class Page(ABC, Generic[State]):
         self._state, self._period = state, period_s
         self._lock = threading.Condition()
         self._changed = True
+        self._another_language = False
         self._threads = DrawingThreads(self._draw_anew)
 
     @property
     def url(self) -> str:
         """The page's address on this machine."""
         return self.server.url
+
+    @property
+    def language(self) -> PageLanguage:
+        """The language of the page; who words something for it does so while it is spoken."""
+        return self.server.language
 
     @property
     def state(self) -> State:
@@ -132,9 +139,19 @@ class Page(ABC, Generic[State]):
 
     def _open(self, **loops: Callable[[], None]) -> None:
         """Lay the page out and start drawing; `loops` are more threads, by name."""
-        self._lay_out(self.server)
-        self._threads = DrawingThreads(self._draw_anew, scene=self._loop, **loops)
+        with self.language.spoken():
+            self._put_onto(self.server)
+            self._threads = DrawingThreads(self._draw_anew, scene=self._loop, **loops)
         self._threads.start()
+
+    def _put_onto(self, server: LocalServer) -> None:
+        server.on_first_browser = self._translate
+        self._lay_out(server)
+
+    def _translate(self) -> None:
+        """Lay the page out again soon: its first browser speaks another language."""
+        self._another_language = True
+        self.wake()
 
     @property
     def _stopping(self) -> threading.Event:
@@ -147,11 +164,12 @@ class Page(ABC, Generic[State]):
             self._state = change(self._state)
             return self._state
 
-    def _draw_anew(self, error: Exception) -> None:
+    def _draw_anew(self, error: Exception | None) -> None:
         """Lay the page out on a new server in the old one's place, free of whatever failed."""
         self.server = serve_anew(self.server, self._threads.stop)
-        self._lay_out(self.server)
-        self._tell_of_failure(error)
+        self._put_onto(self.server)
+        if error is not None:
+            self._tell_of_failure(error)
         self._wake_loops()
 
     def _loop(self) -> None:
@@ -161,6 +179,9 @@ class Page(ABC, Generic[State]):
                 if not self._changed:
                     self._lock.wait(timeout=self._period_s if self._is_moving else _IDLE_S)
                 changed, self._changed = self._changed, False
+            if self._another_language:
+                self._another_language = False
+                self._threads.draw_anew()
             now = time.monotonic()
             before, seconds = now, now - before
             self._draw(changed, seconds)
@@ -176,4 +197,4 @@ def announce(*lines: str) -> None:
 
 def announce_page(title: str, url: str, *notes: str) -> None:
     """Print a page's address and how to end it."""
-    announce(*notes, texts.PAGE_ANNOUNCED.format(title=title, url=url))
+    announce(*notes, terminal_texts.PAGE_ANNOUNCED.format(title=title, url=url))

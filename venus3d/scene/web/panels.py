@@ -8,8 +8,8 @@ from typing import Any
 
 import viser
 
+from venus3d.scene.web import texts
 from venus3d.scene.web.scene_view import Host
-from venus3d.scene.web.texts import TYPING
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.viser_private import panel_in
 
@@ -41,7 +41,7 @@ class PanelStyle:
         )
         for sheet in self._sheets:
             sheet.content = (
-                f"{theme.sheet}<i class='v-typing' hidden data-typing='{escape(TYPING)}'></i>"
+                f"{theme.sheet}<i class='v-typing' hidden data-typing='{escape(texts.TYPING)}'></i>"
             )
         return True
 

@@ -10,7 +10,7 @@ import numpy as np
 import viser
 
 from venus3d.engine.geometry.pose import Array
-from venus3d.scene.web.pose_texts import POSE_HINTS, POSE_LABELS
+from venus3d.scene.web import pose_texts
 
 RANGES: tuple[tuple[float, float, float], ...] = (
     (-90.0, 90.0, 0.5),
@@ -39,7 +39,7 @@ class PosePanel:
         self._vector = [float(value) for value in vector]
         self._sliders: list[Any] = []
         for number, (label, hint, value, (low, high, step)) in enumerate(
-            zip(POSE_LABELS, POSE_HINTS, vector, ranges, strict=True)
+            zip(pose_texts.POSE_LABELS, pose_texts.POSE_HINTS, vector, ranges, strict=True)
         ):
             slider = gui.add_slider(
                 label, low, high, step, float(np.clip(value, low, high)), hint=hint

@@ -1,5 +1,7 @@
 """Names of a pose's six numbers, and words for changing them."""
 
+from venus3d.languages.texts_module import speak
+
 POSE_LABELS = (
     "Turn about X (°)",
     "Turn about Y (°)",
@@ -34,3 +36,5 @@ NUDGES = {
 BOARD_COMMAND = "Move the board: {what}"
 BOARD_COMMAND_HINT = "A little; hold the key for more"
 BOARD_KEYS_HEAD = ("alone", "with Shift")
+
+speak(__name__)

@@ -25,7 +25,7 @@ from venus3d.render.projections import Projections
 from venus3d.render.redrawing import still_shows
 from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.drawing import Failures
-from venus3d.scene.web.texts import STEPS_FAILED
+from venus3d.scene.web.terminal_texts import STEPS_FAILED
 from venus3d.scene.web.theme import Theme
 
 Picture = NDArray[np.uint8]

@@ -20,12 +20,14 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from venus3d.engine.errors import VenusError
+from venus3d.languages import Language, PageLanguage, language_from
 from venus3d.scene.web.handshake import RefusedError, came_from_here, check
 from venus3d.scene.web.incoming import is_heard, is_point_of_view
-from venus3d.scene.web.page_script import with_script
-from venus3d.scene.web.texts import PORT_TAKEN
+from venus3d.scene.web.page_script import as_page
+from venus3d.scene.web.terminal_texts import PORT_TAKEN
 from venus3d.scene.web.viser_private import (
     allow_late_message,
+    call_within,
     connection_of,
     loop_of,
     missing,
@@ -60,11 +62,25 @@ class LocalServer(viser.ViserServer):
     - Any thread may change the page while any number of browsers come and go.
     """
 
+    shares_language = True
+    """Whether all tabs show one page, in the language of the first browser."""
     script = "fields"
     """Name of the script that is added to the page (`page_script`); empty for none."""
 
-    def __init__(self, host: str, port: int, **options: Any) -> None:
-        """Serve on this address; `options` are viser's."""
+    def __init__(
+        self, host: str, port: int, *, language: PageLanguage | None = None, **options: Any
+    ) -> None:
+        """Serve on this address.
+
+        Args:
+            language: of what all tabs share; the first browser's by default.
+            options: viser's.
+        """
+        self.language = language or PageLanguage()
+        self.languages: dict[int, PageLanguage] = {}
+        """Of tabs with a page of their own, by client."""
+        self.on_first_browser: Callable[[], None] = lambda: None
+        """Called on the server's thread once a browser has chosen another language."""
         self._complete = asyncio.Event()  # nobody may connect before
         self._serves = False
         with _serve_as(lambda *given, **more: self._serve(host, *given, **more)):
@@ -79,6 +95,7 @@ class LocalServer(viser.ViserServer):
         loop, self._sockets_thread = loop_of(self._sockets)
         self._make_safe(self._sockets.get_message_buffer())
         self._sockets.on_client_connect(self._welcome)
+        call_within(self, lambda number: self._spoken_with(number).spoken())
         loop.call_soon_threadsafe(self._complete.set)
 
     @property
@@ -91,6 +108,31 @@ class LocalServer(viser.ViserServer):
         """Whether this tab's browser runs on this machine and has not come through a proxy."""
         connection = connection_of(self._sockets, client_id)
         return came_from_here(connection.request.headers, connection.remote_address[0])
+
+    def language_of(self, client_id: int) -> Language:
+        """The language of a page for this tab alone: the chosen one, or its browser's."""
+        if not self.language.is_open:
+            return self.language.code
+        headers = connection_of(self._sockets, client_id).request.headers
+        return language_from(headers.get("accept-language", ""))
+
+    def _spoken_with(self, client_id: int | None) -> PageLanguage:
+        own = None if client_id is None else self.languages.get(client_id)
+        return own or self.language
+
+    def _hear_language(self, request: Request) -> Language:
+        """The language in which this request is answered. The first browser that connects chooses
+        the shared page's; a program that states no language does not."""
+        accepted = request.headers.get("accept-language")
+        if not self.language.is_open:
+            return self.language.code
+        asked = language_from(accepted or "")
+        if accepted and request.headers.get("upgrade") and self.shares_language:
+            self.language.is_open = False
+            if asked != self.language.code:
+                self.language.code = asked
+                self.on_first_browser()
+        return asked
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse: the camera's picture stays on this machine."""
@@ -133,8 +175,11 @@ class LocalServer(viser.ViserServer):
                 check(request.headers, host)
             except RefusedError as refused:
                 return connection.respond(403, f"{refused}\n")
+            language = self._hear_language(request)
             response = None if answer is None else answer(connection, request)
-            return with_script(response, self.script) if response and self.script else response
+            if response and self.script:
+                return as_page(response, self.script, language)
+            return response
 
         def connection(*given: Any, **more: Any) -> _Connection:
             return _Connection(self._hears, *given, **more)
@@ -222,30 +267,33 @@ def _serve_as(serve: Callable[..., Any]) -> Generator[None, None, None]:
             websockets_server.serve = _plain_serve
 
 
-def start_server(host: str, port: int) -> tuple[LocalServer, str]:
-    """A running server, and a note if it had to take another port than `port`. Raises
-    `AddressError` if the address cannot be bound; this is tried first, since viser would wait for
-    ever."""
+def start_server(host: str, port: int, language: Language | None = None) -> tuple[LocalServer, str]:
+    """A running server whose pages speak `language`, by default the browser's, and a note if it had
+    to take another port than `port`. Raises `AddressError` if the address cannot be bound; this is
+    tried first, since viser would wait for ever."""
     _check_port(port)
     for candidate in range(port, min(port + _PORTS_TRIED, 65536)):
         if _is_free(host, candidate):
             break
     else:
         raise AddressError(f"No port from {port} on is free on {host}; choose another with --port.")
-    server = _quietly(LocalServer, host, candidate)
+    server = _quietly(LocalServer, host, candidate, PageLanguage(language))
     taken = server.get_port()
     note = "" if taken == port else PORT_TAKEN.format(port=port, taken=taken)
     return server, note
 
 
-def start_read_only_server(host: str, port: int) -> ReadOnlyServer:
-    """A running read-only server on exactly this port, which the second screen already knows.
-    Raises `AddressError` if the address cannot be bound or the port is taken."""
+def start_read_only_server(
+    host: str, port: int, language: Language | None = None
+) -> ReadOnlyServer:
+    """A running read-only server on exactly this port, which the second screen already knows, with
+    a page in `language`, by default the first browser's. Raises `AddressError` if the address
+    cannot be bound or the port is taken."""
     _check_port(port)
     taken = AddressError(f"Port {port} is taken on {host}; choose another with --audience.")
     if not _is_free(host, port):
         raise taken
-    server = _quietly(ReadOnlyServer, host, port)
+    server = _quietly(ReadOnlyServer, host, port, PageLanguage(language))
     if server.get_port() != port:  # another program was quicker
         server.stop()
         raise taken
@@ -263,7 +311,7 @@ def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
         if time.monotonic() > deadline:
             raise AddressError(f"Port {port} on {host} is not free any more; start again.")
         time.sleep(0.05)
-    anew = _quietly(type(server), host, port)
+    anew = _quietly(type(server), host, port, server.language)
     if stop.is_set() or anew.get_port() != port:  # another program was quicker
         anew.stop()
     if anew.get_port() != port:
@@ -271,10 +319,10 @@ def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
     return anew
 
 
-def _quietly(kind: type[_Kind], host: str, port: int) -> _Kind:
+def _quietly(kind: type[_Kind], host: str, port: int, language: PageLanguage) -> _Kind:
     # viser prints a banner with the address; our command line prints its own.
     with _viser_is_quiet():
-        return kind(host=host, port=port, label="venus3d", verbose=False)
+        return kind(host=host, port=port, language=language, label="venus3d", verbose=False)
 
 
 def _check_port(port: int) -> None:

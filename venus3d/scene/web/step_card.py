@@ -13,13 +13,6 @@ from venus3d.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.theme import Theme
 
-PICTURE_LEGEND_HTML = (
-    "<div class='v-steps'><div class='v-legend'>"
-    + " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)
-    + "</div></div>"
-)
-"""Legend of the live picture during the steps."""
-
 
 class Note(NamedTuple):
     """A sentence below an instruction; empty for none."""
@@ -30,6 +23,12 @@ class Note(NamedTuple):
 
 
 NO_NOTE = Note()
+
+
+def picture_legend_html() -> str:
+    """Legend of the live picture during the steps."""
+    parts = " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)
+    return f"<div class='v-steps'><div class='v-legend'>{parts}</div></div>"
 
 
 def guide_card(

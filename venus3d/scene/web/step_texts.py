@@ -1,6 +1,7 @@
 """Labels around the steps to do; their instructions are in `engine/guidance/prompts.py`."""
 
 from venus3d.engine.guidance.prompts import Wording
+from venus3d.languages.texts_module import speak
 
 STEP_OF_FOUR = "Step {number} of 4:"
 TO_GO = "to go"
@@ -33,3 +34,5 @@ READERS: dict[Wording, str] = {
     "holder": "For the holder: your left is the picture's right.",
     "camera": "For the camera: left and right as in the picture.",
 }
+
+speak(__name__)

@@ -14,6 +14,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import count
 from typing import Any, Generic, Protocol, TypeVar
@@ -22,10 +23,12 @@ import numpy as np
 import viser
 
 from venus3d.engine.errors import StorageError
+from venus3d.languages import Language, PageLanguage
+from venus3d.scene.web import texts
 from venus3d.scene.web.camera_rig import FAR, NEAR
 from venus3d.scene.web.drawing import Failures, tell_tab
 from venus3d.scene.web.server import LocalServer
-from venus3d.scene.web.texts import DRAWING_FAILED, TAB_BROKEN, TAB_STOPPED
+from venus3d.scene.web.terminal_texts import DRAWING_FAILED, TAB_STOPPED
 
 Job = Callable[[], None]
 """Draws one picture and delivers it."""
@@ -90,6 +93,7 @@ class Tab(Generic[Model]):
     model: Model
     page: TabPage
     requests: queue.SimpleQueue[Any]
+    language: PageLanguage
     shown: Any = None
     """None: to be drawn."""
     failed_at: float = -np.inf
@@ -105,6 +109,8 @@ class TabServer(Generic[Model]):
         title: str,
         model_of: Callable[[int], Model],
         make_page: Callable[[viser.ClientHandle, Ask, Any], TabPage],
+        *,
+        wishes: Callable[[Model], Language | None] = lambda _: None,
     ) -> None:
         """Accept visitors. The caller closes the server afterwards.
 
@@ -112,9 +118,11 @@ class TabServer(Generic[Model]):
             title: of notes to a tab without a page.
             model_of: the model for the tab of this number; called on viser's threads.
             make_page: lays out a page with this view; on viser's threads, or after a failure.
+            wishes: the language that a tab's model wants meanwhile; None: its browser's.
         """
         self.server = server
         self._title, self._model_of, self._make_page = title, model_of, make_page
+        server.shares_language, self._wishes = False, wishes
         self._tabs: dict[int, Tab[Model]] = {}
         self._lock = threading.Lock()
         self._wake = threading.Event()
@@ -163,15 +171,18 @@ class TabServer(Generic[Model]):
         if number not in self.server.get_clients():  # already closed
             return
         requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        try:
-            model = self._model_of(number)
-            page = self._make_page(client, self._asking(requests), model.last_view)
-        except Exception as error:
-            self._failures.tell(error, TAB_STOPPED)
-            client.add_notification(self._title, TAB_BROKEN, color="red")
-            return
+        language = PageLanguage(self.server.language_of(number))
+        self.server.languages[number] = language
+        with language.spoken():
+            try:
+                model = self._model_of(number)
+                page = self._make_page(client, self._asking(requests), model.last_view)
+            except Exception as error:
+                self._failures.tell(error, TAB_STOPPED)
+                client.add_notification(self._title, texts.TAB_BROKEN, color="red")
+                return
         with self._lock:
-            self._tabs[number] = Tab(client, model, page, requests)
+            self._tabs[number] = Tab(client, model, page, requests, language)
         # It may have closed while its page was laid out; nobody else would remove it then.
         if number not in self.server.get_clients():
             self._leave(client)
@@ -187,6 +198,7 @@ class TabServer(Generic[Model]):
     def _leave(self, client: viser.ClientHandle) -> None:
         with self._lock:
             self._tabs.pop(client.client_id, None)
+            self.server.languages.pop(client.client_id, None)
         self._turns.forget(client.client_id)
 
     # -- on the caller's thread --------------------------------------------------------------------
@@ -194,37 +206,51 @@ class TabServer(Generic[Model]):
     def _serve(self, tab: Tab[Model]) -> bool:
         """Update one tab; whether something on its page still moves. An error affects only this
         tab."""
-        model, page = tab.model, tab.page
-        try:
-            model.tick(time.monotonic())
-            while not tab.requests.empty():  # the only reader, so nothing is taken in between
-                model.handle(tab.requests.get())
-            view = model.view()
-            if view is not tab.shown:
-                tab.shown = view
-                page.show(view)
-            for what, job in page.pictures():
-                self._turns.ask(tab.client.client_id, what, job)
-            if page.is_moving:
-                page.advance()
-            return page.is_moving
-        except StorageError:
-            raise
-        except Exception as error:
-            self._failed(tab, error)
-            return False
+        with tab.language.spoken():
+            try:
+                return self._update(tab)
+            except StorageError:
+                raise
+            except Exception as error:
+                self._failed(tab, error)
+                return False
+
+    def _update(self, tab: Tab[Model]) -> bool:
+        model = tab.model
+        model.tick(time.monotonic())
+        while not tab.requests.empty():  # the only reader, so nothing is taken in between
+            model.handle(tab.requests.get())
+        view = model.view()
+        self._translate(tab)
+        page = tab.page
+        if view is not tab.shown:
+            tab.shown = view
+            page.show(view)
+        for what, job in page.pictures():
+            self._turns.ask(tab.client.client_id, what, job)
+        if page.is_moving:
+            page.advance()
+        return page.is_moving
+
+    def _translate(self, tab: Tab[Model]) -> None:
+        """Lay the tab's page out again if its model wants another language."""
+        wanted = self._wishes(tab.model) or self.server.language_of(tab.client.client_id)
+        if wanted != tab.language.code:
+            tab.language.code = wanted
+            self._lay_out_again(tab)
 
     def _draw_until(self, end_s: float) -> bool:
         """Draw pictures, at least one, until this time; whether others are waiting."""
         while (turn := self._turns.take()) is not None:
             number, draw = turn
-            try:
-                draw()
-            except Exception as error:
-                with self._lock:
-                    tab = self._tabs.get(number)
-                if tab is not None:
-                    self._failed(tab, error)
+            with self._lock:
+                tab = self._tabs.get(number)
+            with nullcontext() if tab is None else tab.language.spoken():
+                try:
+                    draw()
+                except Exception as error:
+                    if tab is not None:
+                        self._failed(tab, error)
             if time.monotonic() >= end_s:
                 return True
         return False
@@ -236,20 +262,24 @@ class TabServer(Generic[Model]):
             self._leave(client)  # drawing for a tab that has just closed may fail in any way
             return
         self._failures.tell(error, DRAWING_FAILED)
-        self._turns.forget(client.client_id)
         again, tab.failed_at = now - tab.failed_at < _FORGIVEN_S, now
         try:
             if again:
                 raise error
-            client.gui.reset()
-            client.scene.reset()
-            tab.page = self._make_page(client, self._asking(tab.requests), tab.model.view())
-            tab.shown = None
+            self._lay_out_again(tab)
             tell_tab(client, error)
         except Exception as worse:
             self._failures.tell(worse, TAB_STOPPED)
             self._leave(client)
-            tab.page.warn(TAB_BROKEN)
+            tab.page.warn(texts.TAB_BROKEN)
+
+    def _lay_out_again(self, tab: Tab[Model]) -> None:
+        client = tab.client
+        self._turns.forget(client.client_id)
+        client.gui.reset()
+        client.scene.reset()
+        tab.page = self._make_page(client, self._asking(tab.requests), tab.model.view())
+        tab.shown = None
 
 
 class PictureTurns:

@@ -1,5 +1,7 @@
 """Texts of all pages: the help with the keys, and navigation."""
 
+from venus3d.languages.texts_module import speak
+
 HELP_TITLE = "Keys and commands"
 HELP_INTRO = (
     "Everything here works by keyboard. Ctrl+K (on a Mac ⌘K) finds any command by its name."
@@ -40,19 +42,12 @@ TOUR_ROW, TOUR_ROW_HINT = "Tour", "Go back one step, or leave the tour; it does 
 TOUR_COUNT = "{number} of {count}"
 TOUR_COMMAND = "Show the tour"
 TOUR_COMMAND_HINT = "What stands where on this page, in a few steps"
-PORT_TAKEN = "Port {port} is taken; using {taken}."
 DRAWN_ANEW = "The page was reloaded"
 DRAWN_ANEW_WHY = (
     "Drawing it failed ({cause}). Nothing is lost, and it continues where it was. The terminal has "
     "the details."
 )
-FAILED_ONCE = "venus3d: %s; if it happens again, this is not repeated."
-DRAWING_FAILED = "drawing a page failed, so it is reloaded"
-DRAWING_ANEW_FAILED = "a page could not be reloaded; it is tried again"
 TAB_BROKEN = "This page has stopped after an error. Reload it to continue."
-TAB_STOPPED = "a tab's page could not be redrawn; it has stopped until it is reloaded"
-STEPS_FAILED = "the pictures of the four steps could not be drawn"
-PAGE_ANNOUNCED = "{title}: {url}   (Ctrl-C ends it)"
 SWITCHED_ON = "✓ {label}"
 """Label of a button whose option is on."""
 
@@ -61,3 +56,5 @@ SWITCHED_ON = "✓ {label}"
 COPY_HINT = "Copy"
 TYPING = "Keys go to this field. Enter or Esc gives them back to the page."
 """Shown while a field has the keyboard (fields.js)."""
+
+speak(__name__)

@@ -8,6 +8,7 @@
       ...._sanctioned_dead_writes           messages to a closed tab, which are no mistake
     gui._gui_input_handle_from_uuid         the widget of a name that a browser sends
     panel._placement_uuid                   the panel, to set its width in a single tab
+    server._thread_executor                 runs all callbacks; they speak their page's language
     viser._messages                         the kinds of messages that a browser sends
 
 `missing` is checked at the start of a server and by a test: if viser renames one of them, no page
@@ -16,6 +17,8 @@ is served rather than an unprotected or broken one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Any
 
 import viser
@@ -25,6 +28,7 @@ from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
 
 __all__ = [
     "allow_late_message",
+    "call_within",
     "connection_of",
     "loop_of",
     "messages",
@@ -60,6 +64,8 @@ def missing(server: viser.ViserServer) -> tuple[str, ...]:
         absent += [name for name in _BUFFER if not hasattr(buffer, name)]
     if not hasattr(server.gui, "_gui_input_handle_from_uuid"):
         absent.append("_gui_input_handle_from_uuid")
+    if not hasattr(server, "_thread_executor"):
+        absent.append("_thread_executor")
     if not hasattr(server.gui.main_panel, "_placement_uuid"):
         absent.append("_placement_uuid")
     return (*absent, *(name for name in _MESSAGES if not hasattr(messages, name)))
@@ -83,6 +89,26 @@ def connection_of(sockets: Any, client_id: int) -> Any:
 def allow_late_message(buffer: Any) -> None:
     """Let one message be pushed to a closed tab without viser's warning."""
     buffer._sanctioned_dead_writes += 1
+
+
+def call_within(
+    server: viser.ViserServer, context: Callable[[int | None], AbstractContextManager[None]]
+) -> None:
+    """Run each callback within the context of the client that it is about, by its number."""
+    executor = vars(server)["_thread_executor"]
+    submit = executor.submit
+
+    def submit_within(call: Callable[..., Any], *given: Any, **more: Any) -> Any:
+        clients = [getattr(one, "client", one) for one in given]
+        numbers = [one.client_id for one in clients if isinstance(one, viser.ClientHandle)]
+
+        def run() -> Any:
+            with context(numbers[0] if numbers else None):
+                return call(*given, **more)
+
+        return submit(run)
+
+    executor.submit = submit_within
 
 
 def widget_of(gui: viser.GuiApi, uuid: str) -> Any:

@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import Language
 from venus3d.render.annotated_picture import LivePicture, annotate, small_picture
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.lens import LensOverlay, plain_plane, undistortion
@@ -44,11 +45,17 @@ _SHOWN_S: dict[Cue, float] = {"reached": 0.9, "captured": 1.8}
 class Audience(Page[AudienceState]):
     """A read-only page for any number of browsers; its state is how things are shown."""
 
-    def __init__(self, host: str, port: int, choices: AudienceState | None = None) -> None:
-        """Serve the page on exactly this port. Raises `AddressError` if the address cannot be bound
-        or the port is taken."""
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        choices: AudienceState | None = None,
+        language: Language | None = None,
+    ) -> None:
+        """Serve the page on exactly this port, in this language or the first browser's. Raises
+        `AddressError` if the address cannot be bound or the port is taken."""
         super().__init__(
-            start_read_only_server(host, port),
+            start_read_only_server(host, port, language),
             state=choices or AudienceState(),
             period_s=_SCENE_PERIOD_S,
         )

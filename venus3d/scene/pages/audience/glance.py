@@ -18,7 +18,6 @@ from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view_model import AudienceViewModel
 from venus3d.scene.web.theme import Theme, style_sheet
 
-_LOST_HTML = escape(texts.LOST).format(since="<b></b>")
 _SCREEN, _HALF = 16 / 9, 0.505
 """The screen's aspect, and the picture's share of its width."""
 
@@ -37,6 +36,7 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
         dial = f"<div class='v-sign'>{escape(moment.badge)}</div>"
     left = f"{moment.left:.2f}" if moment.kind == "step" else ""
     said = moment.sentence.replace(" mm", "\u00a0mm")  # no line break between number and unit
+    lost = escape(texts.LOST).format(since="<b></b>")
     views = 0 if snapshot is None else len(snapshot.views)
     views += moment.fresh and snapshot is not None and snapshot.phase == "captured"
     return (
@@ -46,7 +46,7 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
         f"<div class='v-dial'>{dial}</div>{_chips(moment, theme)}"
         f"<div class='v-views'>{texts.VIEWS[min(views, 2)].format(count=views)}</div></div>"
         f"<div class='v-say' aria-live='polite'>{escape(said)}</div>"
-        f"<div class='v-lost'><span>{_LOST_HTML}</span></div></div>"
+        f"<div class='v-lost'><span>{lost}</span></div></div>"
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 
-from venus3d.scene.pages.audience import texts
+from venus3d.scene.pages.audience import terminal_texts
 from venus3d.scene.pages.audience.audience import Audience
 
 _EVERYWHERE = ("0.0.0.0", "::")
@@ -14,9 +14,9 @@ _HERE = ("127.0.0.1", "::1", "localhost")
 def announcement(audience: Audience) -> str:
     """One line on its address and who can see it."""
     host = _address_for_others() if audience.host in _EVERYWHERE else audience.host
-    reach = texts.THIS_MACHINE if audience.host in _HERE else texts.NETWORK
+    reach = terminal_texts.THIS_MACHINE if audience.host in _HERE else terminal_texts.NETWORK
     shown = "localhost" if audience.host in _HERE else host
-    return texts.ANNOUNCED.format(url=f"http://{shown}:{audience.port}", open_to=reach)
+    return terminal_texts.ANNOUNCED.format(url=f"http://{shown}:{audience.port}", open_to=reach)
 
 
 def _address_for_others() -> str:

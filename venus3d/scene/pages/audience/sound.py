@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from html import escape
 
+from venus3d.languages import current_language
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.state import Sound
 from venus3d.scene.pages.audience.view_model import AudienceViewModel, Cue
@@ -56,7 +57,7 @@ def spoken(sentence: str) -> str:
 
 def speech_html(sentence: str, number: int) -> str:
     """The newest sentence to be spoken, and how many there were."""
-    tag = f"<div class='v-speech' lang='{texts.LANGUAGE}' data-number='{number}'>"
+    tag = f"<div class='v-speech' lang='{current_language()}' data-number='{number}'>"
     return f"{tag}{escape(sentence)}</div>"
 
 

@@ -1,6 +1,7 @@
 """Texts of the second monitor, and of its controls on the operator's page. One sentence at a time,
 addressed to the board's holder. How to move the board is said by `engine/guidance/prompts.py`."""
 
+from venus3d.languages.texts_module import speak
 from venus3d.scene.pages.audience.state import Sound
 
 STARTING = ("…", "Starting", "Waiting for the first picture.")
@@ -43,7 +44,6 @@ SOUNDS = (
 )
 """Name, label and hint of this browser's switches."""
 SOUND_HINT = "Click once anywhere: browsers stay silent until then."
-LANGUAGE = "en"
 SPOKEN_UNITS = ((" mm", " millimetres"), ("°", " degrees"))
 
 PANEL = "Second monitor"
@@ -70,7 +70,6 @@ SOUND_CHOICE_HINT = (
 )
 SOUND_COMMAND, SOUND_COMMAND_HINT = "next sound", "Off, tones, voice, or both"
 
-ANNOUNCED = "Second monitor: {url}   (it only shows; {open_to})"
-THIS_MACHINE = "for this machine"
-NETWORK = "anybody on the network can look, without a password"
 DRAWN_ANEW = "The second monitor was reloaded after a drawing error ({cause}). Nothing is lost."
+
+speak(__name__)

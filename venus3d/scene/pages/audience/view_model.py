@@ -7,7 +7,7 @@ from typing import Literal
 
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.render.texts import STEP_SHORT_TITLES
+from venus3d.render import texts as render_texts
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.dial import share_left
 from venus3d.scene.web.diagnoses import another_board, doubt
@@ -64,7 +64,7 @@ def view_model_of(
     if todo.is_over:
         return AudienceViewModel("good", *texts.HOLD_STILL, remaining=todo)
     step, sentence = todo.active, todo.step(todo.active).prompt.holder
-    left, title = share_left(todo.match, step), STEP_SHORT_TITLES[step - 1]
+    left, title = share_left(todo.match, step), render_texts.STEP_SHORT_TITLES[step - 1]
     return AudienceViewModel("step", str(step), title, sentence, step, todo, left)
 
 
@@ -97,6 +97,6 @@ def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, AudienceViewM
     step = was.active
     if was.step(step).done or not now.remaining.step(step).done:
         return None
-    title = STEP_SHORT_TITLES[step - 1]
+    title = render_texts.STEP_SHORT_TITLES[step - 1]
     sentence = texts.STEP_DONE.format(title=title)
     return "reached", AudienceViewModel("good", "✓", title, sentence, step, now.remaining)

@@ -17,6 +17,7 @@ from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.plots import HELP_COLOURS, detour_of
 from venus3d.scene.pages.exercise.trial_plan import HelpTimes
 from venus3d.scene.pages.exercise.view_model import PracticeViewModel, TrialViewModel
+from venus3d.scene.web import step_texts
 from venus3d.scene.web.board_keys import board_keys_html, key_html
 from venus3d.scene.web.step_card import (
     Note,
@@ -26,7 +27,6 @@ from venus3d.scene.web.step_card import (
     step_card,
     step_chips,
 )
-from venus3d.scene.web.step_texts import FROM_UPRIGHT
 from venus3d.scene.web.theme import Theme
 from venus3d.storage.exercise import REACHED, ExerciseRow
 
@@ -271,7 +271,7 @@ def steps_html(view: TrialViewModel, theme: Theme) -> str:
     snapshot, remaining, note = view.snapshot, view.snapshot.remaining, Note(view.note)
     if remaining is None or remaining.from_upright:
         sentence, chips = snapshot.instruction.holder, step_chips(remaining, view.step, theme)
-        below = f"{chips}{second_line(FROM_UPRIGHT)}" if chips else ""
+        below = f"{chips}{second_line(step_texts.FROM_UPRIGHT)}" if chips else ""
         text = guide_card(theme.info, "?", snapshot.headline, sentence, below=below, note=note)
     elif remaining.is_over:
         text = hold_card(theme, remaining, view.step, note)

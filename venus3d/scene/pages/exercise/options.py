@@ -9,7 +9,14 @@ from typing import Annotated
 from tyro.conf import Positional, arg
 
 from venus3d.engine.errors import VenusError
-from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
+from venus3d.options import (
+    BoardOptions,
+    LanguageOption,
+    LimitOptions,
+    Switch,
+    check_range,
+    image_size_of,
+)
 
 
 @dataclass(frozen=True)
@@ -23,6 +30,8 @@ class PracticeOptions:
     """The calibrated camera that is practised with."""
     seed: int = 0
     """One number that makes the target poses repeat."""
+    language: LanguageOption = None
+    """Language of the page; usually each browser's own."""
     host: str = "127.0.0.1"
     """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
     port: int = 8080
@@ -69,6 +78,8 @@ class TrialOptions:
     """How fast the simulated hand moves; 1 is a calm person."""
     headless: Switch = False
     """No page: a rehearsal of the simulated hand (sim only)."""
+    language: LanguageOption = None
+    """Language of the page; usually each browser's own."""
     host: str = "127.0.0.1"
     """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
     port: int = 8080

@@ -82,8 +82,10 @@ class ExercisePage(ABC, Generic[View]):
         """Report an error in a persistent note."""
         self._client.add_notification(self._title, text, color="red")
 
-    _title: str
-    """Title of the page's notes."""
+    @property
+    @abstractmethod
+    def _title(self) -> str:
+        """Title of the page's notes."""
 
     @abstractmethod
     def _lay_out(self, view: View) -> None:

@@ -24,16 +24,8 @@ from venus3d.engine.guidance.exercise import (
 )
 from venus3d.engine.guidance.matching import Match, match
 from venus3d.engine.planning.limits import Limits
+from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.exercise import Exercise
-from venus3d.scene.pages.exercise.texts import (
-    CHANGES,
-    DRAGGED,
-    GIVEN_UP_NOTE,
-    GUEST,
-    LEVEL_NAMES,
-    LEVEL_UP,
-    STAYS,
-)
 from venus3d.scene.pages.exercise.view_model import (
     PRACTICE_HELPS,
     ChooseHelp,
@@ -99,7 +91,7 @@ class Practice(Exercise[PracticeViewModel]):
         """
         super().__init__(settings.camera, settings.board, settings.written, record)
         self._settings, self._known = settings, known
-        self.name = self._guest = GUEST.format(number=number)
+        self.name = self._guest = say.GUEST.format(number=number)
         self._level, self._help = 1, PRACTICE_HELPS[0]
         self._auto_level, self._through = True, False
         self._in_a_row = 0
@@ -245,7 +237,7 @@ class Practice(Exercise[PracticeViewModel]):
         if self._attempt is not before:
             self._note = ""
         elif before.pose.distance_to(within) > 1e-4 or before.pose.angle_to_deg(within) > 0.1:
-            self._note = STAYS
+            self._note = say.STAYS
 
     # -- a finished pose ---------------------------------------------------------------------------
 
@@ -276,12 +268,12 @@ class Practice(Exercise[PracticeViewModel]):
 
     def _stage_after(self, outcome: Outcome) -> Stage:
         reached = outcome == REACHED
-        self._note = "" if reached else GIVEN_UP_NOTE
+        self._note = "" if reached else say.GIVEN_UP_NOTE
         self._in_a_row = self._in_a_row + 1 if reached else 0
         enough = self._in_a_row >= REACHED_FOR_NEXT_LEVEL
         if self._auto_level and enough and self._level < LEVELS[-1]:
             self._level, self._in_a_row = self._level + 1, 0
-            self._note = LEVEL_UP.format(level=self._level, name=LEVEL_NAMES[self._level])
+            self._note = say.LEVEL_UP.format(level=self._level, name=say.LEVEL_NAMES[self._level])
         return "reached" if reached else "aim"
 
 
@@ -291,7 +283,7 @@ def _change_told(before: Pose, after: Pose) -> str:
     change[:3] = (change[:3] + 180) % 360 - 180
     changes = ", ".join(
         text.format(amount=signed(amount))
-        for text, amount in zip(CHANGES, change * _UNITS, strict=True)
+        for text, amount in zip(say.CHANGES, change * _UNITS, strict=True)
         if whole(amount)
     )
-    return DRAGGED.format(changes=changes) if changes else ""
+    return say.DRAGGED.format(changes=changes) if changes else ""

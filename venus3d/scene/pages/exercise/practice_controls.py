@@ -25,11 +25,11 @@ from venus3d.scene.pages.exercise.view_model import (
     SetAutoLevel,
     ViewSide,
 )
+from venus3d.scene.web import texts as web_texts
 from venus3d.scene.web.board_keys import board_commands
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
-from venus3d.scene.web.texts import SWITCHED_ON
 
 _KEYS: dict[Action, str] = {
     "next": KEYS["go_on"],
@@ -38,10 +38,6 @@ _KEYS: dict[Action, str] = {
     "view": KEYS["viewpoint"],
     "theme": KEYS["theme"],
 }
-_LEVELS = {n: say.LEVEL_CHOICE.format(level=n, name=say.LEVEL_NAMES[n]) for n in LEVELS}
-_HELPS: dict[Help, str] = {help_: say.PRACTICE_HELP_NAMES[help_] for help_ in PRACTICE_HELPS}
-_SIDES: dict[ViewSide, str] = {side: say.VIEW_SIDES[side] for side in ("outside", "through")}
-_POSE_ACTIONS: dict[Action, str] = {a: say.POSE_ACTIONS[a] for a in ("start_over", "give_up")}
 
 
 def practice_commands(ask: Ask) -> tuple[Command, ...]:
@@ -78,7 +74,7 @@ class PracticeControls:
         self._level = ChoiceList(
             gui,
             say.LEVEL,
-            _LEVELS,
+            _levels(),
             lambda level: ask(ChooseLevel(level)),
             chosen=view.level,
             hint=say.LEVEL_HINT,
@@ -86,7 +82,7 @@ class PracticeControls:
         self._help = ChoiceList(
             gui,
             say.HELP,
-            _HELPS,
+            _helps(),
             lambda help_: ask(ChooseHelp(help_)),
             chosen=view.help,
             hint=say.HELP_HINT,
@@ -100,7 +96,7 @@ class PracticeControls:
         ButtonRow(
             gui,
             say.POSE_ROW,
-            _POSE_ACTIONS,
+            _pose_actions(),
             lambda action, _: ask(Press(action)),
             hint=say.POSE_HINT,
         )
@@ -110,8 +106,8 @@ class PracticeControls:
 
     def show(self, view: PracticeViewModel) -> None:
         """Update the controls."""
-        self._level.show(_LEVELS, view.level)
-        self._help.show(_HELPS, view.help)
+        self._level.show(_levels(), view.level)
+        self._help.show(_helps(), view.help)
         if view.auto_level != self._auto_level_shown:
             # Only on a change: it is ticked before `ask` is called.
             self._auto_level.value = self._auto_level_shown = view.auto_level
@@ -120,7 +116,8 @@ class PracticeControls:
         self._sides.show(self._side_labels())
 
     def _side_labels(self) -> dict[ViewSide, str]:
-        return {**_SIDES, self._side: SWITCHED_ON.format(label=_SIDES[self._side])}
+        sides: dict[ViewSide, str] = {side: say.VIEW_SIDES[side] for side in ("outside", "through")}
+        return {**sides, self._side: web_texts.SWITCHED_ON.format(label=sides[self._side])}
 
     def _side_pressed(self, side: ViewSide, _: object) -> None:
         if side != self._side:
@@ -133,3 +130,15 @@ class PracticeControls:
                 self._ask(request(control.value))
 
         control.on_update(changed)
+
+
+def _levels() -> dict[int, str]:
+    return {n: say.LEVEL_CHOICE.format(level=n, name=say.LEVEL_NAMES[n]) for n in LEVELS}
+
+
+def _helps() -> dict[Help, str]:
+    return {help_: say.PRACTICE_HELP_NAMES[help_] for help_ in PRACTICE_HELPS}
+
+
+def _pose_actions() -> dict[Action, str]:
+    return {action: say.POSE_ACTIONS[action] for action in ("start_over", "give_up")}

@@ -49,7 +49,9 @@ _SLIDER_STEPS = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
 class PracticePage(ExercisePage[PracticeViewModel]):
     """All panels and the scene of one trainee's tab."""
 
-    _title = say.PRACTICE
+    @property
+    def _title(self) -> str:
+        return say.PRACTICE
 
     def __init__(
         self,

@@ -58,7 +58,7 @@ def run_practice(options: PracticeOptions) -> None:
         file = stack.enter_context(closing(ExerciseFile(path, "practice")))
         before = len(file.rows)
         offscreen = stack.enter_context(closing(Offscreen()))
-        server, note = start_server(options.host, options.port)
+        server, note = start_server(options.host, options.port, options.language)
         stack.callback(server.stop)
         practice = stack.enter_context(closing(PracticeServer(server, settings, file, offscreen)))
         announce_page(say.PRACTICE, server.url, note, offscreen.note)
@@ -188,13 +188,13 @@ def _run_on_a_page(
     """Run until Ctrl-C or a termination signal; the page stays open until then. Raises the source's
     error; everything measured is on disk."""
     offscreen = stack.enter_context(closing(Offscreen()))
-    web, note = start_server(options.host, options.port)
+    web, note = start_server(options.host, options.port, options.language)
     stack.callback(web.stop)
     pictures = TrialPictures(Projections(offscreen))
     simulation = source if isinstance(source, Simulation) else None
     server = trial_server(web, trial, pictures, simulated=simulation is not None)
     stack.enter_context(closing(server))
-    announce_page(say.SERVING, web.url, note)
+    announce_page(say.TRIAL, web.url, note)
     if simulation is not None and not options.autopilot:
         trial.say(say.DRAG_HINT, _HINT_S)
     stream = ObservationStream(source, tracker, on_picture=lambda frame: pictures.put(frame.image))

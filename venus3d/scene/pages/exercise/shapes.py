@@ -27,7 +27,7 @@ from venus3d.render.shapes import Colour, LabelShape, LineShape, Shape
 from venus3d.render.step_shapes import arc_ends, instruction_shapes, protractor
 from venus3d.render.surroundings import surroundings
 from venus3d.render.text_drawing import paint_labels
-from venus3d.scene.pages.exercise.texts import TARGET_LABEL
+from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 
 Picture = NDArray[np.uint8]
@@ -117,7 +117,7 @@ def _goal_shapes(board: Board, target: Pose, dark: bool) -> tuple[Shape, ...]:
     below = target.apply([0, board.height / 2 + 0.7 * board.square, 0])
     return (
         board_outline(board, target, "/target/board", colour, 2.5),
-        LabelShape("/target/label", TARGET_LABEL, np.asarray(below), colour),
+        LabelShape("/target/label", say.TARGET_LABEL, np.asarray(below), colour),
     )
 
 

@@ -1,5 +1,7 @@
 """Texts of practice and trial."""
 
+from venus3d.languages.texts_module import speak
+
 PRACTICE, TRIAL = "Practice", "Trial"
 HOLD_STILL = "Hold still"
 POSE = "pose"
@@ -158,7 +160,6 @@ TRIAL_COMMANDS = {
     "theme": THEME_COMMAND,
     "autopilot": ("Autopilot", "Let the simulated hand move the board, or take it yourself"),
 }
-SERVING = "Viewer"
 DRAG_HINT = "Drag the board by its handles in the scene, or press Shift+P for the simulated hand."
 
 TRIAL_HELP_NAMES = {"steps": "the four steps", "axes": "the axes", "outline": "the filled outline"}
@@ -187,3 +188,5 @@ AXES_MEANING = "X to the right, Y down, Z out of the back"
 OUTLINE_LEGEND = ("the target", "covered", "the board")
 TIMES_HEAD = ("help", "median of a pose", "all poses after the first", "given up")
 SECONDS_SINCE = "seconds since the first pose"
+
+speak(__name__)

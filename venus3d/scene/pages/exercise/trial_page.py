@@ -44,7 +44,7 @@ from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.panels import fit_width
 from venus3d.scene.web.projections_panel import ProjectionsPanel
-from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML
+from venus3d.scene.web.step_card import picture_legend_html
 from venus3d.scene.web.theme import Theme
 
 _KEYS: dict[Action, str] = {
@@ -69,7 +69,10 @@ class TrialPage(ExercisePage[TrialViewModel]):
     """All panels of a trial in one tab."""
 
     _layout: Layout
-    _title = say.TRIAL
+
+    @property
+    def _title(self) -> str:
+        return say.TRIAL
 
     def __init__(
         self,
@@ -208,7 +211,7 @@ class TrialPage(ExercisePage[TrialViewModel]):
         self._card = gui.add_html("")
         self._picture = self._make_picture(LARGE_PICTURE_WIDTH, _JPEG_QUALITY)
         self._legend = gui.add_html("")
-        self._steps_legend = gui.add_html(PICTURE_LEGEND_HTML, visible=False)
+        self._steps_legend = gui.add_html(picture_legend_html(), visible=False)
         self._projections = ProjectionsPanel(gui)
         self._projections.visible = False
         self._result = gui.add_html("")

@@ -23,11 +23,11 @@ from venus3d.scene.pages.guide.intents import (
     UndoView,
 )
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.web import texts as web_texts
 from venus3d.scene.web.board_keys import board_commands
 from venus3d.scene.web.buttons import ButtonRow
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
-from venus3d.scene.web.texts import SWITCHED_ON
 
 # By the names of their texts, with their keys. What begins anew has no key.
 CONTROLS: dict[str, tuple[Intent, str | None]] = {
@@ -149,4 +149,4 @@ def _label(name: str, state: ViewState) -> str:
         return names[1] if other[name] else names[0]
     switches = ("follow", "strip", "autopilot", "straight", "built")
     on = {name: getattr(state, name) for name in switches}
-    return SWITCHED_ON.format(label=names[0]) if on.get(name) else names[0]
+    return web_texts.SWITCHED_ON.format(label=names[0]) if on.get(name) else names[0]

@@ -6,6 +6,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.end_panel import ended_card, question_card, unsettled_text
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.web import step_texts
 from venus3d.scene.web.diagnoses import another_board, doubt
 from venus3d.scene.web.step_card import (
     Note,
@@ -15,7 +16,6 @@ from venus3d.scene.web.step_card import (
     step_card,
     step_chips,
 )
-from venus3d.scene.web.step_texts import FROM_UPRIGHT
 from venus3d.scene.web.theme import Theme
 
 
@@ -68,6 +68,6 @@ def _unseen_card(snapshot: Snapshot, state: ViewState, theme: Theme, chips: str,
     startup = snapshot.phase == "startup" and snapshot.target is None
     headline = say.SHOW_BOARD if startup else snapshot.headline
     sentence = snapshot.instruction.text(state.wording)
-    below = f"{chips}{second_line(FROM_UPRIGHT)}" if chips else ""
+    below = f"{chips}{second_line(step_texts.FROM_UPRIGHT)}" if chips else ""
     colour = theme.quiet if startup else theme.info
     return guide_card(colour, "?", headline, sentence, below=below, note=note)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from venus3d.engine.errors import SourceError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.pages.guide import texts
+from venus3d.scene.pages.guide import terminal_texts
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
@@ -29,7 +29,7 @@ def run_headless(
     try:
         while session.phase not in ("converged", "finished"):
             if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
-                return texts.HAND_TOO_FAR
+                return terminal_texts.HAND_TOO_FAR
             frame = source.read()
             if frame is None:
                 break
@@ -47,5 +47,5 @@ def run_headless(
     except SourceError as error:
         if session.snapshot().calibration is None:
             raise
-        return texts.SOURCE_BROKE.format(error=error)
+        return terminal_texts.SOURCE_BROKE.format(error=error)
     return ""

@@ -11,7 +11,14 @@ from tyro.conf import Positional, arg
 from venus3d.engine.errors import VenusError
 from venus3d.engine.guidance.prompts import Wording
 from venus3d.engine.planning.settings import Cost, Method, PlanningSettings, Strategy
-from venus3d.options import BoardOptions, LimitOptions, Switch, check_range, image_size_of
+from venus3d.options import (
+    BoardOptions,
+    LanguageOption,
+    LimitOptions,
+    Switch,
+    check_range,
+    image_size_of,
+)
 from venus3d.scene.web.monitor import audience_address
 
 
@@ -53,6 +60,8 @@ class GuideOptions:
     """How fast the simulated hand moves; 1 is a calm person."""
     wording: Wording = "holder"
     """Whose left and right the page means: the holder's, or the camera's (X changes it)."""
+    language: LanguageOption = None
+    """Language of the pages, the second one too; usually that of the first browser."""
     headless: Switch = False
     """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
     host: str = "127.0.0.1"

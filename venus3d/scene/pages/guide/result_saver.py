@@ -5,11 +5,12 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
+from contextvars import copy_context
 
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import VenusError
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.scene.pages.guide import texts
+from venus3d.scene.pages.guide import terminal_texts, texts
 from venus3d.threads.latest import Latest
 
 _LOG = logging.getLogger(__name__)
@@ -44,7 +45,9 @@ class ResultSaver:
         self._known: Calibration | None = None
         self._was_over = False
         # Not a daemon: the pending result is written even if the closing thread is interrupted.
-        self._thread = threading.Thread(target=self._run, name="keep", daemon=False)
+        self._thread = threading.Thread(
+            target=copy_context().run, args=(self._run,), name="keep", daemon=False
+        )
         self._started = False
 
     def put(self, snapshot: Snapshot) -> None:
@@ -84,7 +87,7 @@ class ResultSaver:
                 self._failed(texts.NOT_SAVED.format(error=error))
             return False
         except Exception:  # our error: the next view is worth trying
-            _LOG.exception(texts.NOT_SAVED_LOG)
+            _LOG.exception(terminal_texts.NOT_SAVED_LOG)
             self._failed(texts.NOT_SAVED_MISTAKE)
             return True
         if is_over(snapshot):

@@ -17,7 +17,7 @@ from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
-from venus3d.scene.pages.guide import texts
+from venus3d.scene.pages.guide import terminal_texts, texts
 from venus3d.scene.pages.guide.headless import run_headless
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.options import GuideOptions
@@ -98,11 +98,14 @@ def run_guide(
                     autopilot=options.autopilot,
                     tour=options.tour,
                     wording=options.wording,
+                    language=options.language,
                 )
             )
         )
-        announce_page(texts.VIEWER_TITLE, viewer.url, *viewer.notes)
+        announce_page(terminal_texts.VIEWER_TITLE, viewer.url, *viewer.notes)
         on_viewer(viewer)
+        # What is said from here on is for the page.
+        stack.enter_context(viewer.language.spoken())
         if truth is not None and not options.autopilot:
             viewer.say(texts.DRAG_HINT, seconds=60)
 

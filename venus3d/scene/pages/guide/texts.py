@@ -2,6 +2,7 @@
 
 from venus3d.engine.calibration.diagnosis import DiagnosisKind
 from venus3d.engine.planning.settings import Cost, Method
+from venus3d.languages.texts_module import speak
 
 # -- what to do now --------------------------------------------------------------------------------
 
@@ -165,7 +166,6 @@ OTHER_COMMAND_HINT = "Ask for another pose that is nearly as good as the target"
 
 # -- what a run says -------------------------------------------------------------------------------
 
-VIEWER_TITLE = "Viewer"
 DRAG_HINT = (
     "Drag the board by its handles, move it by keys (H shows them), or press Shift+P for the "
     "autopilot."
@@ -176,11 +176,8 @@ VIEWS_STAY = "This calibration has ended; its views stay as they are."
 ANOTHER_TARGET = "Meanwhile there is another target; choose among its neighbours."
 NO_OTHER_POSE = "No other pose is nearly as good; G asks for another one."
 NO_POSE_TO_CHOOSE = "There is no other pose to choose just now."
-HAND_TOO_FAR = "The simulated hand did not come near enough to its target; lower --overlap."
-SOURCE_BROKE = "Reading the source failed: {error}"
 NOT_SAVED = "Not saved: {error} It is tried again every two seconds."
 NOT_SAVED_MISTAKE = "Not saved; the terminal says why. The next view is tried again."
-NOT_SAVED_LOG = "venus3d: a result could not be saved"
 
 # -- how the next pose is found --------------------------------------------------------------------
 
@@ -298,3 +295,5 @@ TOUR = (
     ),
 )
 """Title and text of each step of the tour; the first is about the whole page."""
+
+speak(__name__)

@@ -35,7 +35,7 @@ from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.panels import PanelStyle, fit_width
 from venus3d.scene.web.projections_panel import ProjectionsPanel, Sources
-from venus3d.scene.web.step_card import PICTURE_LEGEND_HTML, Note
+from venus3d.scene.web.step_card import Note, picture_legend_html
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
 
@@ -178,7 +178,7 @@ class GuideView:
         self._style.add()
         blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
-        self._legend = gui.add_html(PICTURE_LEGEND_HTML)
+        self._legend = gui.add_html(picture_legend_html())
         self.projections = ProjectionsPanel(gui)
         self.controls = ControlPanel(gui, self._ask, simulated=self._simulated)
         title, hint = say.ROWS["page"]

@@ -20,6 +20,7 @@ from venus3d.engine.guidance.prompts import Wording
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
 from venus3d.engine.planning.target import Target
+from venus3d.languages import Language
 from venus3d.render.annotated_picture import (
     PICTURE_WIDTH,
     LivePicture,
@@ -70,6 +71,7 @@ class Viewer(Page[ViewState]):
         autopilot: bool = False,
         tour: bool = False,
         wording: Wording = "holder",
+        language: Language | None = None,
     ) -> None:
         """Serve the page.
 
@@ -82,11 +84,12 @@ class Viewer(Page[ViewState]):
             autopilot: whether the simulation's autopilot is on at the start.
             tour: show new browsers around.
             wording: whose left and right the page means at the start.
+            language: of the page; the first browser's by default.
 
         Raises `AddressError` if the address cannot be bound.
         """
         state = ViewState(dark=dark, autopilot=autopilot, camera_words=wording == "camera")
-        super().__init__(*start_server(host, port), state=state)
+        super().__init__(*start_server(host, port, language), state=state)
         self._intents: queue.SimpleQueue[intents.Intent] = queue.SimpleQueue()
         self._snapshot: Snapshot | None = None
         self._moved = False

@@ -58,11 +58,7 @@ LOOK_ROW = tuple(LookFrom(viewpoint) for viewpoint in VIEWPOINTS)
 PAGE_ROW = (PageAction.PREVIOUS_PAGE, PageAction.NEXT_PAGE)
 SHOW_ROW = (Arrange("strip"), Arrange("axes"), Arrange("order"), PageAction.NEXT_ORDER)
 MORE_ROW = (PageAction.RESET, PageAction.FREE, PageAction.BRIGHTNESS)
-MENU_ROWS: tuple[tuple[str, tuple[Action, ...], str], ...] = (
-    (texts.SHOW, SHOW_ROW, texts.SHOW_HINT),
-    (texts.TEMPO, TEMPO_ROW, texts.TEMPO_HINT),
-    (texts.MORE_TITLE, MORE_ROW, texts.MORE_HINT),
-)
+MENU_ROWS: tuple[tuple[Action, ...], ...] = (SHOW_ROW, TEMPO_ROW, MORE_ROW)
 
 
 class StateButtons:
@@ -120,7 +116,12 @@ class Menu:
             modal = gui.add_modal(texts.MENU_TITLE)
             with modal:
                 sheet = gui.add_html(self._theme.sheet)
-                for title, actions, hint in MENU_ROWS:
+                said = (
+                    (texts.SHOW, texts.SHOW_HINT),
+                    (texts.TEMPO, texts.TEMPO_HINT),
+                    (texts.MORE_TITLE, texts.MORE_HINT),
+                )
+                for actions, (title, hint) in zip(MENU_ROWS, said, strict=True):
                     labels = labels_of(actions, self._state)
                     ButtonRow(gui, title, labels, self._chosen, hint=hint)
                 if self._saves:

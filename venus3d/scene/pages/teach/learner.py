@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from venus3d.languages import Language
 from venus3d.render.viewpoints import SceneCamera
 from venus3d.scene.pages.teach.actions import Answer, PageAction, Request, after_action
 from venus3d.scene.pages.teach.state import TeachState
@@ -105,6 +106,12 @@ class Learner:
     def state(self) -> TeachState:
         """The state shown."""
         return self._state
+
+    @property
+    def language(self) -> Language | None:
+        """The open lesson's, if it states one."""
+        lesson = self._state.current_lesson
+        return None if lesson is None else lesson.language
 
     def change(self, change: Callable[[TeachState], TeachState]) -> TeachState:
         """Change the state and return the new one."""

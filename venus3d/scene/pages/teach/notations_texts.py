@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from venus3d.engine.geometry.notations import AxesName, RotationNotation
+from venus3d.languages.texts_module import speak
 
 TITLE = "The same turn in other notations"
 POSE_TURN = "From an upright board to this pose: one turn of {angle:.1f}°."
@@ -45,3 +46,5 @@ FRAMES: dict[tuple[AxesName, ...], tuple[str, str]] = {
     ("opengl",): ("OpenGL; Blender's camera", "x right, y up, z towards the camera"),
     ("ros-body",): ("ROS, body frame (REP 103)", "x away from the camera, y left, z up"),
 }
+
+speak(__name__)

@@ -9,7 +9,7 @@ from typing import Annotated
 from tyro.conf import Positional, arg
 
 from venus3d.engine.errors import VenusError
-from venus3d.options import BoardOptions, Switch, check_range
+from venus3d.options import BoardOptions, LanguageOption, Switch, check_range
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,9 @@ class TeachOptions:
     follow_me: Switch = False
     """The tabs of a class show what the teacher's shows, until the teacher lets go. That is the tab
     opened first on the machine that this runs on."""
+    language: LanguageOption = None
+    """Language of the page and of the shipped lessons; usually each browser's own, and English with
+    --export."""
     host: str = "127.0.0.1"
     """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
     port: int = 8080

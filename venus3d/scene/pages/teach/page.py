@@ -12,6 +12,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterable
+from contextvars import copy_context
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -48,7 +49,7 @@ _WIDTHS = ((900, 520, 500), (0, 390, 424))
 _JPEG_QUALITY = 82
 _QUIET_S = 0.25
 """Seconds after the last change after which pictures are redrawn in fine quality."""
-MARKS = tuple(zip((0, 25, 50, 75, 100), texts.PROGRESS_MARKS, strict=True))
+_MARKS = (0, 25, 50, 75, 100)
 
 
 class TeachPage:
@@ -154,7 +155,8 @@ class TeachPage:
 
     def _act(self, action: Action) -> None:
         if isinstance(action, Save):
-            threading.Thread(target=self._hand_out, args=(action.kind,), daemon=True).start()
+            hand_out = partial(copy_context().run, self._hand_out, action.kind)
+            threading.Thread(target=hand_out, daemon=True).start()
         elif action is PageAction.MENU:
             self.toggle_menu()
         else:
@@ -256,8 +258,9 @@ class TeachPage:
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=_JPEG_QUALITY)
         self.card = gui.add_html("")
         self._rows = [StateButtons(gui, texts.STEPS, STEP_ROW, self._act, texts.STEPS_HINT)]
+        marks = tuple(zip(_MARKS, texts.PROGRESS_MARKS, strict=True))
         self.progress: Any = gui.add_slider(
-            texts.PROGRESS, 0, 100, 1, 100, marks=MARKS, hint=texts.PROGRESS_HINT
+            texts.PROGRESS, 0, 100, 1, 100, marks=marks, hint=texts.PROGRESS_HINT
         )
         self._share = 100
 

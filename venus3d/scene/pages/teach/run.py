@@ -10,7 +10,7 @@ from venus3d.lessons.lesson import Lesson
 from venus3d.lessons.reading import lesson_of, shipped_lessons
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.viewpoints import SceneCamera
-from venus3d.scene.pages.teach import texts
+from venus3d.scene.pages.teach import terminal_texts, texts
 from venus3d.scene.pages.teach.actions import FILE_KINDS, FileKind
 from venus3d.scene.pages.teach.export.files import export_files, lesson_of_pose
 from venus3d.scene.pages.teach.learner import Classroom, Learner, Look
@@ -33,7 +33,7 @@ def run_teach(options: TeachOptions) -> None:
     lessons, chosen = _lessons(options.lesson)
     with ExitStack() as stack:
         offscreen = stack.enter_context(closing(Offscreen()))
-        server, note = start_server(options.host, options.port)
+        server, note = start_server(options.host, options.port, options.language)
         stack.callback(server.stop)
         teach = TeachServer(
             server,
@@ -47,7 +47,7 @@ def run_teach(options: TeachOptions) -> None:
         )
         stack.enter_context(closing(teach))
         outside = [note for one in lessons for note in notes_on_poses(one, analyse)]
-        how = texts.FOLLOW_ME.format(url=server.url) if options.follow_me else ""
+        how = terminal_texts.FOLLOW_ME.format(url=server.url) if options.follow_me else ""
         announce_page(texts.ANNOUNCED, server.url, note, offscreen.note, *outside, how)
         with low_latency():
             teach.run()
@@ -86,6 +86,7 @@ class TeachServer(TabServer[Learner]):
             texts.ANNOUNCED,
             self._learner,
             partial(TeachPage, lessons=lessons, pictures=pictures, save=save, kinds=kinds),
+            wishes=lambda learner: learner.language,
         )
 
     def _learner(self, number: int) -> Learner:
@@ -125,7 +126,7 @@ def notes_on_poses(lesson: Lesson, analyse: AnalysePose) -> list[str]:
         count = analyse(page.pose, page.order or "zyx").corners_outside
         if count:
             notes.append(
-                texts.LEAVES_PICTURE.format(
+                terminal_texts.LEAVES_PICTURE.format(
                     lesson=lesson.title, page=number, title=page.title, count=count
                 )
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from venus3d.languages.texts_module import speak
 from venus3d.scene.pages.teach.actions import (
     Action,
     Answer,
@@ -152,15 +153,7 @@ SAVED = "{name} is done: it is among your browser's downloads."
 SAVING_FAILED = "The file could not be made; the window that venus3d was started in says why."
 NOTHING_TO_SAVE = "Files cannot be written here."
 FILE_NAME = "venus3d-{name}.{kind}"
-LEAVES_PICTURE = (
-    "{lesson!r}, page {page} ({title}): {count} of the board's 4 corners are outside the picture; "
-    "move its pose towards the middle, or away from the camera."
-)
 ANNOUNCED = "Lessons"
-FOLLOW_ME = (
-    "The tab opened first on this machine ({url}) leads the class; all others show what it shows, "
-    "until it lets go. Only tabs on this machine may lead."
-)
 
 PAUSE, DARK = "❚❚ Pause ␣", "Dark  B"
 IS_ON = "✓ {label}"
@@ -239,3 +232,5 @@ COMMANDS: dict[Action, tuple[str, str]] = {
     Save("mp4"): ("Save as a film", "The animation as MP4"),
     Save("gif"): ("Save as a GIF", "The animation for a slide or a mail"),
 }
+
+speak(__name__)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from html import escape
+from typing import get_args
 
 import numpy as np
 
@@ -28,7 +29,7 @@ from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.texts import MapKind
 from venus3d.scene.web.projections_panel import encoded
 
-MAP_KINDS: tuple[MapKind, ...] = tuple(texts.MAPS)
+MAP_KINDS: tuple[MapKind, ...] = get_args(MapKind)
 WIDTH = 640
 """Width of the pictures, pixels."""
 
@@ -43,7 +44,8 @@ class ShownMap:
     """None where there is nothing to draw yet."""
     ticks: tuple[float, ...] = ()
     """The legend's numbers, evenly spaced from the lower end to the upper; may be empty."""
-    unit: str = texts.PIXELS
+    unit: str = ""
+    """Of the ticks; pixels if empty."""
     figures: Array | None = None
     """(rows, columns) values of the picture, to be written at its middle and corners."""
 
@@ -80,7 +82,7 @@ def map_html(shown: ShownMap) -> str:
         return f"<div class='v-progress' data-panel='uncertainty'>{title}{sentence}</div>"
     alt = escape(texts.PICTURE_ALT.format(title=shown.title))
     image = f"<img alt='{alt}' src='{encoded(shown.picture)}'>"
-    legend = scale_html(shown.ticks, shown.unit) if shown.ticks else ""
+    legend = scale_html(shown.ticks, shown.unit or texts.PIXELS) if shown.ticks else ""
     return (
         f"<div class='v-progress' data-panel='uncertainty'>{title}<div class='v-map'>{image}"
         f"{_figures(shown)}</div>{legend}{sentence}</div>"

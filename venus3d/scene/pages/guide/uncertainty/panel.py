@@ -32,12 +32,12 @@ from venus3d.scene.pages.guide.uncertainty.maps import (
 )
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.uncertainty.view_card import ViewWindow, view_html
+from venus3d.scene.web import texts as web_texts
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.projections_panel import encoded
 from venus3d.scene.web.scene_view import SceneView
-from venus3d.scene.web.texts import SWITCHED_ON
 from venus3d.scene.web.theme import Theme
 
 _VIEW_PICTURE_WIDTH = 320
@@ -60,7 +60,12 @@ class UncertaintyState:
 class UncertaintyPanel:
     """A layer (`scene.web.layer.Layer`) of a calibration's page."""
 
-    title, icon = texts.TAB, viser.Icon.MAP_2
+    icon = viser.Icon.MAP_2
+
+    @property
+    def title(self) -> str:
+        """Of its tab."""
+        return texts.TAB
 
     def __init__(self, on_drop: Callable[[int], None], wake: Callable[[], None]) -> None:
         """Nothing is shown until `lay_out`.
@@ -267,4 +272,4 @@ def _switch_labels(state: UncertaintyState) -> dict[Switch, str]:
 
 
 def _marked(label: str, on: bool) -> str:
-    return SWITCHED_ON.format(label=label) if on else label
+    return web_texts.SWITCHED_ON.format(label=label) if on else label

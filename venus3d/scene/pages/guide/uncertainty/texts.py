@@ -2,6 +2,8 @@
 
 from typing import Literal
 
+from venus3d.languages.texts_module import speak
+
 TAB = "What is known"
 MapKind = Literal["now", "after", "corners", "lens", "misfit"]
 MAPS: dict[MapKind, str] = {
@@ -144,3 +146,5 @@ SHARED_ERRORS = (
     "± includes what all corners of a view have wrong together; counted as separate errors, as in "
     "OpenCV, it would be ± {noise_only} for fx."
 )
+
+speak(__name__)

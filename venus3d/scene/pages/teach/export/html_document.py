@@ -18,6 +18,7 @@ from pathlib import Path
 
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.languages import current_language
 from venus3d.lessons.lesson import Lesson, Question
 from venus3d.render.palette import hex_of, step_style, text_on
 from venus3d.render.projections import Picture
@@ -68,7 +69,7 @@ def html_document(
     players = player_scripts(player)
     policy = _policy((script, given, *players) if players else None)
     return (
-        "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
+        f"<!doctype html><html lang='{current_language()}'><head><meta charset='utf-8'>"
         f"<meta http-equiv='Content-Security-Policy' content=\"{policy}\">"
         "<meta name='viewport' content='width=device-width,initial-scale=1'>"
         f"<title>{escape(lesson.title)}</title>"

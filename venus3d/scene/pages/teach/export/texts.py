@@ -1,5 +1,7 @@
 """Texts of exported files."""
 
+from venus3d.languages.texts_module import speak
+
 MADE_WITH = "Made with venus3d"
 SHEET_REFUSED = "A person is not asked for this pose. {why}"
 SHEET_START = (
@@ -36,3 +38,5 @@ TARGET_TEXT = "Six numbers say where the board is and how it is turned; four ste
 ALIKE, DIFFERENT = "=", "≠"  # on the badge of two boards
 UPRIGHT = "An upright board"
 UPRIGHT_WHERE = "Half a metre in front of the lens: from here, four steps lead to any pose."
+
+speak(__name__)
