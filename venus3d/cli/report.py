@@ -47,6 +47,16 @@ def _views(calibration: Calibration) -> str:
     return f"{count} view{'' if count == 1 else 's'}"
 
 
+def _left_out(calibration: Calibration) -> str:
+    gone = sum(view.left_out.count for view in calibration.views if view.left_out is not None)
+    if gone == 0:
+        return ""
+    return (
+        f"; {gone} corner{'s' if gone > 1 else ''} that fit{'' if gone > 1 else 's'} no view "
+        f"{'are' if gone > 1 else 'is'} left out"
+    )
+
+
 def print_result(
     calibration: Calibration,
     warnings: Sequence[str],
@@ -60,7 +70,7 @@ def print_result(
     print(parameter_table(calibration, truth), end="\n\n")
     print(
         f"rms {calibration.rms_px:.3f} px over {corners} corners in {_views(calibration)} "
-        f"of {width} x {height} px"
+        f"of {width} x {height} px{_left_out(calibration)}"
     )
     for warning in warnings:
         print(f"Mind: {warning}")

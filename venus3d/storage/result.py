@@ -14,7 +14,7 @@ import numpy as np
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis
-from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
@@ -99,7 +99,12 @@ def full_result(
         "residual_sigma_px": calibration.residual_sigma_px,
         "noise_px": calibration.corner_errors.noise_px,
         "shared_error_px": calibration.corner_errors.shared_px,
+        "board_shape": _shape(calibration),
         "captured": [_view(view) for view in calibration.views],
+        "left_out": [
+            {"number": one.number, "reason": one.reason, **_corners(one.observation)}
+            for one in calibration.left_out
+        ],
         "history": [
             {
                 "views": progress.views,
@@ -164,6 +169,22 @@ def _view(view: View) -> dict[str, Any]:
         "ids": view.observation.ids.tolist(),
         "corners_px": view.observation.corners.tolist(),
         "errors_px": view.errors.tolist(),
+        "left_out": None if view.left_out is None else _corners(view.left_out),
+    }
+
+
+def _corners(seen: Observation) -> dict[str, Any]:
+    return {"name": seen.name, "ids": seen.ids.tolist(), "corners_px": seen.corners.tolist()}
+
+
+def _shape(calibration: Calibration) -> dict[str, Any]:
+    """The board as found: its bow and the stretch of its print, 0 where it passes for flat."""
+    board, (across, down, stretch) = calibration.board, calibration.shape_sigma
+    return {
+        "bow_mm": [1000 * bow for bow in board.bow],
+        "bow_std_mm": [1000 * across, 1000 * down],
+        "stretch": board.stretch,
+        "stretch_std": stretch,
     }
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.adjustment import Calibration, LeftOut
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.shared_errors import CornerErrors
@@ -20,6 +20,9 @@ from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.storage.folder import reason
 from venus3d.storage.result import SCHEMA
+
+# Files written before there was a shape.
+_FLAT = {"bow_mm": [0.0, 0.0], "bow_std_mm": [0.0, 0.0], "stretch": 0.0, "stretch_std": 0.0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +99,7 @@ def _result_of(content: Mapping[str, Any]) -> Result:
     free = tuple(bool(value) for value in content["free"])
     if len(free) != len(PARAMETERS):
         raise ValueError("not one flag for each parameter")
-    board = _board_of(content["board"])
+    board, shape_sigma = _board_of(content["board"], content.get("board_shape", _FLAT))
     diagnoses = tuple(
         Diagnosis(d["kind"], d["cause"], d["cure"], tuple(d["views"])) for d in content["diagnoses"]
     )
@@ -115,34 +118,51 @@ def _result_of(content: Mapping[str, Any]) -> Result:
             ),
             rms_px=float(content["rms_px"]),
             views=tuple(_view_of(view, (width, height), board) for view in content["captured"]),
+            left_out=tuple(
+                LeftOut(int(one["number"]), _corners_of(one, (width, height), board), one["reason"])
+                for one in content.get("left_out", ())
+            ),
+            shape_sigma=shape_sigma,
         ),
         warnings=tuple(text for text in content["warnings"] if text not in sentences),
         diagnoses=diagnoses,
     )
 
 
-def _board_of(content: Mapping[str, Any]) -> Board:
+def _board_of(
+    content: Mapping[str, Any], shape: Mapping[str, Any]
+) -> tuple[Board, tuple[float, float, float]]:
+    """The board as it was found to be, and the standard deviations of that."""
     lengths = {name: content[f"{name}_mm"] / 1000 for name in ("square", "marker")}
     others = ("columns", "rows", "dictionary", "legacy", "inverted")
-    return Board(**lengths, **{name: content[name] for name in others})
+    across, down = (float(bow) / 1000 for bow in shape["bow_mm"])
+    board = Board(
+        **lengths,
+        **{name: content[name] for name in others},
+        bow=(across, down),
+        stretch=float(shape["stretch"]),
+    )
+    bows = [float(sigma) / 1000 for sigma in shape["bow_std_mm"]]
+    return board, (bows[0], bows[1], float(shape["stretch_std"]))
 
 
 def _view_of(content: Mapping[str, Any], size: tuple[int, int], board: Board) -> View:
-    ids = np.array(content["ids"], dtype=np.intp)
-    board.points_of(ids)  # raises for ids that this board does not have
+    seen, left_out = _corners_of(content, size, board), content.get("left_out")
     return View(
         number=int(content["number"]),
-        observation=Observation(
-            ids,
-            _array(content["corners_px"]).reshape(ids.size, 2),
-            size,
-            name=content["name"],
-            board=board,
-        ),
+        observation=seen,
         pose=Pose.from_matrix(_array(content["T_camera_board"])),
         rms_px=float(content["rms_px"]),
-        errors=_array(content["errors_px"]).reshape(ids.size, 2),
+        errors=_array(content["errors_px"]).reshape(seen.count, 2),
+        left_out=None if left_out is None else _corners_of(left_out, size, board),
     )
+
+
+def _corners_of(content: Mapping[str, Any], size: tuple[int, int], board: Board) -> Observation:
+    ids = np.array(content["ids"], dtype=np.intp)
+    board.points_of(ids)  # raises for ids that this board does not have
+    corners = _array(content["corners_px"]).reshape(ids.size, 2)
+    return Observation(ids, corners, size, name=content["name"], board=board)
 
 
 def _array(content: Any) -> Array:

@@ -12,7 +12,9 @@ from itertools import combinations
 
 import numpy as np
 
+from venus3d.engine.calibration import fit_checks
 from venus3d.engine.calibration.adjustment import Calibration, largest_angle_deg
+from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.geometry.camera import PARAMETERS, planning_camera
 from venus3d.engine.geometry.pose import Array
@@ -250,6 +252,9 @@ _CHECKS = (
     _Check(1, 1, _impossible, needs_full=False),
     _Check(5, 2, _parallel_or_weak),
     _Check(5, 3, _folding),
+    _Check(2, 2, fit_checks.left_out),
+    _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.shape),
+    _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.pattern),
     _Check(4, 4, _outlying),
     _Check(6, 3, _unseen),
     _Check(6, 3, _same_depth),

@@ -10,16 +10,24 @@ DiagnosisKind = Literal[
     "wrong-dictionary",
     "swapped-size",
     "impossible-distance",
+    "bent-board",
+    "rolling-shutter",
+    "poor-fit",
     "parallel-views",
     "weak-focal-length",
     "folding",
+    "left-out-view",
+    "left-out-corners",
     "outlying-view",
     "unseen-side",
     "correlated",
     "same-depth",
+    "bowed-board",
+    "stretched-print",
     "wrong-layout",
 ]
-"""Worst first: a wrong number given, then weak views, then a layout that is read anyway."""
+"""Worst first: a wrong number given, a model that does not fit, weak views, views left out; last,
+what the calibration allows for."""
 _WORST_FIRST: tuple[DiagnosisKind, ...] = get_args(DiagnosisKind)
 
 
