@@ -147,10 +147,9 @@ def calibrate(
     """
     size = _common_size(observations)
     counted = range(1, len(observations) + 1) if numbers is None else numbers
-    usable, left_out = _usable(board, list(zip(counted, observations, strict=True)), size)
+    usable, corners, left_out = _usable(board, list(zip(counted, observations, strict=True)), size)
     try:
-        _check_count([seen for _, seen in usable], model)
-        fit = _fitted(board, [seen for _, seen in usable], size, model, start)
+        fit = _fitted(board, _checked_count(corners, model), size, model, start)
         calibration = _calibration(board, [usable[i] for i in fit.kept], fit, model)
         _check_result(calibration)
     except CalibrationError as error:
@@ -175,32 +174,33 @@ def _named(left_out: Sequence[LeftOut]) -> str:
 
 def _usable(
     board: Board, views: Sequence[tuple[int, Observation]], size: tuple[int, int]
-) -> tuple[list[tuple[int, Observation]], list[LeftOut]]:
-    """The views that can show the board and fix its pose, and the others."""
-    fixed = [determines_homography(board.points_of(seen.ids)) for _, seen in views]
-    left_out = [
-        LeftOut(*view, "undetermined") for view, good in zip(views, fixed, strict=True) if not good
-    ]
-    usable = [view for view, good in zip(views, fixed, strict=True) if good]
-    if not usable:
-        return usable, left_out
-    points = [board.points_of(seen.ids) for _, seen in usable]
-    possible = readable(Corners.of(points, [seen.corners for _, seen in usable]), size)
-    left_out += [
-        LeftOut(*view, "misfit") for view, good in zip(usable, possible, strict=True) if not good
-    ]
-    return [view for view, good in zip(usable, possible, strict=True) if good], left_out
+) -> tuple[list[tuple[int, Observation]], Corners | None, list[LeftOut]]:
+    """The views that can show the board and fix its pose, their corners, and the other views."""
+    left_out: list[LeftOut] = []
+    fixed: list[tuple[int, Observation]] = []
+    for view in views:
+        if determines_homography(board.points_of(view[1].ids)):
+            fixed.append(view)
+        else:
+            left_out.append(LeftOut(*view, "undetermined"))
+    if not fixed:
+        return [], None, left_out
+    points = [board.points_of(seen.ids) for _, seen in fixed]
+    corners = Corners.of(points, [seen.corners for _, seen in fixed])
+    weights = readable(corners, size)
+    good = weights.any(axis=1)
+    usable: list[tuple[int, Observation]] = []
+    for view, kept in zip(fixed, good, strict=True):
+        if kept:
+            usable.append(view)
+        else:
+            left_out.append(LeftOut(*view, "misfit"))
+    return usable, Corners(corners.points[good], corners.pixels[good], weights[good]), left_out
 
 
 def _fitted(
-    board: Board,
-    observations: Sequence[Observation],
-    size: tuple[int, int],
-    model: Model,
-    start: Camera | None,
+    board: Board, corners: Corners, size: tuple[int, int], model: Model, start: Camera | None
 ) -> RobustFit:
-    points = [board.points_of(o.ids) for o in observations]
-    corners = Corners.of(points, [o.corners for o in observations])
     problem = Problem(corners, _BASIS[model])
     try:
         if start is None:
@@ -208,7 +208,8 @@ def _fitted(
         else:
             solution = adjust(problem, located_by(corners, start))
         if model == "startup":
-            return RobustFit(problem, solution, corners.weights, tuple(range(len(points))))
+            every = tuple(range(len(corners.weights)))
+            return RobustFit(problem, solution, corners.weights, every)
         fit = without_outliers(problem, solution)
         return with_shape(board, fit) or fit
     except CalibrationError as error:
@@ -307,19 +308,20 @@ def _common_size(observations: Sequence[Observation]) -> tuple[int, int]:
     return sizes[0]
 
 
-def _check_count(usable: Sequence[Observation], model: Model) -> None:
-    if not usable:
+def _checked_count(corners: Corners | None, model: Model) -> Corners:
+    """The corners; raises if they are too few for the model."""
+    if corners is None or not len(corners.weights):
         raise CalibrationError(
             "No view shows enough of the board: each has fewer than four corners, or only corners "
             "on one line; bring the board nearer, or more of it into the picture."
         )
-    corners = sum(o.count for o in usable)
-    free = _BASIS[model].shape[1]
-    if 2 * corners - free - 6 * len(usable) <= 0:
+    count, views = int(corners.weights.sum()), len(corners.weights)
+    if 2 * count - _BASIS[model].shape[1] - 6 * views <= 0:
         raise CalibrationError(
-            f"{corners} corners in {len(usable)} views are too few for the nine parameters; "
+            f"{count} corners in {views} views are too few for the nine parameters; "
             "take more views, or views that show more of the board."
         )
+    return corners
 
 
 def _check_determined(camera: Camera, unit: Array, sigma: float, model: Model) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,7 +34,8 @@ _MEDIAN = float(np.sqrt(2 * np.log(2)))  # of a distance in two dimensions, in s
 _ROUNDS = 5
 _RACE = 5  # steps from each start before the best goes on
 _SUSPICIOUS_VIEW = 3.0  # medians of the views' median error from which the robust loss judges
-_BENT, _FRONT = 0.15, 0.5  # see `readable`
+_BENT = 0.15  # of a view's extent: farther from a plane's image is no lens
+_ENOUGH = 0.6  # of a view's corners
 _SUSPICIOUS_PX = 1.0  # an rms from which each start is followed to its end
 
 
@@ -57,24 +59,47 @@ class RobustFit:
         return float(np.sqrt(self.solution.cost / max(freedom, 1.0)))
 
 
-def readable(corners: Corners, size: tuple[int, int]) -> Mask:
-    """(N,) whether each view can show the board at all: its corners are the image of a plane, but
-    for a lens, and seen from the front if those of most views are."""
+def readable(corners: Corners, size: tuple[int, int]) -> Array:
+    """(N, M) weights without the corners that cannot be the board's: what is left of each view is
+    the image of a plane, but for a lens, and seen from the front if most views are. All zero for a
+    view of which too little is left."""
     centre = (np.array(size) - 1) / 2
     H = homographies(corners, float(size[0]), centre)
     xy1 = np.concatenate([corners.points[:, :, :2], np.ones_like(corners.points[:, :, :1])], axis=2)
-    mapped = H @ xy1.swapaxes(1, 2)
     observed = (corners.pixels - centre[:, None]) / size[0]
-    weights = corners.weights / corners.weights.sum(axis=1, keepdims=True)
-    with np.errstate(all="ignore"):
-        errors = ((mapped[:, :2] / mapped[:, 2:] - observed) ** 2).sum(axis=1)
-    middle = (observed * weights[:, None]).sum(axis=2, keepdims=True)
-    extent = (((observed - middle) ** 2).sum(axis=1) * weights).sum(axis=1)
-    flat = (errors * weights).sum(axis=1) < _BENT**2 * extent
-    front = np.linalg.det(H) * np.sign(mapped[:, 2, 0]) > 0
-    if front.mean() < _FRONT:
+    weights = corners.weights.copy()
+    share = weights / weights.sum(axis=1, keepdims=True)
+    middle = (observed * share[:, None]).sum(axis=2, keepdims=True)
+    extent = np.sqrt((((observed - middle) ** 2).sum(axis=1) * share).sum(axis=1))
+    errors = _distances(H, xy1, observed)
+    bent = np.sqrt((errors**2 * share).sum(axis=1)) > _BENT * extent
+    for view in np.flatnonzero(bent):
+        # Rare, and worth a slow method: least median of squares bears half of the corners wrong.
+        used = weights[view] > 0
+        found, _ = cv2.findHomography(
+            xy1[view, used, :2], observed[view][:, used].T, method=cv2.LMEDS
+        )
+        if found is None:
+            weights[view] = 0.0
+            continue
+        H[view] = found
+        near = _distances(H[view : view + 1], xy1[view : view + 1], observed[view : view + 1])[0]
+        weights[view] *= near < _BENT * float(np.median(extent))
+        if weights[view].sum() < _ENOUGH * used.sum():
+            weights[view] = 0.0
+    front = np.linalg.det(H) * np.sign((H @ xy1.swapaxes(1, 2))[:, 2, 0]) > 0
+    if front.mean() < 0.5:
         front = ~front
-    return flat & front
+    return weights * front[:, None]
+
+
+def _distances(H: Array, xy1: Array, observed: Array) -> Array:
+    """(N, M) between points (N, M, 3) by homographies (N, 3, 3) and where they were seen (N, 2, M);
+    infinite where a point has no image."""
+    mapped = H @ xy1.swapaxes(1, 2)
+    with np.errstate(all="ignore"):
+        found = np.linalg.norm(mapped[:, :2] / mapped[:, 2:] - observed, axis=1)
+    return np.where(np.isfinite(found), found, np.inf)
 
 
 def from_several_starts(problem: Problem, size: tuple[int, int]) -> Solution:
