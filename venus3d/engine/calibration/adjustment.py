@@ -188,7 +188,7 @@ def _usable(
     points = [board.points_of(seen.ids) for _, seen in fixed]
     corners = Corners.of(points, [seen.corners for _, seen in fixed])
     weights = readable(corners, size)
-    good = weights.any(axis=1)
+    good = weights.sum(axis=1) > 0
     usable: list[tuple[int, Observation]] = []
     for view, kept in zip(fixed, good, strict=True):
         if kept:
