@@ -158,7 +158,7 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press_but_sounds(
     assert width * width * 9 / 16 >= 0.5 * 1280 * 720
     pressed = "button, input, a, select, textarea, [role=slider]"
     visible = [e for e in page.query_selector_all(pressed) if e.is_visible()]
-    assert [e.inner_text() for e in visible] == [label for _, label, _ in texts.SOUNDS]
+    assert [e.inner_text() for e in visible] == [label for label, _ in texts.SOUNDS.values()]
 
     # A mirror turns the picture and no letters; a bright room has dark letters.
     turned = "getComputedStyle(document.querySelector('canvas')).transform.startsWith('matrix(-1,')"

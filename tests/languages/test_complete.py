@@ -89,8 +89,6 @@ def holes(text: str) -> set[str | None]:
 def test_every_text_has_an_entry_under_its_file(language: Language) -> None:
     table, missing = catalogue_of(language), ""
     for file, texts in files().items():
-        if file not in table:  # still to be begun
-            continue
         lines = [f'{quoted(t)} = "…"' for t in texts if t not in table.get(file, {})]
         if lines:
             missing += f'\n["{file}"]\n' + "\n".join(lines) + "\n"

@@ -24,7 +24,7 @@ class AudienceControls:
         self._audience = audience
         self._boxes: dict[str, Any] = {}
         with server.gui.add_folder(texts.PANEL, expand_by_default=False):
-            for name, label, hint in texts.CONTROLS:
+            for name, (label, hint) in texts.CONTROLS.items():
                 key = KEYS.get(name)
                 said = label if key is None else f"{label} ({key_name(key)})"
                 box = server.gui.add_checkbox(said, getattr(audience.state, name), hint=hint)
@@ -40,7 +40,7 @@ class AudienceControls:
             )
         self.commands = tuple(
             Command(f"{texts.PANEL}: {label}", KEYS.get(name), hint, partial(self._toggle, name))
-            for name, label, hint in texts.CONTROLS
+            for name, (label, hint) in texts.CONTROLS.items()
         )
         sounds = f"{texts.PANEL}: {texts.SOUND_COMMAND}"
         self.commands += (Command(sounds, None, texts.SOUND_COMMAND_HINT, self._next_sound),)

@@ -70,9 +70,9 @@ def switches_html(sound: Sound) -> str:
     """The browser's own switches, and what the operator has switched on."""
     buttons = "".join(
         f"<button data-sound='{kind}' title='{escape(hint)}'>{escape(label)}</button>"
-        for kind, label, hint in texts.SOUNDS
+        for kind, (label, hint) in texts.SOUNDS.items()
     )
-    on = " ".join(kind for kind, _, _ in texts.SOUNDS if sound in (kind, "both"))
+    on = " ".join(kind for kind in texts.SOUNDS if sound in (kind, "both"))
     return (
         f"<div class='v-sound' data-on='{on}'>{buttons}"
         f"<span class='v-ask'>{escape(texts.SOUND_HINT)}</span></div>"

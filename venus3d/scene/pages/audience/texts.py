@@ -38,25 +38,24 @@ MOVE_PARTS = (
 """Amount towards the first and the second end of each scale; no arrow shows depth."""
 
 DIAL_LABEL = "{amount} to go; done within {limit}"
-SOUNDS = (
-    ("tones", "♪ Tones", "Tones that quicken as the board comes nearer, in this browser"),
-    ("voice", "Voice", "The sentence spoken aloud, in this browser"),
-)
-"""Name, label and hint of this browser's switches."""
+SOUNDS = {
+    "tones": ("♪ Tones", "Tones that quicken as the board comes nearer, in this browser"),
+    "voice": ("Voice", "The sentence spoken aloud, in this browser"),
+}
+"""Label and hint of this browser's switches."""
 SOUND_HINT = "Click once anywhere: browsers stay silent until then."
 SPOKEN_UNITS = ((" mm", " millimetres"), ("°", " degrees"))
 
 PANEL = "Second monitor"
-CONTROLS = (
-    ("mirror", "Mirrored picture", "Reversed, for somebody who faces the camera"),
-    (
-        "lens",
+CONTROLS = {
+    "mirror": ("Mirrored picture", "Reversed, for somebody who faces the camera"),
+    "lens": (
         "Through the lens",
         "Through the glass: the 3D steps, standing in the live picture",
     ),
-    ("light", "Bright room", "Dark letters on a light ground"),
-)
-"""Field, label and hint of each switch."""
+    "light": ("Bright room", "Dark letters on a light ground"),
+}
+"""Label and hint of each switch, by its field."""
 SOUND_LABEL = "Sound"
 SOUND_OPTIONS: dict[Sound, str] = {
     "off": "Off",
