@@ -10,7 +10,7 @@ SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
 PINS := pyproject.toml constraints.txt constraints-3.14.txt scripts/setup.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-all lint format docs gallery pace clean
+.PHONY: help run test test-all lint format docs gallery pace speed clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -19,6 +19,7 @@ help:
 	@echo "make docs   build the documentation as a site, site/index.html"
 	@echo "make gallery   take the screenshots of docs/gallery.md anew"
 	@echo "make pace   measure how steadily the page is served"
+	@echo "make speed   time the bundle adjustment beside OpenCV's"
 	@echo "make format   let ruff put the code in order"
 	@echo "make clean   remove what the other commands made"
 
@@ -50,6 +51,9 @@ gallery: $(VENV)/.ready-test
 
 pace: $(VENV)/.ready-test
 	$(BIN)/python scripts/pace.py
+
+speed: $(VENV)/.ready-test
+	$(BIN)/python scripts/adjustment_speed.py
 
 format: $(VENV)/.ready-test
 	$(BIN)/ruff check --fix .
