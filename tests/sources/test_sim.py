@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -280,3 +281,43 @@ def test_whatever_may_be_asked_for_can_be_read(
         simulation.move_to(Pose.from_vector(random_pose(space, rng)))
         found.append(detector.detect(frame_of(simulation).image).count)
     assert min(found) >= 12 and np.median(found) == default_board.corner_count
+
+
+def test_a_bowed_board_is_rendered_bowed(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board
+):
+    """The detected corners lie where OpenCV projects those of the bowed board."""
+    bowed = replace(default_board, bow=(0.006, -0.003), stretch=0.02)
+    pose = Pose.from_vector([35, -20, 15, 0.02, -0.01, 0.42])
+    simulation = Simulation(
+        paper_camera, bowed, autopilot=False, start=pose, offscreen=offscreen, noise_sigma=0
+    )
+    seen = Detector(default_board).detect(frame_of(simulation).image)
+    assert seen.count == default_board.corner_count
+    for board, most in ((bowed, 0.15), (default_board, np.inf)):
+        projected, _ = cv2.projectPoints(
+            board.corners, pose.rvec, pose.t, paper_camera.K, paper_camera.distortion
+        )
+        off = np.linalg.norm(seen.corners - projected.reshape(-1, 2), axis=1)
+        assert off.max() < most
+    assert off.max() > 3  # the flat board's corners lie elsewhere
+
+
+def test_a_board_that_flexes_is_bowed_anew_for_each_target(
+    offscreen: Offscreen, default_board: Board
+):
+    pose = Pose.from_vector([30, 0, 0, 0, 0, 0.42])
+    simulation = Simulation(
+        board=default_board,
+        autopilot=False,
+        start=pose,
+        offscreen=offscreen,
+        noise_sigma=0,
+        flex=0.003,
+    )
+    pictures: list[np.ndarray] = []
+    for number in (1, 1, 2):
+        simulation.follow(target_of(pose, simulation.truth, default_board, number))
+        pictures.append(frame_of(simulation).image)
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    assert cv2.absdiff(pictures[1], pictures[2]).max() > 50

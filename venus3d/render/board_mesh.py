@@ -3,6 +3,7 @@ One mesh, so that a moving board is one node and one pose; layout and picture ar
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -22,6 +23,8 @@ THICKNESS = 0.004
 """Of the board's body, metres."""
 BODY_COLOUR: Colour = (150, 152, 156)
 LARGEST_TEXTURE_PX = 4096
+_CELLS = 24
+"""Along each side of a bowed sheet: a bow of 3 mm is then drawn to 0.005 mm."""
 _BACK_PX = 512
 """Width of the back's picture."""
 
@@ -39,9 +42,9 @@ def held_board(board: Board, pose: Pose) -> tuple[MeshShape, MeshShape]:
 
 @lru_cache(maxsize=8)
 def board_mesh(board: Board) -> trimesh.Trimesh:
-    """Textured mesh in the board's frame, metres; the front lies in z = 0 and faces -z. The same
-    board gives the same object, so renderers may cache it."""
-    picture, px = _atlas(board)
+    """Textured mesh in the board's frame, metres; the front lies in z = 0, but for a bow, and faces
+    -z. The same board gives the same object, so renderers may cache it."""
+    picture, px = _atlas(replace(board, bow=(0.0, 0.0), stretch=0.0))
     width, height = board.width / 2 + RIM * board.square, board.height / 2 + RIM * board.square
     front = np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
     faces = [np.column_stack([front, np.zeros(4)])]
@@ -58,9 +61,27 @@ def board_mesh(board: Board) -> trimesh.Trimesh:
     front_uv = (front / board.square * px + centre) / size
     body_uv = np.full((20, 2), (np.array([board.columns / 2, board.rows + 2.5]) * px) / size)
     uv = np.vstack([front_uv, body_uv])
+    if any(board.bow) or board.stretch:
+        front = _cells(width, height)
+        sheet = np.column_stack([front, np.zeros(len(front))])
+        shift = np.tensordot([*board.bow, board.stretch], board.deformations(sheet), 1)
+        # The body stays flat, behind the sheet.
+        body = np.vstack(faces[1:])
+        body[:, 2] += max(0.0, float(shift[:, 2].max()))
+        faces = [sheet + shift, body]
+        uv = np.vstack([(front / board.square * px + centre) / size, body_uv])
     uv[:, 1] = 1 - uv[:, 1]  # texture v points upwards
 
     return _textured(np.vstack(faces), uv, picture)
+
+
+def _cells(width: float, height: float) -> Array:
+    """(4 N, 2) corners of the cells that a bowed sheet of +-width by +-height is drawn with."""
+    x, y = np.linspace(-width, width, _CELLS + 1), np.linspace(-height, height, _CELLS + 1)
+    left, top = (a.ravel() for a in np.meshgrid(x[:-1], y[:-1]))
+    right, bottom = (a.ravel() for a in np.meshgrid(x[1:], y[1:]))
+    corners = [(left, top), (right, top), (right, bottom), (left, bottom)]
+    return np.stack([np.stack(corner, axis=1) for corner in corners], axis=1).reshape(-1, 2)
 
 
 def _textured(vertices: Array, uv: Array, picture: Image.Image) -> trimesh.Trimesh:
@@ -98,6 +119,7 @@ def _back_mesh(board: Board) -> trimesh.Trimesh:
     return _textured(vertices, uv, picture)
 
 
+@lru_cache(maxsize=8)
 def _atlas(board: Board) -> tuple[Image.Image, int]:
     """Picture (board, a rim one square wide, a row of body colour); px per square.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.geometry.pose import Pose
@@ -26,6 +28,8 @@ def open_interactive(
     headless: bool,
     autopilot: bool,
     speed: float,
+    bow: float = 0.0,
+    flex: float = 0.0,
 ) -> Source:
     """Open what `spec` names, or with "sim" a simulation of the paper's camera.
 
@@ -34,6 +38,7 @@ def open_interactive(
         headless: without a viewer: frames come as fast as they can be made or read.
         autopilot: whether the simulated hand holds the board.
         speed: of the simulated hand; 1 is a calm person.
+        bow, flex: of the simulated board, metres; see `Simulation`.
 
     Raises `SourceError` for whatever cannot be opened.
     """
@@ -43,11 +48,12 @@ def open_interactive(
         return open_frame_source(spec, size=size, realtime=not headless)
     return Simulation(
         PAPER_CAMERA if size is None else PAPER_CAMERA.scaled(size),
-        board,
+        replace(board, bow=(bow, 0.0)),
         seed=seed,
         fps=_HEADLESS_FPS if headless else _LIVE_FPS,
         realtime=not headless,
         autopilot=autopilot,
+        flex=flex,
         speed=speed * (_HEADLESS_HASTE if headless else 1.0),
         # The simulated hand brings the board into view by itself; a person needs to see it to drag
         # it.

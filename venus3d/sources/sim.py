@@ -10,7 +10,7 @@ import math
 import threading
 import time
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -69,6 +69,7 @@ class Simulation:
         tremor: float = 1.0,
         overshoot: float = 1.0,
         start: Pose | None = None,
+        flex: float = 0.0,
         offscreen: Offscreen | None = None,
     ) -> None:
         """A simulation at its start pose.
@@ -86,6 +87,8 @@ class Simulation:
             autopilot: whether the simulated hand holds the board from the start.
             speed, tremor, overshoot: of the simulated hand (see `Autopilot`).
             start: `T_camera_board` at the start; if None so near that the board is cut off.
+            flex: standard deviation of a bow of the board that is drawn anew for each target,
+                metres: an error that all corners of a view share.
             offscreen: a renderer to share; if None an own one is opened and closed.
         """
         self.truth = camera
@@ -93,7 +96,7 @@ class Simulation:
         self.autopilot_on = autopilot
         self._realtime, self._fps = realtime, fps
         self._noise_sigma, self._blur_sigma, self._light = noise_sigma, blur_sigma, light
-        background_rng, self._rng, hand_rng = np.random.default_rng(seed).spawn(3)
+        background_rng, self._rng, hand_rng, self._flex_rng = np.random.default_rng(seed).spawn(4)
         self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot)
         if background is None:
             background = interior(camera.image_size, background_rng)
@@ -102,6 +105,7 @@ class Simulation:
         self._reach = 1 + math.ceil(4 * blur_sigma)
         self._noise = _noise_sheet(camera, noise_sigma, self._rng)
         self._lock = threading.Lock()
+        self._flex, self._bent = flex, self.board
         self._hand = near_pose(camera, self.board) if start is None else start
         self._target: Target | None = None
         self._seen: Pose | None = None
@@ -146,6 +150,13 @@ class Simulation:
         camera, the true board has to be slightly beside it.
         """
         with self._lock:
+            new = target is not None and (
+                self._target is None or target.number != self._target.number
+            )
+            if self._flex > 0 and new:
+                across, down = self._flex_rng.normal(0.0, self._flex, 2)
+                bow = (self.board.bow[0] + float(across), self.board.bow[1] + float(down))
+                self._bent = replace(self.board, bow=bow)
             self._target, self._seen = target, seen
 
     def begin_anew(self) -> None:
@@ -199,9 +210,9 @@ class Simulation:
                 self._time_s += dt_s
                 if self.autopilot_on:
                     self._hand = self._autopilot.advance(self._hand, self._target, dt_s, self._seen)
-            pose = self._hand
+            pose, board = self._hand, self._bent
         self._number += 1
-        shapes = (board_shape(self.board, pose),)
+        shapes = (board_shape(board, pose),)
         picture = self._offscreen.submit(self.truth, shapes, background=_KEY)
         return Exposed(picture, pose, self._time_s, f"frame {self._number}")
 

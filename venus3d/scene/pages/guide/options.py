@@ -58,6 +58,10 @@ class GuideOptions:
     """Let a simulated hand walk the board through the four steps (sim only)."""
     speed: float = 1.0
     """How fast the simulated hand moves; 1 is a calm person."""
+    bow_mm: float = 0.0
+    """How far the simulated board's middle lies behind its left and right ends (sim only)."""
+    flex_mm: float = 0.0
+    """Spread of a bow of the simulated board that is drawn anew for each pose (sim only)."""
     wording: Wording = "holder"
     """Whose left and right the page means: the holder's, or the camera's (X changes it)."""
     language: LanguageOption = None
@@ -97,6 +101,8 @@ class GuideOptions:
         check_range("--wanted-error", self.wanted_error, 0.001, 100)
         check_range("--overlap", self.overlap, 0.1, 0.99)
         check_range("--speed", self.speed, 0.1, 10)
+        check_range("--bow-mm", self.bow_mm, -20, 20)
+        check_range("--flex-mm", self.flex_mm, 0, 10)
         check_range("--max-views", self.max_views, 1, 1000)
         check_range("--seed", self.seed, 0, 2**63)
         if self.camera_size is not None:

@@ -138,6 +138,8 @@ def _opened(options: GuideOptions, board: Board) -> Source:
         headless=options.headless,
         autopilot=options.autopilot,
         speed=options.speed,
+        bow=options.bow_mm / 1000,
+        flex=options.flex_mm / 1000,
     )
 
 
