@@ -70,6 +70,7 @@ VIEW_POSE = (
     "Turned {x}° about X, {y}° about Y, {z}° about Z; centre {right} mm right, {down} mm down, "
     "{away} mm in front of the lens."
 )
+VIEW_LEFT_OUT = "{count} more fit no pose and do not count."
 VIEW_ERROR = "Misfit of its {count} corners: {rms} px ({against} all views' {all} px)."
 VIEW_ABOVE, VIEW_BELOW, VIEW_LIKE = "more than", "less than", "about"
 VIEW_GAVE = (

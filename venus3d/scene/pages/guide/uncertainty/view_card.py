@@ -96,12 +96,15 @@ def _error_line(view: View, calibration: Calibration) -> str:
         if ratio > 1
         else texts.VIEW_BELOW
     )
-    return texts.VIEW_ERROR.format(
+    line = texts.VIEW_ERROR.format(
         count=view.observation.count,
         rms=figure(view.rms_px),
         against=against,
         all=figure(calibration.rms_px),
     )
+    if view.left_out is None:
+        return line
+    return f"{line} {texts.VIEW_LEFT_OUT.format(count=view.left_out.count)}"
 
 
 def _gave_line(snapshot: Snapshot, calibration: Calibration, left: Influence) -> str:
