@@ -56,6 +56,13 @@ def step_amount(step: Step) -> str:
     return degrees(step.angle_deg)
 
 
+def duration(seconds: float) -> str:
+    """A time: "34 ms", from a second on "1.2 s"; a dash for none."""
+    if not np.isfinite(seconds):
+        return UNKNOWN
+    return f"{whole(1000 * seconds)} ms" if seconds < 0.9995 else f"{figure(seconds)} s"
+
+
 def figure(value: float) -> str:
     """A positive number with its significant figures: 0.034, 0.42, 3.1, 12; a dash for none."""
     if not np.isfinite(value):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 from venus3d.engine.calibration.detection import QUICK_FROM_PX, Detector, Region, search_region
@@ -24,11 +25,12 @@ class BoardTracker:
         self._quick_from_px = QUICK_FROM_PX
 
     def track(self, frame: Frame) -> Observation:
-        """The board in this frame, with its image.
+        """The board in this frame, with its image and how long it took to find it.
 
         Searched quickly near its last place, fully there if that finds fewer corners than in the
         last frame, and everywhere if it seems to have gone.
         """
+        began = time.perf_counter()
         region, before = None, 0
         if self._last is not None and self.detector.settled:
             region, before = search_region(self._last, frame.image_size), self._last.count
@@ -46,7 +48,7 @@ class BoardTracker:
         if quick and seen.count < before <= full.count:
             self._quick_from_px = max(self._quick_from_px, _LEARNT * self.detector.square_px)
         self._last = full if full.count else None
-        return replace(full, image=frame.image)
+        return replace(full, image=frame.image, detect_s=time.perf_counter() - began)
 
     def _detect(self, frame: Frame, region: Region | None, quick: bool) -> Observation:
         return self.detector.detect(

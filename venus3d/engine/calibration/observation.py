@@ -33,6 +33,8 @@ class Observation:
     """The board with the layout found so far; None: as given."""
     board_diagnoses: tuple[Diagnosis, ...] = ()
     """How the board in the images so far differs from the one given."""
+    detect_s: float = float("nan")
+    """How long the detection took, seconds; NaN if it was not measured."""
     image: NDArray[np.uint8] | None = field(default=None, repr=False)
     """(H, W[, 3]) the image, if it is kept."""
 

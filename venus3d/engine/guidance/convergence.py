@@ -58,6 +58,18 @@ class Progress:
     """`uncertainty_px` as predicted by the last view's target; NaN likewise."""
 
 
+def last_gain(history: Sequence[Progress]) -> tuple[float, float]:
+    """Uncertainty before and after the last view, pixels; NaN where unknown. Both are, once an
+    earlier view was dropped, since no calibration lacks just the last one."""
+    nothing = float("nan"), float("nan")
+    if not history or not np.isfinite(history[-1].uncertainty_px):
+        return nothing
+    before = history[-2] if len(history) > 1 else None
+    if history[-1].views != (0 if before is None else before.views) + 1:
+        return nothing
+    return float("nan") if before is None else before.uncertainty_px, history[-1].uncertainty_px
+
+
 def check_convergence(
     history: Sequence[Progress],
     epsilon: float = 0.1,

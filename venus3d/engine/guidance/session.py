@@ -24,6 +24,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
+from venus3d.engine.guidance.loop import Calibrated, LoopFigures
 from venus3d.engine.guidance.prompts import Phase, headline_and_prompt, startup_headline_and_prompt
 from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
@@ -70,6 +71,7 @@ class Session:
         self._warnings: tuple[str, ...] = ()
         self._diagnoses: tuple[Diagnosis, ...] = ()
         self._outcome: Outcome | None = None
+        self._figures = LoopFigures()
         self._tracker = PoseTracker(board, self._image_size, self.settings)
         self._keep_going, self._lost, self._number = False, "", 0
 
@@ -85,6 +87,7 @@ class Session:
         if observation.board is not None:
             self._use_board(observation.board)
         self._board_diagnoses = observation.board_diagnoses
+        self._figures.observe(observation)
         if self._phase == "startup":
             self._startup.observe(observation)
             self._target = self._startup.updated_target(
@@ -204,6 +207,10 @@ class Session:
         self._run += 1
         self._restart(self.board)
 
+    def note_calibrated(self, work: Work, calibrated: Calibrated) -> None:
+        """`work` has calibrated and searches until its outcome comes. From any thread."""
+        self._figures.note(work, calibrated)
+
     def apply(self, outcome: Outcome) -> Snapshot:
         """Apply the result of `pending`; the result of outdated work is ignored."""
         if outcome.work is not self.pending:
@@ -214,17 +221,16 @@ class Session:
         self._outcome = outcome
         self._warnings = (*outcome.warnings, *([self._lost] if self._lost else []))
         self._lost, self._target = "", None
+        found = outcome.suggestion
+        self._figures.finish(outcome.calibrated, None if found is None else found.target)
         if self._ending:
             self._phase = "finished"
         elif outcome.is_over:
             self._phase = "converged" if outcome.convergence.converged else "finished"
         else:
             self._phase = "guiding"
-            if outcome.suggestion is not None:
-                self._target, self._heuristic_state = (
-                    outcome.suggestion.target,
-                    outcome.suggestion.state,
-                )
+            if found is not None:
+                self._target, self._heuristic_state = found.target, found.state
                 self._next_target = self._target.number + 1
         self._diagnose()
         self._tracker.set_target(self.camera, self._target)
@@ -302,6 +308,8 @@ class Session:
             search_trace=known and known.search_trace,
             taken_back=self._taken_back is not None,
             run=self._run,
+            captured=tuple(view.number for view in self._captured.views),
+            loop=self._figures.now(self._phase, remaining, self.pending, self._history),
         )
 
     # -- within ------------------------------------------------------------------------------------

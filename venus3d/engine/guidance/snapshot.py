@@ -15,6 +15,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import corners_outside
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
+from venus3d.engine.guidance.loop import Loop
 from venus3d.engine.guidance.matching import Match, match
 from venus3d.engine.guidance.prompts import (
     GIVEN_REASON,
@@ -73,6 +74,10 @@ class Snapshot:
     """Whether the board is still where the last view was taken back: no capture by itself."""
     run: int = 1
     """Counts the calibrations of this session: each begins without views."""
+    captured: tuple[int, ...] = ()
+    """Numbers of the captured views, also of those that are not calibrated with yet."""
+    loop: Loop = field(default=Loop())
+    """What the method does now, with its figures."""
 
     @property
     def views(self) -> tuple[View, ...]:

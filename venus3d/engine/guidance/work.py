@@ -3,7 +3,8 @@ The session hands out a frozen `Work` and applies its `Outcome`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress, check_convergence
+from venus3d.engine.guidance.loop import Calibrated
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.forecast import Forecast, forecast
 from venus3d.engine.planning.heuristic_poses import HeuristicState
@@ -39,6 +41,7 @@ class Outcome:
 
     work: Work
     calibration: Calibration
+    calibrated: Calibrated
     posterior: Posterior
     """The posterior after the views, for planning."""
     history: tuple[Progress, ...]
@@ -81,10 +84,17 @@ class Work:
         self,
         stop: Stop | None = None,
         on_step: OnSearchStep | None = None,
+        on_calibrated: Callable[[Calibrated], None] | None = None,
     ) -> Outcome:
-        """Do the work. `stop` ends the search early with the best pose; `on_step` observes it.
+        """Do the work. `stop` ends the search early with the best pose; `on_step` observes it, and
+        `on_calibrated` is called before it.
         Raises `CalibrationError` if the views determine no camera at all."""
+        began = time.perf_counter()
         calibration, warnings = self._calibrated()
+        took_s = time.perf_counter() - began
+        calibrated = Calibrated(took_s, len(self.observations), calibration.rms_px)
+        if on_calibrated is not None:
+            on_calibrated(calibrated)
         settings = self.settings
         posterior = Posterior.of_calibration(calibration, settings.noise)
         history = (*self.history, self._progress(calibration))
@@ -107,6 +117,7 @@ class Work:
         return Outcome(
             self,
             calibration,
+            calibrated,
             posterior,
             history,
             convergence,

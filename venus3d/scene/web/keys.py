@@ -32,6 +32,7 @@ KEYS: dict[str, str] = {
     "straight": "shift+F",
     "finish": "end",
     "resume": "shift+end",
+    "explain": "9",
     # the second monitor, on the guide page
     "lens": "shift+C",
     "mirror": "shift+X",

@@ -50,6 +50,7 @@ CONTROLS: dict[str, tuple[Intent, str | None]] = {
     "go_on": (GoOn(), KEYS["resume"]),
     "new": (NewSession(), None),
     "autopilot": (Toggle("autopilot"), KEYS["autopilot"]),
+    "explain": (Toggle("explain"), KEYS["explain"]),
 }
 _ROWS: dict[str, tuple[str, ...]] = {
     "view": ("skip", "undo", "finish"),
@@ -57,6 +58,7 @@ _ROWS: dict[str, tuple[str, ...]] = {
     "show": ("follow", "strip", "theme"),
     "words": ("words", "built"),
     "run": ("pause", "straight", "autopilot"),
+    "explain": ("explain",),
 }
 _WITH_A_TARGET = frozenset(
     ("skip", "previous", "play", "next", "follow", "strip", "all_steps", "words", "built")
@@ -147,6 +149,6 @@ def _label(name: str, state: ViewState) -> str:
     }
     if name in other:
         return names[1] if other[name] else names[0]
-    switches = ("follow", "strip", "autopilot", "straight", "built")
+    switches = ("follow", "strip", "autopilot", "straight", "built", "explain")
     on = {name: getattr(state, name) for name in switches}
     return web_texts.SWITCHED_ON.format(label=names[0]) if on.get(name) else names[0]

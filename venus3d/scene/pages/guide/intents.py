@@ -93,6 +93,7 @@ Option = Literal[
     "camera_words",
     "built",
     "straight",
+    "explain",
 ]
 """What can be switched, as in `ViewState`."""
 

@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from datetime import datetime, timedelta
+from functools import partial
 
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.guidance.session import Session
@@ -164,7 +165,9 @@ class LiveGuide:
             pending = self._session.pending
         if pending is not None:
             halt = threading.Event()
-            self._job = (pending, self._thinker.submit(pending.run, halt.is_set), halt)
+            told = partial(self._session.note_calibrated, pending)
+            done = self._thinker.submit(pending.run, halt.is_set, on_calibrated=told)
+            self._job = (pending, done, halt)
         return came
 
     def _obey(self, intent: intents.Intent) -> None:

@@ -66,6 +66,8 @@ class GuideOptions:
     """Whose left and right the page means: the holder's, or the camera's (X changes it)."""
     language: LanguageOption = None
     """Language of the pages, the second one too; usually that of the first browser."""
+    explain: Switch = False
+    """Show the method's loop with its figures above the page, for teaching (9 changes it)."""
     headless: Switch = False
     """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
     host: str = "127.0.0.1"

@@ -11,7 +11,7 @@ from viser import uplot
 from venus3d.engine.amounts import figure
 from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.geometry.pose import Array
-from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.guidance.convergence import Progress, last_gain
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.scene.pages.guide import texts as say
@@ -49,14 +49,11 @@ def _outcome(snapshot: Snapshot) -> str:
 
 
 def brought_text(history: Sequence[Progress]) -> str:
-    """The last view's gain and its target's prediction; empty if unknown, also once an earlier view
-    was dropped, since no calibration lacks just the last one."""
-    if not history or not np.isfinite(history[-1].uncertainty_px):
+    """The last view's gain and its target's prediction; empty if unknown."""
+    before, after = last_gain(history)
+    if not np.isfinite(after):
         return ""
-    if history[-1].views != (history[-2].views if len(history) > 1 else 0) + 1:
-        return ""
-    before = history[-2].uncertainty_px if len(history) > 1 else np.nan
-    now, promised = figure(history[-1].uncertainty_px), history[-1].predicted_uncertainty_px
+    now, promised = figure(after), history[-1].predicted_uncertainty_px
     if not np.isfinite(before):
         return say.LAST_VIEW_ALONE.format(now=now)
     extra = say.PROMISED.format(error=figure(promised)) if np.isfinite(promised) else ""

@@ -99,6 +99,7 @@ def run_guide(
                     tour=options.tour,
                     wording=options.wording,
                     language=options.language,
+                    explain=options.explain,
                 )
             )
         )

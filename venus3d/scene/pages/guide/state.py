@@ -58,6 +58,8 @@ class ViewState:
     """Whether the live picture is shown without lens distortion, once the lens is known."""
     compared: float = 0.5
     """0 ... 1: how much of it, from the left, once the calibration is over; before, all of it."""
+    explain: bool = False
+    """Whether the loop of the method is shown above the page."""
     over: bool = False
     """Whether no more views are asked for."""
 

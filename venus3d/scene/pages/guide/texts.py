@@ -1,6 +1,7 @@
 """Texts of the guided calibration's page."""
 
 from venus3d.engine.calibration.diagnosis import DiagnosisKind
+from venus3d.engine.guidance.loop import LoopPart
 from venus3d.engine.planning.settings import Cost, Method
 from venus3d.languages.texts_module import speak
 
@@ -91,6 +92,10 @@ ROWS = {
         "Stop taking pictures and go on; show them without the lens's distortion once it is known.",
     ),
     "end": ("Then", "End and keep the result; go on with all views; begin without any."),
+    "explain": (
+        "Method",
+        "The method's loop in a line above the page: what goes on now, and how long it takes.",
+    ),
     "page": (
         "Page",
         "The keys and what they do; what stands where on this page; the whole scene, after you "
@@ -114,6 +119,7 @@ BUTTONS: dict[str, tuple[str, ...]] = {
     "pause": ("Pause ␣", "Go on ␣"),
     "straight": ("Straight ⇧F",),
     "autopilot": ("Autopilot ⇧P",),
+    "explain": ("How it works 9",),
     "help": ("Keys H",),
     "tour": ("Tour",),
     "fit": ("Fit Home",),
@@ -142,6 +148,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "go_on": ("Go on", "Do not end, or go on after the end, with all views"),
     "new": ("New session", "Begin a new calibration; this one's result stays in its files"),
     "autopilot": ("Autopilot", "Let the simulated hand move the board, or take it yourself"),
+    "explain": (
+        "How it works",
+        "Show or hide the method's loop: detect, calibrate, search, decompose, capture",
+    ),
 }
 
 BUILT_TITLE = "How this pose is built"
@@ -271,6 +281,23 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "wrong-layout": "another layout of the board",
 }
 """Short forms."""
+
+# -- the loop of the method ------------------------------------------------------------------------
+
+LOOP_PARTS: dict[LoopPart, tuple[str, str]] = {
+    "detect": ("Detect", "Finds the board's corners in each picture."),
+    "calibrate": ("Calibrate", "Works the camera out from all views captured so far."),
+    "search": ("Search", "Looks for the pose whose view would help most."),
+    "decompose": ("Decompose", "Splits the way to that pose into a move and three turns."),
+    "capture": ("Capture", "Takes the view when the board is in place and still; then all again."),
+}
+"""Name of each part, and what it does."""
+LOOP_CORNERS = "{count} corners"
+LOOP_VIEW, LOOP_VIEWS = "1 view", "{count} views"
+LOOP_RMS = "{views}, rms {rms} px"
+LOOP_POSES = "{count} poses"
+LOOP_STEPS, LOOP_STEP_LEFT, LOOP_STEPS_LEFT = "to the target", "1 step", "{count} steps"
+LOOP_GAIN, LOOP_GAINED, LOOP_FIRST_GAIN = "uncertainty", "{before} → {after} px", "{after} px"
 
 # -- the tour --------------------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 left    what to do now, in large letters; below it the progress (views, purpose of the next pose,
 its alternatives) and, in its own tab, the camera's parameters
 middle  the 3D scene
+above   the loop of the method, when asked for
 right   live picture, the four steps as the camera sees them, controls, how this pose is built and
         how poses are found
 """
@@ -15,6 +16,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from venus3d.engine.guidance.loop import Loop
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.pages.guide import texts as say
@@ -25,6 +27,7 @@ from venus3d.scene.pages.guide.diagnosis_panel import diagnoses_html
 from venus3d.scene.pages.guide.end_panel import OVER, EndButtons, EndMap, result_html
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import Intent
+from venus3d.scene.pages.guide.loop_line import loop_html
 from venus3d.scene.pages.guide.method_panel import MethodPanel
 from venus3d.scene.pages.guide.parameters_panel import ParametersPanel
 from venus3d.scene.pages.guide.progress_panel import progress_html
@@ -121,6 +124,9 @@ class GuideView:
         ended = phase in OVER
         self.projections.visible = tiles is not None or not ended
         self._legend.visible = not ended
+        self.loop.visible = state.explain
+        if state.explain:
+            self.loop.content = loop_html(Loop() if snapshot is None else snapshot.loop)
         self.end_buttons.show(state, phase)
         known = None if snapshot is None else snapshot.calibration
         self.controls.show(state, phase, known=known is not None and all(known.free))
@@ -179,6 +185,7 @@ class GuideView:
         blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
         self._legend = gui.add_html(picture_legend_html())
+        self.loop = gui.add_html("", visible=False)
         self.projections = ProjectionsPanel(gui)
         self.controls = ControlPanel(gui, self._ask, simulated=self._simulated)
         title, hint = say.ROWS["page"]

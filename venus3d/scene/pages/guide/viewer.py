@@ -72,6 +72,7 @@ class Viewer(Page[ViewState]):
         tour: bool = False,
         wording: Wording = "holder",
         language: Language | None = None,
+        explain: bool = False,
     ) -> None:
         """Serve the page.
 
@@ -85,10 +86,16 @@ class Viewer(Page[ViewState]):
             tour: show new browsers around.
             wording: whose left and right the page means at the start.
             language: of the page; the first browser's by default.
+            explain: whether the loop of the method is shown at the start.
 
         Raises `AddressError` if the address cannot be bound.
         """
-        state = ViewState(dark=dark, autopilot=autopilot, camera_words=wording == "camera")
+        state = ViewState(
+            dark=dark,
+            autopilot=autopilot,
+            camera_words=wording == "camera",
+            explain=explain,
+        )
         super().__init__(*start_server(host, port, language), state=state)
         self._intents: queue.SimpleQueue[intents.Intent] = queue.SimpleQueue()
         self._snapshot: Snapshot | None = None
