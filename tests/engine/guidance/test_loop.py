@@ -1,4 +1,4 @@
-"""The loop's figures are those of the work that was done, and its active part is the one going on."""
+"""The loop's figures are those of the work done, and its active part is the one going on."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def work_on_the_captured_view(session: Session) -> Loop:
     after = session.apply(outcome).loop
     assert after.rms_px == during[0].rms_px == outcome.calibration.rms_px
     assert 0 < after.calibrate_s == during[0].calibrate_s
-    assert 0 < after.search_s
+    assert after.search_s > 0
     assert after.calibrate_s + after.search_s <= whole_s
     return during[0]
 
