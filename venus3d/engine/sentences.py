@@ -44,6 +44,12 @@ def _restored(text: str, template: str, arguments: Mapping[str, Any]) -> Sentenc
     return Sentence._made(text, template, arguments)  # pyright: ignore[reportPrivateUsage]
 
 
+def said_by(error: BaseException) -> str:
+    """What an error says: the sentence that it was raised with."""
+    given = error.args[0] if len(error.args) == 1 else None
+    return given if isinstance(given, str) else str(error)
+
+
 MORE = Sentence("{count} more")
 _NEXT, _LAST = Sentence("{parts}, {part}"), Sentence("{parts} and {part}")
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from string import Formatter
 from typing import Any
 
-from venus3d.engine.sentences import Sentence
+from venus3d.engine.sentences import Sentence, said_by
 from venus3d.languages.catalogue import sentences_of
 from venus3d.languages.current import Language, current_language
 
@@ -37,8 +37,7 @@ def translated(text: str) -> str:
 
 def translated_error(error: BaseException) -> str:
     """What an error says, in this language."""
-    said = error.args[0] if len(error.args) == 1 else None
-    return translated(said) if isinstance(said, str) else str(error)
+    return translated(said_by(error))
 
 
 def filled(template: str, arguments: Mapping[str, Any]) -> str:

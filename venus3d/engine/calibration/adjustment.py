@@ -37,7 +37,7 @@ from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.engine.sentences import listed
+from venus3d.engine.sentences import Sentence, listed, said_by
 
 LeftOutReason = Literal["undetermined", "misfit"]
 
@@ -112,9 +112,35 @@ _BASIS: dict[Model, Array] = {
     # One parameter moves fx and fy together.
     "startup": np.array([[float(name in ("fx", "fy"))] for name in PARAMETERS]),
 }
-_UNTIED = (
+_UNTIED = Sentence(
     "The focal length is not determined by these views: {why}; "
     "tilt the board by 20-45° in different directions."
+)
+
+
+_FRONTAL_OR_PARALLEL = Sentence("they may all be frontal or parallel")
+_MAYBE_PARALLEL = Sentence("they may all be parallel")
+_FOLDED = Sentence("the estimate folded up")
+_NEARLY = Sentence("they are nearly frontal or nearly parallel")
+_PARALLEL = Sentence("all of them are parallel")
+_WITH_THE_REST = Sentence("{error} {left_out}")
+_NOT_USED = Sentence(
+    "Not used: {names}, which show fewer than four corners, corners on one line, or no image of "
+    "this board."
+)
+_VIEW = Sentence("view {number}")
+_NO_VIEW = Sentence(
+    "There is no view to calibrate from: the board was found in no image; check its size (columns "
+    "and rows swapped?), its dictionary and that the picture is sharp."
+)
+_SIZES = Sentence("The images differ in size ({sizes} px); calibrate each size by itself.")
+_TOO_FEW_A_VIEW = Sentence(
+    "No view shows enough of the board: each has fewer than four corners, or only corners on one "
+    "line; bring the board nearer, or more of it into the picture."
+)
+_TOO_FEW = Sentence(
+    "{count} corners in {views} views are too few for the nine parameters; take more views, or "
+    "views that show more of the board."
 )
 
 
@@ -155,7 +181,8 @@ def calibrate(
     except CalibrationError as error:
         if not left_out:
             raise
-        raise CalibrationError(f"{error} {_named(left_out)}") from error
+        said = _WITH_THE_REST.format(error=said_by(error), left_out=_named(left_out))
+        raise CalibrationError(said) from error
     left_out += [
         LeftOut(number, seen, "misfit")
         for index, (number, seen) in enumerate(usable)
@@ -165,11 +192,8 @@ def calibrate(
 
 
 def _named(left_out: Sequence[LeftOut]) -> str:
-    names = listed([one.observation.name or f"view {one.number}" for one in left_out])
-    return (
-        f"Not used: {names}, which show fewer than four corners, corners on one line, or no image "
-        "of this board."
-    )
+    names = [one.observation.name or _VIEW.format(number=one.number) for one in left_out]
+    return _NOT_USED.format(names=listed(names))
 
 
 def _usable(
@@ -213,7 +237,7 @@ def _fitted(
         fit = without_outliers(problem, solution)
         return with_shape(board, fit) or fit
     except CalibrationError as error:
-        raise CalibrationError(_UNTIED.format(why="they may all be frontal or parallel")) from error
+        raise CalibrationError(_UNTIED.format(why=_FRONTAL_OR_PARALLEL)) from error
 
 
 def _calibration(
@@ -256,7 +280,7 @@ def _covariances(board: Board, fit: RobustFit, model: Model) -> tuple[CornerErro
         with np.errstate(divide="ignore", invalid="ignore"):  # an exactly frontal view
             unit = covariance_of(fit.solution.information)
     except np.linalg.LinAlgError as error:
-        raise CalibrationError(_UNTIED.format(why="they may all be parallel")) from error
+        raise CalibrationError(_UNTIED.format(why=_MAYBE_PARALLEL)) from error
     if model == "startup":
         basis = fit.problem.basis
         unit = basis @ unit @ basis.T
@@ -281,7 +305,7 @@ def _view(
     fitted = seen if used.all() else seen.only(used)
     errors = reprojection_errors(camera, board, fitted, pose)
     if not np.isfinite(errors).all():
-        raise CalibrationError(_UNTIED.format(why="the estimate folded up"))
+        raise CalibrationError(_UNTIED.format(why=_FOLDED))
     left_out = None if used.all() else seen.only(~used)
     return View(number, fitted, pose, rms_distance(errors), errors, left_out)
 
@@ -295,32 +319,21 @@ def largest_angle_deg(calibration: Calibration) -> float:
 def _common_size(observations: Sequence[Observation]) -> tuple[int, int]:
     """(width, height) of all observations; raises if there is none or they differ."""
     if not observations:
-        raise CalibrationError(
-            "There is no view to calibrate from: the board was found in no image; check its size "
-            "(columns and rows swapped?), its dictionary and that the picture is sharp."
-        )
+        raise CalibrationError(_NO_VIEW)
     sizes = sorted({o.image_size for o in observations})
     if len(sizes) > 1:
-        named = " and ".join(f"{w} x {h}" for w, h in sizes)
-        raise CalibrationError(
-            f"The images differ in size ({named} px); calibrate each size by itself."
-        )
+        named = listed([f"{w} x {h}" for w, h in sizes])
+        raise CalibrationError(_SIZES.format(sizes=named))
     return sizes[0]
 
 
 def _checked_count(corners: Corners | None, model: Model) -> Corners:
     """The corners; raises if they are too few for the model."""
     if corners is None or not len(corners.weights):
-        raise CalibrationError(
-            "No view shows enough of the board: each has fewer than four corners, or only corners "
-            "on one line; bring the board nearer, or more of it into the picture."
-        )
+        raise CalibrationError(_TOO_FEW_A_VIEW)
     count, views = int(corners.weights.sum()), len(corners.weights)
     if 2 * count - _BASIS[model].shape[1] - 6 * views <= 0:
-        raise CalibrationError(
-            f"{count} corners in {views} views are too few for the nine parameters; "
-            "take more views, or views that show more of the board."
-        )
+        raise CalibrationError(_TOO_FEW.format(count=count, views=views))
     return corners
 
 
@@ -330,13 +343,13 @@ def _check_determined(camera: Camera, unit: Array, sigma: float, model: Model) -
     f = np.array([camera.fx, camera.fy])
     nominal = max(sigma, _NOMINAL_NOISE_PX[model]) * np.sqrt(np.maximum(variance[:2], 0)) / f
     if not np.isfinite(unit).all() or (variance < 0).any() or nominal.max() > UNDETERMINED:
-        raise CalibrationError(_UNTIED.format(why="they are nearly frontal or nearly parallel"))
+        raise CalibrationError(_UNTIED.format(why=_NEARLY))
 
 
 def _check_result(calibration: Calibration) -> None:
     camera = calibration.camera
     if all(calibration.free) and largest_angle_deg(calibration) < PARALLEL_DEG:
-        raise CalibrationError(_UNTIED.format(why="all of them are parallel"))
+        raise CalibrationError(_UNTIED.format(why=_PARALLEL))
     if not (0 <= camera.cx < camera.width and 0 <= camera.cy < camera.height):
         raise CalibrationError(
             f"The result makes no sense (principal point at {camera.cx:.0f}, {camera.cy:.0f} px, "

@@ -16,22 +16,22 @@ from numpy.typing import ArrayLike
 from venus3d.engine.amounts import size_deg, size_mm, whole
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Axis
-from venus3d.engine.sentences import listed
+from venus3d.engine.sentences import Sentence, listed
 
 Phase = Literal["startup", "guiding", "captured", "converged", "finished"]
 """startup: until the first capture; guiding: a target is shown; captured: calibrating and
 searching; converged: the parameters have settled; finished: ended by the user or complete."""
 
 PARAMETER_DESCRIPTIONS = (
-    "focal length, horizontal",
-    "focal length, vertical",
-    "image centre, horizontal",
-    "image centre, vertical",
-    "radial distortion, 1st",
-    "radial distortion, 2nd",
-    "tangential distortion, 1st",
-    "tangential distortion, 2nd",
-    "radial distortion, 3rd",
+    Sentence("focal length, horizontal"),
+    Sentence("focal length, vertical"),
+    Sentence("image centre, horizontal"),
+    Sentence("image centre, vertical"),
+    Sentence("radial distortion, 1st"),
+    Sentence("radial distortion, 2nd"),
+    Sentence("tangential distortion, 1st"),
+    Sentence("tangential distortion, 2nd"),
+    Sentence("radial distortion, 3rd"),
 )
 """Descriptions of the nine parameters, in their order. The image centre is the principal point:
 where the optical axis meets the image."""
@@ -55,6 +55,36 @@ class Prompt:
         return self.holder if wording == "holder" else self.camera
 
 
+_MOVE, _NO_MOVE = (
+    Sentence("Move the board {parts}."),
+    Sentence("The position is right; leave it."),
+)
+_RIGHT, _LEFT = Sentence("{mm} to the right"), Sentence("{mm} to the left")
+_YOUR_RIGHT, _YOUR_LEFT = Sentence("{mm} to your right"), Sentence("{mm} to your left")
+_DOWN, _UP = Sentence("{mm} down"), Sentence("{mm} up")
+_AWAY, _NEARER = Sentence("{mm} away from the camera"), Sentence("{mm} towards the camera")
+_NO_TURN = Sentence("Nothing to turn about {axis}.")
+_TOP = Sentence("Tilt the top edge towards the camera by {amount}.")
+_BOTTOM = Sentence("Tilt the bottom edge towards the camera by {amount}.")
+_CLOCKWISE = Sentence("Rotate the board clockwise by {amount}.")
+_COUNTER = Sentence("Rotate the board counter-clockwise by {amount}.")
+_TURNS: dict[tuple[Axis, bool], tuple[Sentence, Sentence]] = {
+    ("x", True): (_TOP, _TOP),
+    ("x", False): (_BOTTOM, _BOTTOM),
+    ("y", True): (
+        Sentence("Swing the right edge towards the camera by {amount}."),
+        Sentence("Swing the edge on your left towards the camera by {amount}."),
+    ),
+    ("y", False): (
+        Sentence("Swing the left edge towards the camera by {amount}."),
+        Sentence("Swing the edge on your right towards the camera by {amount}."),
+    ),
+    ("z", True): (_CLOCKWISE, _COUNTER),
+    ("z", False): (_COUNTER, _CLOCKWISE),
+}
+"""By axis and whether the turn is positive: for the camera, for the holder."""
+
+
 def step_prompt(step: Step) -> Prompt:
     """The instruction for one of the four steps."""
     if step.axis is None:
@@ -65,69 +95,67 @@ def step_prompt(step: Step) -> Prompt:
 def translation_prompt(translation: ArrayLike) -> Prompt:
     """For a displacement (3,) of the board's centre in the camera's frame, metres."""
     x, y, z = (float(v) * 1000 for v in np.asarray(translation, dtype=np.float64))
-    depth = _part(z, "away from the camera", "towards the camera")
-    height = _part(y, "down", "up")
+    others = [*_part(y, _DOWN, _UP), *_part(z, _AWAY, _NEARER)]
 
-    def sentence(right: str, left: str) -> str:
-        parts = [part for part in (_part(x, right, left), height, depth) if part]
-        if not parts:
-            return "The position is right; leave it."
-        return "Move the board " + listed(parts) + "."
+    def sentence(right: Sentence, left: Sentence) -> str:
+        parts = [*_part(x, right, left), *others]
+        return _MOVE.format(parts=listed(parts)) if parts else _NO_MOVE
 
-    return Prompt(
-        sentence("to the right", "to the left"), sentence("to your left", "to your right")
-    )
+    return Prompt(sentence(_RIGHT, _LEFT), sentence(_YOUR_LEFT, _YOUR_RIGHT))
 
 
 def turn_prompt(axis: Axis, angle_deg: float) -> Prompt:
     """For a signed turn about one of the camera's fixed axes, degrees."""
     amount = size_deg(angle_deg)
     if not whole(angle_deg):
-        return _both(f"Nothing to turn about {axis.upper()}.")
-    if axis == "x":
-        edge = "top" if angle_deg > 0 else "bottom"
-        return _both(f"Tilt the {edge} edge towards the camera by {amount}.")
-    if axis == "y":
-        seen, held = ("right", "left") if angle_deg > 0 else ("left", "right")
-        return Prompt(
-            f"Swing the {seen} edge towards the camera by {amount}.",
-            f"Swing the edge on your {held} towards the camera by {amount}.",
-        )
-    seen, held = ("clockwise", "counter-clockwise")[:: 1 if angle_deg > 0 else -1]
-    return Prompt(f"Rotate the board {seen} by {amount}.", f"Rotate the board {held} by {amount}.")
+        return _both(_NO_TURN.format(axis=axis.upper()))
+    seen, held = _TURNS[axis, angle_deg > 0]
+    return Prompt(seen.format(amount=amount), held.format(amount=amount))
 
 
-def _part(mm: float, positive: str, negative: str) -> str:
-    return f"{size_mm(mm)} {positive if mm > 0 else negative}" if whole(mm) else ""
+def _part(mm: float, positive: Sentence, negative: Sentence) -> tuple[Sentence, ...]:
+    """This part of a move; none if it rounds to nothing."""
+    return ((positive if mm > 0 else negative).format(mm=size_mm(mm)),) if whole(mm) else ()
 
 
 def _both(text: str) -> Prompt:
     return Prompt(text, text)
 
 
-STEP_DONE = _both("This step is done; leave it.")
-STEP_HEADLINE = "Step {number} of 4"
-HOLD_HEADLINE = "Hold still"
-HOLD_STILL = _both("Hold the board still.")
-NOT_SEEN = _both("The board is not seen: bring it back into the picture.")
+STEP_DONE = _both(Sentence("This step is done; leave it."))
+STEP_HEADLINE = Sentence("Step {number} of 4")
+HOLD_HEADLINE = Sentence("Hold still")
+HOLD_STILL = _both(Sentence("Hold the board still."))
+NOT_SEEN = _both(Sentence("The board is not seen: bring it back into the picture."))
 _NO_TARGET = _both(
-    "Hold the board as you like, tilted and well spread over the picture, and press C."
+    Sentence("Hold the board as you like, tilted and well spread over the picture, and press C.")
 )
-FINISHED = _both("You have ended this calibration.")
-ENOUGH = _both("All the views asked for are taken, and not every parameter has settled.")
-STARTUP_REASON = (
+FINISHED = _both(Sentence("You have ended this calibration."))
+ENOUGH = _both(Sentence("All the views asked for are taken, and not every parameter has settled."))
+STARTUP_REASON = Sentence(
     "A board tilted by 45° shows the focal length in a single picture: its far edge looks shorter."
 )
-GIVEN_REASON = "This pose was asked for."
-ONLY_SHOWN = ("No target", _both("The board as it is held now."))
+GIVEN_REASON = Sentence("This pose was asked for.")
+_NO_TARGET_HEADLINE = Sentence("No target")
+ONLY_SHOWN = (_NO_TARGET_HEADLINE, _both(Sentence("The board as it is held now.")))
+_FINISHED_HEADLINE = Sentence("Finished")
+_NOT_SEEN_HEADLINE = Sentence("Board not seen")
+_SHOW_HEADLINE = Sentence("Show the board")
+_SHOW = _both(Sentence("Hold the board upright in front of the camera."))
+_MOVE_BACK = Sentence(
+    "Move the board back until all of it is in the picture ({seen} of {corners} corners)."
+)
 
 _AFTER_CAPTURE: dict[Phase, tuple[str, Prompt]] = {
-    "captured": ("Captured", _both("Got it. Working out the camera and the next pose.")),
-    "converged": (
-        "Calibrated",
-        _both("The camera is calibrated: more views change nothing that matters."),
+    "captured": (
+        Sentence("Captured"),
+        _both(Sentence("Got it. Working out the camera and the next pose.")),
     ),
-    "finished": ("Finished", FINISHED),
+    "converged": (
+        Sentence("Calibrated"),
+        _both(Sentence("The camera is calibrated: more views change nothing that matters.")),
+    ),
+    "finished": (_FINISHED_HEADLINE, FINISHED),
 }
 
 
@@ -142,18 +170,16 @@ def headline_and_prompt(
         by_user: whether the user ended the session.
     """
     if phase == "finished" and not by_user:
-        return "Finished", ENOUGH
+        return _FINISHED_HEADLINE, ENOUGH
     if phase in _AFTER_CAPTURE:
         return _AFTER_CAPTURE[phase]
     if not seen:
-        return "Board not seen", NOT_SEEN
-    return ("No target", _NO_TARGET) if current is None else current
+        return _NOT_SEEN_HEADLINE, NOT_SEEN
+    return (_NO_TARGET_HEADLINE, _NO_TARGET) if current is None else current
 
 
 def startup_headline_and_prompt(seen: int, corners: int) -> tuple[str, Prompt]:
     """The same before the whole board was first seen: `seen` of its `corners` are."""
     if seen == 0:
-        return "Show the board", _both("Hold the board upright in front of the camera.")
-    return "Show the board", _both(
-        f"Move the board back until all of it is in the picture ({seen} of {corners} corners)."
-    )
+        return _SHOW_HEADLINE, _SHOW
+    return _SHOW_HEADLINE, _both(_MOVE_BACK.format(seen=seen, corners=corners))

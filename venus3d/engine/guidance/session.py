@@ -36,6 +36,9 @@ from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.settings import Cost, Method
 from venus3d.engine.planning.target import Target
+from venus3d.engine.sentences import Sentence, said_by
+
+_NOT_KEPT = Sentence("The last view was not kept: {error}")
 
 
 class Session:
@@ -240,7 +243,7 @@ class Session:
         """`work` failed: drops its last view and adds a warning."""
         if work is self.pending:
             self.pending = None
-            self._lost = lost = f"The last view was not kept: {error}"
+            self._lost = lost = _NOT_KEPT.format(error=said_by(error))
             self._captured.drop(self._captured.views[-1].number)
             if not self._go_on():
                 self._warnings = (lost,)

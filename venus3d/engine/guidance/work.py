@@ -33,6 +33,10 @@ from venus3d.engine.planning.search_trace import OnSearchStep, SearchRecorder, S
 from venus3d.engine.planning.suggest import NextTarget, Planner
 from venus3d.engine.planning.target import Target
 from venus3d.engine.planning.uncertainty import ProjectionUncertainty, projection_uncertainty
+from venus3d.engine.sentences import Sentence, said_by
+
+_SIMPLER = Sentence("Without lens distortion for now. {cause}")
+_GUESSED = Sentence("The camera is only guessed for now. {cause}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +114,10 @@ class Work:
                 rng = np.random.default_rng([settings.seed, self.target_number])
                 suggestion = planner.next_target(self.target_number, rng, self.heuristic_state)
             except VenusError as error:
-                warnings = (*warnings, str(error))  # the views stay; more can be captured manually
+                warnings = (
+                    *warnings,
+                    said_by(error),
+                )  # the views stay; more can be captured manually
         if suggestion is not None and suggestion.note:
             warnings = (*warnings, suggestion.note)
         target = None if suggestion is None else suggestion.target
@@ -143,20 +150,19 @@ class Work:
 
     def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
         """The fullest model that the views determine, and a sentence if it is not the full one."""
-        cause = ""
+        cause: str = ""
         if len(self.observations) > 1:
             try:
                 return calibrate(self.board, self.observations, numbers=self.numbers), ()
             except CalibrationError as error:
-                cause = f" {error}"
+                cause = said_by(error)
         # The views stay; a simpler model serves until more come.
         try:
             simple = calibrate(self.board, self.observations, model="startup", numbers=self.numbers)
-            note = f"Without lens distortion for now.{cause}" if cause else ""
-            return simple, (note,) if note else ()
+            return simple, (_SIMPLER.format(cause=cause),) if cause else ()
         except CalibrationError as error:
             return provisional(self.board, self.observations, self.numbers, self.start), (
-                f"The camera is only guessed for now.{cause or f' {error}'}",
+                _GUESSED.format(cause=cause or said_by(error)),
             )
 
     def _forecast(

@@ -9,6 +9,7 @@ from venus3d.engine.calibration.information import covariance_of, view_informati
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose, turn
+from venus3d.engine.sentences import Sentence
 
 NOISE_PX = 0.1**0.5
 """Corner noise of the paper's simulation (4.1.2), per axis: a variance of 0.1 px²."""
@@ -52,17 +53,25 @@ def focal_sigma(
     return sigma if sigma < camera.fx else float("inf")
 
 
+_NOTHING = Sentence(
+    "{views} pictures like this say nothing about the focal length: nearer or more zoomed in, the "
+    "board looks the same."
+)
+_SIGMA = Sentence(
+    "{views} pictures like this tell the focal length to ± {sigma} px of {focal:.0f} ({share} %)."
+)
+
+
 def focal_words(sigma_px: float, camera: Camera, views: int = 4) -> str:
     """The meaning of `focal_sigma` in one sentence."""
     if not sigma_px < camera.fx:
-        return (
-            f"{views} pictures like this say nothing about the focal length: nearer or more "
-            "zoomed in, the board looks the same."
-        )
+        return _NOTHING.format(views=views)
     share = 100 * sigma_px / camera.fx
-    return (
-        f"{views} pictures like this tell the focal length to ± {sigma_px:.{sigma_px < 10:d}f} px "
-        f"of {camera.fx:.0f} ({share:.{share < 10:d}f} %)."
+    return _SIGMA.format(
+        views=views,
+        sigma=f"{sigma_px:.{sigma_px < 10:d}f}",
+        focal=camera.fx,
+        share=f"{share:.{share < 10:d}f}",
     )
 
 

@@ -18,6 +18,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import AXES, Array, rotations_of
 from venus3d.engine.geometry.visibility import Visibility, visibility_of
+from venus3d.engine.sentences import Sentence
 
 Mask = NDArray[np.bool_]
 SLACK = 1e-9
@@ -145,40 +146,57 @@ def _normals(vectors: Array) -> Array:
 
 # The first four and last four of the points of `visibility_of`.
 _POINTS = (
-    "The top left corner",
-    "The top right corner",
-    "The bottom right corner",
-    "The bottom left corner",
-    "The middle of the top edge",
-    "The middle of the right edge",
-    "The middle of the bottom edge",
-    "The middle of the left edge",
+    Sentence("The top left corner"),
+    Sentence("The top right corner"),
+    Sentence("The bottom right corner"),
+    Sentence("The bottom left corner"),
+    Sentence("The middle of the top edge"),
+    Sentence("The middle of the right edge"),
+    Sentence("The middle of the bottom edge"),
+    Sentence("The middle of the left edge"),
 )
+# Each border of the image: that a point is beyond it, and that it is too near it.
 _SIDES = (
-    ("left", "on the left"),
-    ("right", "on the right"),
-    ("top", "at the top"),
-    ("bottom", "at the bottom"),
+    (
+        Sentence("{point} leaves the picture on the left by {value} px."),
+        Sentence(
+            "{point} is only {value} px from the picture's left edge; {limit} px must stay free."
+        ),
+    ),
+    (
+        Sentence("{point} leaves the picture on the right by {value} px."),
+        Sentence(
+            "{point} is only {value} px from the picture's right edge; {limit} px must stay free."
+        ),
+    ),
+    (
+        Sentence("{point} leaves the picture at the top by {value} px."),
+        Sentence(
+            "{point} is only {value} px from the picture's top edge; {limit} px must stay free."
+        ),
+    ),
+    (
+        Sentence("{point} leaves the picture at the bottom by {value} px."),
+        Sentence(
+            "{point} is only {value} px from the picture's bottom edge; {limit} px must stay free."
+        ),
+    ),
 )
 
-ANGLE = "The turn about {axis} is {value}°; more than {limit:g}° is hard to hold."
-TILT = (
+ANGLE = Sentence("The turn about {axis} is {value}°; more than {limit:g}° is hard to hold.")
+TILT = Sentence(
     "The board is tilted by {value}° away from the camera's line of sight; beyond {limit:g}° "
     "its pattern blurs."
 )
-BACK = "The camera sees the back of the board."
-BEHIND = "Part of the board is beside or behind the lens, where it cannot be seen."
-NEAR = "{point} is too near: {value} mm from the lens, and {limit} mm is the nearest."
-FAR = "{point} is too far away: {value} mm from the lens, and {limit} mm is the farthest."
-DEPTH = (
+BACK = Sentence("The camera sees the back of the board.")
+BEHIND = Sentence("Part of the board is beside or behind the lens, where it cannot be seen.")
+NEAR = Sentence("{point} is too near: {value} mm from the lens, and {limit} mm is the nearest.")
+FAR = Sentence("{point} is too far away: {value} mm from the lens, and {limit} mm is the farthest.")
+DEPTH = Sentence(
     "{point} is {value:.1f} times as far away as the nearest one; beyond {limit:g} times, not all "
     "of the board is in focus."
 )
-OUTSIDE = "{point} leaves the picture {side} by {value} px."
-AT_THE_EDGE = (
-    "{point} is only {value} px from the picture's {side} edge; {limit} px must stay free."
-)
-SMALL = (
+SMALL = Sentence(
     "The smallest square is {value} px wide in the picture; its marker is read from {limit} px on."
 )
 
@@ -262,7 +280,7 @@ def _sides(limits: Limits, camera: Camera, seen: Visibility) -> Iterator[Refusal
     low, high = limits.frame(camera)
     x, y = seen.pixels[:, [0, 1, 2, 3, 12, 13, 14, 15], 0]
     border = limits.margin * camera.width
-    for (side, where), past in zip(
+    for (outside, at_the_edge), past in zip(
         _SIDES, (low[0] - x, x - high[0], low[1] - y, y - high[1]), strict=True
     ):
         worst = int(np.argmax(past))
@@ -270,14 +288,10 @@ def _sides(limits: Limits, camera: Camera, seen: Visibility) -> Iterator[Refusal
         if beyond / camera.width <= SLACK:
             continue
         if beyond > border:
-            value = whole(beyond - border)
-            text = OUTSIDE.format(point=_POINTS[worst], side=where, value=value)
+            text = outside.format(point=_POINTS[worst], value=whole(beyond - border))
         else:
-            text = AT_THE_EDGE.format(
-                point=_POINTS[worst],
-                side=side,
-                value=whole(border - beyond),
-                limit=whole(border),
+            text = at_the_edge.format(
+                point=_POINTS[worst], value=whole(border - beyond), limit=whole(border)
             )
         corners = tuple(int(i) for i in np.flatnonzero(past[:4] > 0))
         yield Refusal("outside", text, beyond / camera.width, corners)

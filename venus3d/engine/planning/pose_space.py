@@ -21,6 +21,7 @@ from venus3d.engine.geometry.visibility import Visibility, visibility_of
 from venus3d.engine.planning.limits import Limits, Mask, refusals
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.settings import PlanningSettings
+from venus3d.engine.sentences import Sentence, listed
 
 SKIPPED_DEG = 15.0
 SKIPPED_FRACTION = 0.1
@@ -117,12 +118,20 @@ def _near(vectors: Array, pose: Pose) -> Mask:
     return near & (angle < SKIPPED_DEG)
 
 
+_NOTHING_FITS = Sentence(
+    "No pose of this board fits the limits on a target; widen them (the distances {near:g} to "
+    "{far:g} m, the tilt, the smallest square)."
+)
+_BECAUSE = Sentence("{cause} {changed}")
+_CHANGED = Sentence("It is {parts}.")
+_TURNED = Sentence("turned about {axis} by {new} instead of {old}")
+_HELD = Sentence("held at {new} instead of {old}")
+_CENTRED = Sentence("moved towards the centre of the picture")
+
+
 def nothing_fits(space: Space) -> VenusError:
     """The error to raise if no pose of the space was found."""
-    return VenusError(
-        "No pose of this board fits the limits on a target; widen them (the distances "
-        f"{space.limits.nearest:g} to {space.limits.farthest:g} m, the tilt, the smallest square)."
-    )
+    return VenusError(_NOTHING_FITS.format(near=space.limits.nearest, far=space.limits.farthest))
 
 
 def onto_limits(
@@ -182,7 +191,8 @@ def brought_within(
         good = limits.accepts(camera, board, candidates[block])
         if good.any():
             best = candidates[block[int(np.argmax(good))]]
-            return best, f"{cause} {_change_in_words(p, best)}".strip()
+            changed = _change_in_words(p, best)
+            return best, _BECAUSE.format(cause=cause, changed=changed) if changed else cause
     return p, cause
 
 
@@ -190,12 +200,13 @@ def _change_in_words(before: Array, after: Array) -> str:
     parts: list[str] = []
     for name, old, new in zip("XY", before[:2], after[:2], strict=True):
         if abs(new - old) > 0.05:
-            parts.append(f"turned about {name} by {degrees(new)} instead of {degrees(old)}")
+            parts.append(_TURNED.format(axis=name, new=degrees(new), old=degrees(old)))
     if abs(after[5] / before[5] - 1) > 1e-6:
-        parts.append(f"held at {size_mm(1000 * after[5])} instead of {size_mm(1000 * before[5])}")
+        new, old = size_mm(1000 * after[5]), size_mm(1000 * before[5])
+        parts.append(_HELD.format(new=new, old=old))
     if np.linalg.norm(after[3:5] / after[5] - before[3:5] / before[5]) > 1e-6:
-        parts.append("moved towards the centre of the picture")
-    return f"It is {' and '.join(parts)}." if parts else ""
+        parts.append(_CENTRED)
+    return _CHANGED.format(parts=listed(parts)) if parts else ""
 
 
 def _step(limits: Limits, camera: Camera, p: Array, seen: Visibility) -> Array:

@@ -13,16 +13,72 @@ from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.decomposition import Steps, decompose
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.settings import Cost, Method
+from venus3d.engine.sentences import Sentence, listed, with_commas
 
-_FOCAL = {"fx": "horizontal", "fy": "vertical"}
-_CENTRE = {"cx": "left to right", "cy": "up and down"}
-_FULL = "over most"
+_FOCAL, _CENTRE = ("fx", "fy"), ("cx", "cy")
 # By row (middle, lower, upper) and column (middle, right, left), so that -1 is the last.
 _PLACES = (
-    ("in the middle", "on the right", "on the left"),
-    ("at the bottom", "at the lower right", "at the lower left"),
-    ("at the top", "at the upper right", "at the upper left"),
+    (Sentence("in the middle"), Sentence("on the right"), Sentence("on the left")),
+    (Sentence("at the bottom"), Sentence("at the lower right"), Sentence("at the lower left")),
+    (Sentence("at the top"), Sentence("at the upper right"), Sentence("at the upper left")),
 )
+# The same where the board reaches out to the image's border.
+_BORDERS = (
+    ("", Sentence("at the right side"), Sentence("at the left side")),
+    (
+        Sentence("at the bottom"),
+        Sentence("in the bottom right corner"),
+        Sentence("in the bottom left corner"),
+    ),
+    (
+        Sentence("at the top"),
+        Sentence("in the top right corner"),
+        Sentence("in the top left corner"),
+    ),
+)
+_FULL = "full"
+# By row (middle, lower, upper) and column (middle, right, left) of what is nearer.
+_NEARER = (
+    ("", Sentence("right edge {angle} nearer"), Sentence("left edge {angle} nearer")),
+    (
+        Sentence("bottom edge {angle} nearer"),
+        Sentence("bottom right corner {angle} nearer"),
+        Sentence("bottom left corner {angle} nearer"),
+    ),
+    (
+        Sentence("top edge {angle} nearer"),
+        Sentence("top right corner {angle} nearer"),
+        Sentence("top left corner {angle} nearer"),
+    ),
+)
+_UPRIGHT = Sentence("upright")
+_CLOCKWISE = Sentence("turned {angle} clockwise")
+_COUNTER = Sentence("turned {angle} counter-clockwise")
+_FACING = Sentence("facing the camera")
+_DISTANCE = Sentence("{cm} cm away")
+
+_REASON = Sentence("{does} {finds}.")
+_COVERS = Sentence("A board over most of the picture shows")
+_BENDS = Sentence("The board {place} of the picture, where the lens bends most, shows")
+_TILTS = {
+    "x": Sentence("Tilting the board about X makes one side look smaller, and that shows"),
+    "y": Sentence("Tilting the board about Y makes one side look smaller, and that shows"),
+    "xy": Sentence("Tilting the board about X and Y makes one side look smaller, and that shows"),
+}
+_HOLDS = Sentence("Holding the board {place} of the picture shows")
+_FACES = Sentence("Facing the camera squarely, the board shows")
+_FOCAL_LENGTHS = {
+    "fx": Sentence("the horizontal focal length ({names})"),
+    "fy": Sentence("the vertical focal length ({names})"),
+    "": Sentence("the focal length ({names})"),
+}
+_CENTRES = {
+    "cx": Sentence("where the lens points, left to right ({names})"),
+    "cy": Sentence("where the lens points, up and down ({names})"),
+    "": Sentence("where the lens points ({names})"),
+}
+_LENS_BENDS = Sentence("how the lens bends straight lines ({names})")
+_ANYTHING = Sentence("a little of everything")
 _LENS = ("k1", "k2", "k3", "p1", "p2")
 
 
@@ -105,23 +161,25 @@ def served(before: Array, after: Array, first: str | None = None) -> tuple[str, 
 def reason_for(serves: Sequence[str], pose: Pose, camera: Camera, board: Board) -> str:
     """One sentence: what in this pose is most informative about the parameters it serves."""
     lens = bool(serves) and serves[0] in _LENS
-    return f"{_what_it_does(pose, camera, board, lens)} {_what_it_finds(serves)}."
+    return _REASON.format(
+        does=_what_it_does(pose, camera, board, lens), finds=_what_it_finds(serves)
+    )
 
 
 def held_in_words(pose: Pose, camera: Camera) -> str:
     """How the board is held: turn in the image, place, tilt, distance. Sides are the image's."""
     roll = float(pose.vector()[2])
-    turn = "clockwise" if roll > 0 else "counter-clockwise"
+    turn = _CLOCKWISE if roll > 0 else _COUNTER
     u, v = camera.without_distortion().project(pose.t) / (camera.width, camera.height)
     x, y = (-1 if share < 0.38 else 1 if share > 0.62 else 0 for share in (float(u), float(v)))
     tilt = tilt_deg(pose)
     parts = (
-        "upright" if abs(roll) < 8 else f"turned {size_deg(roll)} {turn}",
+        _UPRIGHT if abs(roll) < 8 else turn.format(angle=size_deg(roll)),
         _PLACES[y][x],
-        "facing the camera" if tilt < 8 else f"{_edge_in_front(pose)} {size_deg(tilt)} nearer",
-        f"{whole(100 * float(np.linalg.norm(pose.t)))} cm away",
+        _FACING if tilt < 8 else _in_front(pose).format(angle=size_deg(tilt)),
+        _DISTANCE.format(cm=whole(100 * float(np.linalg.norm(pose.t)))),
     )
-    return ", ".join(parts)
+    return with_commas(parts)
 
 
 def tilt_deg(pose: Pose) -> float:
@@ -130,35 +188,33 @@ def tilt_deg(pose: Pose) -> float:
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
-def _edge_in_front(pose: Pose) -> str:
+def _in_front(pose: Pose) -> str:
     """The edge or corner in the image that is nearer than the line of sight alone makes it:
     opposite the side towards which the normal (away from the camera) leans."""
     line = pose.t / np.linalg.norm(pose.t)
     x, y = (pose.R[:, 2] - (pose.R[:, 2] @ line) * line)[:2]
-    across, up = "right" if x > 0 else "left", "top" if y < 0 else "bottom"
-    if abs(x) > 2.4 * abs(y):
-        return f"{across} edge"
-    return f"{up} edge" if abs(y) > 2.4 * abs(x) else f"{up} {across} corner"
+    across, up = 1 if x > 0 else -1, -1 if y < 0 else 1
+    return _NEARER[0 if abs(x) > 2.4 * abs(y) else up][0 if abs(y) > 2.4 * abs(x) else across]
 
 
 def _what_it_does(pose: Pose, camera: Camera, board: Board, lens: bool) -> str:
     """The subject of the sentence: the tilt, or for the lens the place in the image."""
     tilt, place = tilt_deg(pose), _place(pose, camera, board)
     if lens and place == _FULL:
-        return "A board over most of the picture shows"
+        return _COVERS
     if lens and place:
-        return f"The board {place} of the picture, where the lens bends most, shows"
+        return _BENDS.format(place=place)
     if tilt >= 12:
         x, y = (abs(float(angle)) for angle in pose.vector()[:2])
-        axis = "about X" if x > 2 * y else "about Y" if y > 2 * x else "about X and Y"
-        return f"Tilting the board {axis} makes one side look smaller, and that shows"
-    if place:
-        return f"Holding the board {place} of the picture shows"
-    return "Facing the camera squarely, the board shows"
+        return _TILTS["x" if x > 2 * y else "y" if y > 2 * x else "xy"]
+    if place == _FULL:
+        return _COVERS
+    return _HOLDS.format(place=place) if place else _FACES
 
 
 def _place(pose: Pose, camera: Camera, board: Board) -> str:
-    """Where the board reaches furthest out in the image; empty in the middle."""
+    """Where the board reaches furthest out in the image; empty in the middle, `_FULL` if it covers
+    most of it."""
     pixels = camera.without_distortion().project(pose.apply(board.outline))
     size = np.array([camera.width, camera.height])
     if not np.isfinite(pixels).all():
@@ -172,25 +228,18 @@ def _place(pose: Pose, camera: Camera, board: Board) -> str:
     )
     if not x and not y:
         return _FULL if max(*low, *high) < 0.12 else ""
-    sides = {(0, -1): "top", (0, 1): "bottom", (-1, 0): "left side", (1, 0): "right side"}
-    if x and y:
-        return f"in the {'top' if y < 0 else 'bottom'} {'left' if x < 0 else 'right'} corner"
-    return f"at the {sides[(x, y)]}"
+    return _BORDERS[y][x]
 
 
 def _what_it_finds(serves: Sequence[str]) -> str:
     """The object of the sentence: the parameters by kind, the most served kind first."""
     focal, centre, lens = (sorted(set(kind) & set(serves)) for kind in (_FOCAL, _CENTRE, _LENS))
     phrases: dict[str, str] = {}
-    if focal:
-        kind = "" if len(focal) == 2 else _FOCAL[focal[0]] + " "
-        phrases |= dict.fromkeys(focal, f"the {kind}focal length ({', '.join(focal)})")
-    if centre:
-        where = "" if len(centre) == 2 else f", {_CENTRE[centre[0]]}"
-        phrases |= dict.fromkeys(centre, f"where the lens points{where} ({', '.join(centre)})")
-    if lens:
-        phrases |= dict.fromkeys(lens, f"how the lens bends straight lines ({', '.join(lens)})")
+    for names, words in (
+        (focal, _FOCAL_LENGTHS["" if len(focal) != 1 else focal[0]]),
+        (centre, _CENTRES["" if len(centre) != 1 else centre[0]]),
+        (lens, _LENS_BENDS),
+    ):
+        phrases |= dict.fromkeys(names, words.format(names=", ".join(names)))
     parts = list(dict.fromkeys(phrases[name] for name in serves if name in phrases))
-    if len(parts) > 1:
-        return ", ".join(parts[:-1]) + " and " + parts[-1]
-    return parts[0] if parts else "a little of everything"
+    return listed(parts) if parts else _ANYTHING
