@@ -24,11 +24,10 @@ def catalogue_of(language: Language) -> dict[str, Section]:
 
 @cache
 def sentences_of(language: Language) -> Section:
-    """All entries on engine sentences, by their templates, whichever file they are from."""
+    """All entries by their English, for sentences, which do not know their file. The engine's go
+    before equal words on a page."""
     sections = catalogue_of(language)
-    return {
-        english: words
-        for file, section in sections.items()
-        if not file.endswith("texts.py")
-        for english, words in section.items()
-    }
+    found: Section = {}
+    for file in sorted(sections, key=lambda file: not file.endswith("texts.py")):
+        found |= sections[file]
+    return found

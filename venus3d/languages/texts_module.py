@@ -14,6 +14,7 @@ from functools import cache
 from types import ModuleType
 from typing import Any, cast
 
+from venus3d.engine.sentences import Sentence
 from venus3d.languages.catalogue import catalogue_of
 from venus3d.languages.current import Language, current_language
 from venus3d.languages.translation import Template
@@ -44,6 +45,8 @@ def _in_language(module: str, name: str, language: Language) -> Any:
 
 
 def _translated(value: Any, section: Mapping[str, str]) -> Any:
+    if isinstance(value, Sentence):  # translated with its arguments
+        return value
     if isinstance(value, str):
         return Template(section.get(value, value))
     if isinstance(value, dict):

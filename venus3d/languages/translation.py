@@ -12,7 +12,7 @@ from venus3d.engine.sentences import Sentence, said_by
 from venus3d.languages.catalogue import sentences_of
 from venus3d.languages.current import Language, current_language
 
-_DECIMALS = re.compile(r"[-−+±]?\d+\.\d+")
+_DECIMALS = re.compile(r"[-−+±]? ?\d+\.\d+( ± \d+\.\d+)?")
 _COMMA: frozenset[Language] = frozenset({"de"})
 
 

@@ -1,5 +1,6 @@
 """Texts in the scene and in pictures, and notes on the renderer in use."""
 
+from venus3d.engine.sentences import Sentence
 from venus3d.languages.texts_module import speak
 
 STEP_TITLES = ("Move", "Tilt about X", "Swing about Y", "Rotate about Z")
@@ -10,10 +11,12 @@ TOP, LEFT, RIGHT = "TOP", "LEFT", "RIGHT"
 DONE = "✓ done"
 ONE_CORNER_OUTSIDE = "1 corner leaves the image in this step"
 CORNERS_OUTSIDE = "{count} corners leave the image in this step"
-NO_OPENGL = (
+NO_OPENGL = Sentence(
     "OpenGL cannot be used here, so OpenCV paints the pictures; install libegl1, libgl1 and "
     "libgl1-mesa-dri ({cause})."
 )
-OPENGL_FAILED = "OpenGL failed while it drew, so OpenCV paints the pictures from now on ({cause})."
+OPENGL_FAILED = Sentence(
+    "OpenGL failed while it drew, so OpenCV paints the pictures from now on ({cause})."
+)
 
 speak(__name__)

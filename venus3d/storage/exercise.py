@@ -17,6 +17,7 @@ from typing import Literal, TextIO, TypedDict, get_type_hints
 
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.sentences import Sentence
 
 ExerciseKind = Literal["practice", "trial"]
 Outcome = Literal["reached", "given up"]
@@ -91,11 +92,16 @@ class ExerciseRow:
 
 COLUMNS = tuple(field.name for field in fields(ExerciseRow))
 _TYPES = get_type_hints(ExerciseRow)
-_ONCE_MORE: dict[ExerciseKind, str] = {
-    "practice": "go on with the next pose",
-    "trial": "start again with the same --participant",
+_NOT_WRITTEN: dict[ExerciseKind, Sentence] = {
+    "practice": Sentence(
+        "A time could not be written to {path} ({reason}); make room on the disk and go on with "
+        "the next pose."
+    ),
+    "trial": Sentence(
+        "A time could not be written to {path} ({reason}); make room on the disk and start again "
+        "with the same --participant."
+    ),
 }
-"""What to do after freeing space on a full disk."""
 
 
 class ExerciseFile:
@@ -152,8 +158,9 @@ class ExerciseFile:
             os.fsync(self._file.fileno())
         except OSError as error:
             raise StorageError(
-                f"A time could not be written to {self.path} ({(error.strerror or '').lower()}); "
-                f"make room on the disk and {_ONCE_MORE[self._kind]}."
+                _NOT_WRITTEN[self._kind].format(
+                    path=self.path, reason=(error.strerror or "").lower()
+                )
             ) from error
 
     def _text(self) -> str:

@@ -12,9 +12,15 @@ from typing import Any
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.sentences import Sentence
 from venus3d.storage.camera_yaml import camera_yaml
 from venus3d.storage.folder import locked, reason, replace_files, sync_folder
 from venus3d.storage.result import result_json
+
+_NOT_WRITTEN = Sentence(
+    "camera.yaml and result.json cannot be written to {folder} ({reason}); make room there, or put "
+    "the folder right."
+)
 
 
 class ResultFolder:
@@ -74,8 +80,7 @@ class ResultFolder:
                 self._is_written = True
         except OSError as error:
             raise StorageError(
-                f"camera.yaml and result.json cannot be written to {self.directory} "
-                f"({reason(error)}); make room there, or put the folder right."
+                _NOT_WRITTEN.format(folder=self.directory, reason=reason(error))
             ) from error
         finally:
             if kept:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.geometry.board import DICTIONARIES, Board
 from venus3d.engine.geometry.pose import Array
+from venus3d.engine.sentences import Sentence
 
 # Frames without the board before the first try, between tries, and after all were tried.
 _PATIENCE, _EVERY, _PAUSE = 8, 4, 60
@@ -100,8 +101,10 @@ def recognise_board(board: Board, pictures: Iterable[NDArray[np.uint8]]) -> Diag
 def _wrong_dictionary(board: Board, name: str, count: int) -> Diagnosis:
     return Diagnosis(
         "wrong-dictionary",
-        f"The picture shows markers of {name} ({count} different ones), not of {board.dictionary}.",
-        f"Start with --board.dictionary {name}.",
+        Sentence(
+            "The picture shows markers of {name} ({count} different ones), not of {asked}."
+        ).format(name=name, count=count, asked=board.dictionary),
+        Sentence("Start with --board.dictionary {name}.").format(name=name),
     )
 
 
@@ -110,24 +113,38 @@ def _misplaced(board: Board, ids: NDArray[np.intp], quads: Array) -> Diagnosis |
     if ids.size < _FEWEST_PLACED or _lie_on(board.columns, ids, quads):
         return None
     fitting = [n for n in range(3, _MOST_COLUMNS + 1) if _lie_on(n, ids, quads)]
-    asked = f"not as on the board of {board.columns} columns and {board.rows} rows asked for"
+    asked = Sentence("not as on the board of {columns} columns and {rows} rows asked for").format(
+        columns=board.columns, rows=board.rows
+    )
     if board.rows in fitting:
         return Diagnosis(
             "swapped-size",
-            f"The markers lie as on a board of {board.rows} columns, {asked}: the two are swapped.",
-            f"Start with --board.columns {board.rows} --board.rows {board.columns}.",
+            Sentence(
+                "The markers lie as on a board of {columns} columns, {asked}: the two are swapped."
+            ).format(columns=board.rows, asked=asked),
+            Sentence("Start with --board.columns {columns} --board.rows {rows}.").format(
+                columns=board.rows, rows=board.columns
+            ),
         )
     if len(fitting) == 1:
         return Diagnosis(
             "swapped-size",
-            f"The markers lie as on a board of {fitting[0]} columns, {asked}.",
-            f"Count the rows of squares as well and start with --board.columns {fitting[0]} "
-            "--board.rows ROWS.",
+            Sentence("The markers lie as on a board of {columns} columns, {asked}.").format(
+                columns=fitting[0], asked=asked
+            ),
+            Sentence(
+                "Count the rows of squares as well and start with --board.columns {columns} "
+                "--board.rows ROWS."
+            ).format(columns=fitting[0]),
         )
     return Diagnosis(
         "swapped-size",
-        f"Markers of {board.dictionary} are seen, but they lie {asked}.",
-        "Count the squares along both sides and start with --board.columns and --board.rows.",
+        Sentence("Markers of {dictionary} are seen, but they lie {asked}.").format(
+            dictionary=board.dictionary, asked=asked
+        ),
+        Sentence(
+            "Count the squares along both sides and start with --board.columns and --board.rows."
+        ),
     )
 
 

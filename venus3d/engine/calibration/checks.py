@@ -18,7 +18,7 @@ from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.geometry.camera import PARAMETERS, planning_camera
 from venus3d.engine.geometry.pose import Array
-from venus3d.engine.sentences import listed
+from venus3d.engine.sentences import Sentence, listed
 
 WEAK_ANGLE_DEG = 20.0
 """If the normals of all views differ by less, the views are nearly parallel."""
@@ -43,7 +43,7 @@ CORRELATED_RADIAL = 0.995
 NEAREST_M, FARTHEST_M = 0.05, 20.0
 """Distances from the lens, metres; no board is used nearer or farther."""
 
-_TILT = "Add views tilted by 20-45° in different directions."
+_TILT = Sentence("Add views tilted by 20-45° in different directions.")
 _GROUPS = ("f", "f", "cx", "cy", "k", "k", "p1", "p2", "k")
 # Minimum relative spread of the views' rms: corner noise alone gives 8 % (40 corners, two axes).
 _LEAST_SPREAD = 0.08
@@ -81,15 +81,17 @@ def _parallel_or_weak(calibration: Calibration) -> Iterator[Diagnosis]:
     if angle < WEAK_ANGLE_DEG:
         yield Diagnosis(
             "parallel-views",
-            f"The views differ by only {angle:.0f}° in tilt, so the focal length is weak "
-            f"(± {share:.1f} % at best) and a low rms proves little.",
+            Sentence(
+                "The views differ by only {angle:.0f}° in tilt, so the focal length is weak "
+                "(± {share:.1f} % at best) and a low rms proves little."
+            ).format(angle=angle, share=share),
             _TILT,
         )
     elif share > 100 * WEAK_SIGMA:
         yield Diagnosis(
             "weak-focal-length",
-            f"The focal length is known to {share:.1f} % only.",
-            "Add views that are tilted by 20-45° and fill the picture.",
+            Sentence("The focal length is known to {share:.1f} % only.").format(share=share),
+            Sentence("Add views that are tilted by 20-45° and fill the picture."),
         )
 
 
@@ -101,15 +103,29 @@ def _folding(calibration: Calibration) -> Iterator[Diagnosis]:
     limit = camera.radius_limit
     if np.isfinite(limit):
         edge = limit * (1 + camera.k1 * limit**2 + camera.k2 * limit**4 + camera.k3 * limit**6)
-        where = f"{edge * (camera.fx + camera.fy) / 2:.0f} px from the centre"
+        where = Sentence("{edge:.0f} px from the centre").format(
+            edge=edge * (camera.fx + camera.fy) / 2
+        )
     else:
-        where = "by its tangential part"
+        where = Sentence("by its tangential part")
     yield Diagnosis(
         "folding",
-        f"The lens model folds back {where}, and the picture's corners are up to {farthest:.0f} px "
-        "away: the estimate cannot be used there.",
-        "Add views with the board near the picture's corners.",
+        Sentence(
+            "The lens model folds back {where}, and the picture's corners are up to {farthest:.0f} "
+            "px away: the estimate cannot be used there."
+        ).format(where=where, farthest=farthest),
+        Sentence("Add views with the board near the picture's corners."),
     )
+
+
+_OUTLYING_ONE = (
+    Sentence("View {views} fits far worse than the others: rms {rms} px against {median:.2f} px."),
+    Sentence("Leave it out, and take it again with the board flat and held still."),
+)
+_OUTLYING_MANY = (
+    Sentence("Views {views} fit far worse than the others: rms {rms} px against {median:.2f} px."),
+    Sentence("Leave them out, and take them again with the board flat and held still."),
+)
 
 
 def _outlying(calibration: Calibration) -> Iterator[Diagnosis]:
@@ -126,45 +142,69 @@ def _outlying(calibration: Calibration) -> Iterator[Diagnosis]:
         f"{v.number} ({v.observation.name})" if v.observation.name else f"{v.number}" for v in worst
     ]
     errors = listed([f"{view.rms_px:.2f}" for view in worst])
-    several = len(worst) > 1
+    cause, cure = _OUTLYING_MANY if len(worst) > 1 else _OUTLYING_ONE
     yield Diagnosis(
         "outlying-view",
-        f"View{'s' if several else ''} {listed(named)} fit{'' if several else 's'} far worse than "
-        f"the others: rms {errors} px against {median:.2f} px.",
-        f"Leave {'them' if several else 'it'} out, and take {'them' if several else 'it'} again "
-        "with the board flat and held still.",
+        cause.format(views=listed(named), rms=errors, median=median),
+        cure,
         tuple(view.number for view in worst),
     )
+
+
+_SIDES = (Sentence("left"), Sentence("right"), Sentence("top"), Sentence("bottom"))
+_SHARE = Sentence("{side} {share:.0f} %")
+_CORNERS = (
+    Sentence("upper left"),
+    Sentence("upper right"),
+    Sentence("lower left"),
+    Sentence("lower right"),
+)
+_UNSEEN_CORNER = (
+    Sentence(
+        "The board was never in the picture's {corners} corner (up to {away:.0f} % of the picture "
+        "away from it), where the lens bends most."
+    ),
+    Sentence("Add views with the board in the {corners} corner."),
+)
+_UNSEEN_CORNERS = (
+    Sentence(
+        "The board was never in the picture's {corners} corners (up to {away:.0f} % of the picture "
+        "away from it), where the lens bends most."
+    ),
+    Sentence("Add views with the board in the {corners} corners."),
+)
 
 
 def _unseen(calibration: Calibration) -> Iterator[Diagnosis]:
     seen = np.concatenate([view.observation.corners for view in calibration.views])
     x, y = (seen / np.array(calibration.camera.image_size)).T
-    free = {"left": x.min(), "right": 1 - x.max(), "top": y.min(), "bottom": 1 - y.max()}
-    sides = [side for side, share in free.items() if share > UNSEEN_SIDE]
+    free = (x.min(), 1 - x.max(), y.min(), 1 - y.max())
+    sides = [(side, share) for side, share in zip(_SIDES, free, strict=True) if share > UNSEEN_SIDE]
     if sides:
-        shares = listed([f"{side} {100 * free[side]:.0f} %" for side in sides])
+        shares = [_SHARE.format(side=side, share=100 * share) for side, share in sides]
         yield Diagnosis(
             "unseen-side",
-            f"No corner was ever seen in the picture's {shares}, so the lens is only guessed "
-            "there.",
-            f"Add views with the board at the {listed(sides)} of the picture.",
+            Sentence(
+                "No corner was ever seen in the picture's {shares}, so the lens is only guessed "
+                "there."
+            ).format(shares=listed(shares)),
+            Sentence("Add views with the board at the {sides} of the picture.").format(
+                sides=listed([side for side, _ in sides])
+            ),
         )
         return
     places = {
-        f"{up_down} {left_right}": float(np.maximum(abs(x - u), abs(y - v)).min())
-        for v, up_down in enumerate(("upper", "lower"))
-        for u, left_right in enumerate(("left", "right"))
+        corner: float(np.maximum(abs(x - i % 2), abs(y - i // 2)).min())
+        for i, corner in enumerate(_CORNERS)
     }
     corners = [place for place, share in places.items() if share > UNSEEN_CORNER]
     if corners:
-        many = "s" if len(corners) > 1 else ""
+        cause, cure = _UNSEEN_CORNERS if len(corners) > 1 else _UNSEEN_CORNER
         away = 100 * max(places[place] for place in corners)
         yield Diagnosis(
             "unseen-side",
-            f"The board was never in the picture's {listed(corners)} corner{many} (up to "
-            f"{away:.0f} % of the picture away from it), where the lens bends most.",
-            f"Add views with the board in the {listed(corners)} corner{many}.",
+            cause.format(corners=listed(corners), away=away),
+            cure.format(corners=listed(corners)),
         )
 
 
@@ -174,10 +214,36 @@ def _same_depth(calibration: Calibration) -> Iterator[Diagnosis]:
     if ratio < SAME_DEPTH:
         yield Diagnosis(
             "same-depth",
-            f"The board was always about {depths.mean() * 100:.0f} cm away, and its tilt does not "
-            f"make up for it: the farthest corner is only {ratio:.2f} times as far as the nearest.",
-            "Add views from nearer and from farther away, and tilt the board.",
+            Sentence(
+                "The board was always about {cm:.0f} cm away, and its tilt does not make up for "
+                "it: the farthest corner is only {ratio:.2f} times as far as the nearest."
+            ).format(cm=100 * depths.mean(), ratio=ratio),
+            Sentence("Add views from nearer and from farther away, and tilt the board."),
         )
+
+
+_FOCAL_TOGETHER = (
+    Sentence(
+        "{one} and {other} are known only together (correlation {correlation:.4f}): there is "
+        "little perspective in the views, so errors that all of them share, as of a board not "
+        "quite flat, move the focal length by more than its sigma of {share:.1f} %."
+    ),
+    Sentence("Add views that are tilted more, by 30-45° in different directions."),
+)
+_SAME_GROUP = (
+    Sentence(
+        "{one} and {other} can hardly be told apart (correlation {correlation:.4f}): each by "
+        "itself means little."
+    ),
+    Sentence("Add views with the board in the picture's corners, where the lens bends most."),
+)
+_TWO_GROUPS = (
+    Sentence(
+        "{one} and {other} can hardly be told apart (correlation {correlation:.4f}): an error of "
+        "one hides in the other."
+    ),
+    Sentence("Add views tilted to the opposite side, and in the picture's corners."),
+)
 
 
 def _correlated(calibration: Calibration) -> Iterator[Diagnosis]:
@@ -194,21 +260,16 @@ def _correlated(calibration: Calibration) -> Iterator[Diagnosis]:
     if not tight:
         return
     i, j = tight[0][1:]
-    names = f"{PARAMETERS[i]} and {PARAMETERS[j]}"
-    value = f"correlation {correlation[i, j]:.4f}"
     if _GROUPS[i] == "f" == _GROUPS[j]:
-        cause = (
-            f"{names} are known only together ({value}): there is little perspective in the views, "
-            "so errors that all of them share, as of a board not quite flat, move the focal length "
-            f"by more than its sigma of {100 * _focal_share(calibration):.1f} %."
-        )
-        cure = "Add views that are tilted more, by 30-45° in different directions."
-    elif _GROUPS[i] == _GROUPS[j]:
-        cause = f"{names} can hardly be told apart ({value}): each by itself means little."
-        cure = "Add views with the board in the picture's corners, where the lens bends most."
+        cause, cure = _FOCAL_TOGETHER
     else:
-        cause = f"{names} can hardly be told apart ({value}): an error of one hides in the other."
-        cure = "Add views tilted to the opposite side, and in the picture's corners."
+        cause, cure = _SAME_GROUP if _GROUPS[i] == _GROUPS[j] else _TWO_GROUPS
+    cause = cause.format(
+        one=PARAMETERS[i],
+        other=PARAMETERS[j],
+        correlation=correlation[i, j],
+        share=100 * _focal_share(calibration),
+    )
     yield Diagnosis("correlated", cause, cure)
 
 
@@ -218,20 +279,31 @@ def _allowed(i: int, j: int) -> float:
     return CORRELATED if not same else CORRELATED_FOCAL if _GROUPS[i] == "f" else CORRELATED_RADIAL
 
 
+_TOO_NEAR = Sentence(
+    "With squares of {square:g} mm the board was {distance:.0f} mm from the lens, which is hardly "
+    "possible: perhaps centimetres or inches were given as millimetres."
+)
+_TOO_FAR = Sentence(
+    "With squares of {square:g} mm the board was {distance:.0f} m away, which is hardly possible: "
+    "perhaps another unit was given as millimetres."
+)
+
+
 def _impossible(calibration: Calibration) -> Iterator[Diagnosis]:
     depths = _depths(calibration)
     if depths.min() >= NEAREST_M and depths.max() <= FARTHEST_M:
         return
-    if depths.min() < NEAREST_M:
-        place, guess = f"{depths.min() * 1000:.0f} mm from the lens", "centimetres or inches were"
-    else:
-        place, guess = f"{depths.max():.0f} m away", "another unit was"
+    is_near = depths.min() < NEAREST_M
     yield Diagnosis(
         "impossible-distance",
-        f"With squares of {calibration.board.square * 1000:g} mm the board was {place}, which is "
-        f"hardly possible: perhaps {guess} given as millimetres.",
-        "Measure a square and start again with --board.square-mm and --board.marker-mm; the "
-        "camera's parameters stay as they are, but every distance is wrong.",
+        (_TOO_NEAR if is_near else _TOO_FAR).format(
+            square=1000 * calibration.board.square,
+            distance=1000 * depths.min() if is_near else depths.max(),
+        ),
+        Sentence(
+            "Measure a square and start again with --board.square-mm and --board.marker-mm; the "
+            "camera's parameters stay as they are, but every distance is wrong."
+        ),
     )
 
 

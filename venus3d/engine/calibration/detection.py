@@ -29,6 +29,7 @@ from venus3d.engine.calibration.refinement import (
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
+from venus3d.engine.sentences import Sentence
 
 Region = tuple[int, int, int, int]
 """Search region x0, y0, x1, y1 in pixels; x1 and y1 are exclusive."""
@@ -45,6 +46,28 @@ QUICK_FROM_PX = 40.0
 _QUICK_WINDOW_PX = 7
 # Number of recent whole images without the board kept for `explain_misses`.
 _KEPT_MISSED = 3
+
+
+_WHITE_ON_BLACK = Sentence(
+    "The board is printed white on black, not black on white; it is read that way."
+)
+_BLACK_ON_WHITE = Sentence(
+    "The board is printed black on white, not white on black; it is read that way."
+)
+_OLD_LAYOUT = (
+    Sentence(
+        "The board is printed in the layout used before OpenCV 4.6 (legacy is on), not in the one "
+        "asked for; it is read that way."
+    ),
+    Sentence("Start with --board.legacy to be sure."),
+)
+_NEW_LAYOUT = (
+    Sentence(
+        "The board is printed in the layout used since OpenCV 4.6 (legacy is off), not in the one "
+        "asked for; it is read that way."
+    ),
+    Sentence("Leave out --board.legacy to be sure."),
+)
 
 
 class Detector:
@@ -86,8 +109,7 @@ class Detector:
         """Sentences on harmless differences between the board and the one given."""
         if self._board.inverted == self._asked.inverted:
             return ()
-        colours = ("white on black", "black on white")[:: 1 if self._board.inverted else -1]
-        return (f"The board is printed {colours[0]}, not {colours[1]}; it is read that way.",)
+        return (_WHITE_ON_BLACK if self._board.inverted else _BLACK_ON_WHITE,)
 
     @property
     def diagnoses(self) -> tuple[Diagnosis, ...]:
@@ -95,14 +117,8 @@ class Detector:
         found = () if self._check.diagnosis is None else (self._check.diagnosis,)
         if self._board.legacy == self._asked.legacy:
             return found
-        since, state = ("before", "on") if self._board.legacy else ("since", "off")
-        layout = Diagnosis(
-            "wrong-layout",
-            f"The board is printed in the layout used {since} OpenCV 4.6 (legacy is {state}), not "
-            "in the one asked for; it is read that way.",
-            f"{'Start with' if self._board.legacy else 'Leave out'} --board.legacy to be sure.",
-        )
-        return (*found, layout)
+        cause, cure = _OLD_LAYOUT if self._board.legacy else _NEW_LAYOUT
+        return (*found, Diagnosis("wrong-layout", cause, cure))
 
     def explain_misses(self) -> tuple[Diagnosis, ...]:
         """What the last images without the board show instead; may take a second."""

@@ -18,7 +18,7 @@ from venus3d.engine.calibration.residual_patterns import (
     neighbour_correlation,
     rolling_share,
 )
-from venus3d.engine.sentences import listed
+from venus3d.engine.sentences import Sentence, listed
 
 ALIKE = 0.6
 """Correlation of neighbouring corners' residuals from which the model lacks something."""
@@ -28,56 +28,120 @@ MANY_LEFT_OUT = 0.1
 """Share of the corners of one view, or of all, that is not left out without a word."""
 _MOST_NAMED = 5
 
-_WHY: dict[LeftOutReason, str] = {
-    "undetermined": "shows too few corners, or corners on one line only, and fixes no pose",
-    "misfit": "fits no pose of this board",
+_LEFT_OUT: dict[LeftOutReason, tuple[tuple[Sentence, Sentence], tuple[Sentence, Sentence]]] = {
+    "undetermined": (
+        (
+            Sentence(
+                "View {views} was left out: it shows too few corners, or corners on one line only, "
+                "and fixes no pose."
+            ),
+            Sentence("Show more of the board there, or leave it out."),
+        ),
+        (
+            Sentence(
+                "Views {views} were left out: each shows too few corners, or corners on one line "
+                "only, and fixes no pose."
+            ),
+            Sentence("Show more of the board there, or leave them out."),
+        ),
+    ),
+    "misfit": (
+        (
+            Sentence("View {views} was left out: it fits no pose of this board."),
+            Sentence(
+                "Look at it: is it another board, or was it misread or blurred? Take it again."
+            ),
+        ),
+        (
+            Sentence("Views {views} were left out: each fits no pose of this board."),
+            Sentence(
+                "Look at them: is it another board, or was it misread or blurred? Take them again."
+            ),
+        ),
+    ),
 }
-_RETAKE: dict[LeftOutReason, str] = {
-    "undetermined": "Show more of the board there, or leave it out.",
-    "misfit": "Look at it: is it another board, or was it misread or blurred? Take it again.",
-}
+"""Cause and cure, for one view and for several."""
+_BOWED: tuple[tuple[Sentence, Sentence], ...] = (
+    (
+        Sentence(
+            "The board is bowed by {bow} mm: its middle lies behind its left and right ends. The "
+            "calibration allows for it."
+        ),
+        Sentence(
+            "The board is bowed by {bow} mm: its middle lies in front of its left and right ends. "
+            "The calibration allows for it."
+        ),
+    ),
+    (
+        Sentence(
+            "The board is bowed by {bow} mm: its middle lies behind its upper and lower ends. The "
+            "calibration allows for it."
+        ),
+        Sentence(
+            "The board is bowed by {bow} mm: its middle lies in front of its upper and lower ends. "
+            "The calibration allows for it."
+        ),
+    ),
+)
+"""Across and down; bowed away from the camera, and towards it."""
+_LONG_ROWS = Sentence(
+    "The print is stretched: its squares are {share} % longer along the rows than along the "
+    "columns. The calibration allows for it."
+)
+_LONG_COLUMNS = Sentence(
+    "The print is stretched: its squares are {share} % longer along the columns than along the "
+    "rows. The calibration allows for it."
+)
+_GONE_FROM_ONE = Sentence(
+    "{out} of {every} corners fit no view and were left out, most of them in view {views}."
+)
+_GONE_FROM_MANY = Sentence(
+    "{out} of {every} corners fit no view and were left out, most of them in views {views}."
+)
+_ALIKE = Sentence(
+    "neighbouring corners are off alike (correlation {correlation:.2f}; rms {rms} px where the "
+    "corners are good for {noise} px)"
+)
 
 
 def shape(calibration: Calibration) -> Iterator[Diagnosis]:
     """A bow of the board and a stretch of its print that the calibration found."""
     board, (across, down, stretch) = calibration.board, calibration.shape_sigma
-    for bow, sigma, along in (
-        (board.bow[0], across, "left and right ends"),
-        (board.bow[1], down, "upper and lower ends"),
-    ):
+    for bow, sigma, (behind, before) in zip(board.bow, (across, down), _BOWED, strict=True):
         if sigma > 0:
-            where = "behind" if bow > 0 else "in front of"
             yield Diagnosis(
                 "bowed-board",
-                f"The board is bowed by {_measured(1000 * abs(bow), 1000 * sigma)} mm: its middle "
-                f"lies {where} its {along}. The calibration allows for it.",
-                "Fix the board to a flat plate (glass, aluminium) and calibrate again if you need "
-                "the last tenth of a pixel.",
+                (behind if bow > 0 else before).format(
+                    bow=_measured(1000 * abs(bow), 1000 * sigma)
+                ),
+                Sentence(
+                    "Fix the board to a flat plate (glass, aluminium) and calibrate again if you "
+                    "need the last tenth of a pixel."
+                ),
             )
     if stretch > 0:
-        long, short = ("rows", "columns") if board.stretch > 0 else ("columns", "rows")
         yield Diagnosis(
             "stretched-print",
-            f"The print is stretched: its squares are "
-            f"{_measured(100 * abs(board.stretch), 100 * stretch)} % longer along the {long} than "
-            f"along the {short}. The calibration allows for it.",
-            "Measure squares both ways, and print the board again at 100 %, without fitting it to "
-            "the page.",
+            (_LONG_ROWS if board.stretch > 0 else _LONG_COLUMNS).format(
+                share=_measured(100 * abs(board.stretch), 100 * stretch)
+            ),
+            Sentence(
+                "Measure squares both ways, and print the board again at 100 %, without fitting it "
+                "to the page."
+            ),
         )
 
 
 def left_out(calibration: Calibration) -> Iterator[Diagnosis]:
     """Views and many corners that the calibration does without."""
-    for reason in _WHY:
+    for reason, (single, plural) in _LEFT_OUT.items():
         ones = [one for one in calibration.left_out if one.reason == reason]
         if ones:
-            several = len(ones) > 1
-            why = _WHY[reason] if not several else f"each {_WHY[reason]}"
+            cause, cure = plural if len(ones) > 1 else single
             yield Diagnosis(
                 "left-out-view",
-                f"View{'s' if several else ''} {listed([_name(o) for o in ones], _MOST_NAMED)} "
-                f"{'were' if several else 'was'} left out: {why if several else f'it {why}'}.",
-                _RETAKE[reason].replace(" it", " them") if several else _RETAKE[reason],
+                cause.format(views=listed([_name(one) for one in ones], _MOST_NAMED)),
+                cure,
                 tuple(one.number for one in ones),
             )
     counts = {
@@ -90,10 +154,14 @@ def left_out(calibration: Calibration) -> Iterator[Diagnosis]:
     if worst or out > MANY_LEFT_OUT * every:
         yield Diagnosis(
             "left-out-corners",
-            f"{out} of {every} corners fit no view and were left out, most of them in view"
-            f"{'s' if len(worst) != 1 else ''} "
-            f"{listed([str(n) for n in worst or counts], _MOST_NAMED)}.",
-            "Look for glare, a hand over the board or blur there, and take those views again.",
+            (_GONE_FROM_ONE if len(worst) == 1 else _GONE_FROM_MANY).format(
+                out=out,
+                every=every,
+                views=listed([str(n) for n in worst or counts], _MOST_NAMED),
+            ),
+            Sentence(
+                "Look for glare, a hand over the board or blur there, and take those views again."
+            ),
             worst,
         )
 
@@ -104,31 +172,38 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
     if not correlation >= ALIKE:
         return
     noise = np.sqrt(2) * calibration.corner_errors.noise_px
-    alike = (
-        f"neighbouring corners are off alike (correlation {correlation:.2f}; rms "
-        f"{figure(calibration.rms_px)} px where the corners are good for {figure(noise)} px)"
+    alike = _ALIKE.format(
+        correlation=correlation, rms=figure(calibration.rms_px), noise=figure(noise)
     )
     if board_share(calibration) >= ON_THE_BOARD:
         yield Diagnosis(
             "bent-board",
-            f"The board is not flat, in a way that is no simple bow: {alike}, and in the same way "
-            "in every view.",
-            "Fix it to a flat plate (glass, aluminium) and take the views again.",
+            Sentence(
+                "The board is not flat, in a way that is no simple bow: {alike}, and in the same "
+                "way in every view."
+            ).format(alike=alike),
+            Sentence("Fix it to a flat plate (glass, aluminium) and take the views again."),
         )
     elif rolling_share(calibration) >= WHILE_READ:
         yield Diagnosis(
             "rolling-shutter",
-            f"The board or the camera moved while pictures were read row by row: {alike}, as a "
-            "rolling shutter shears them.",
-            "Hold still for each picture, use shorter exposures, or a camera with a global "
-            "shutter.",
+            Sentence(
+                "The board or the camera moved while pictures were read row by row: {alike}, as a "
+                "rolling shutter shears them."
+            ).format(alike=alike),
+            Sentence(
+                "Hold still for each picture, use shorter exposures, or a camera with a global "
+                "shutter."
+            ),
         )
     else:
         yield Diagnosis(
             "poor-fit",
-            f"The model does not describe these pictures: {alike}.",
-            "Check that the board is flat, nothing moves and the pictures are neither cropped nor "
-            "stabilised; a very wide lens needs another model.",
+            Sentence("The model does not describe these pictures: {alike}.").format(alike=alike),
+            Sentence(
+                "Check that the board is flat, nothing moves and the pictures are neither cropped "
+                "nor stabilised; a very wide lens needs another model."
+            ),
         )
 
 
