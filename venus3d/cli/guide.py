@@ -11,6 +11,7 @@ from typing import Any
 
 from venus3d.cli.report import deliver, print_note, print_result, write_first
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
+from venus3d.engine.sentences import Sentence
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.audience.controls import AudienceControls
 from venus3d.scene.pages.audience.run import announcement
@@ -27,6 +28,7 @@ from venus3d.storage.result_folder import ResultFolder
 
 RESULT_FOLDER = Path("venus3d-result")
 """Default output folder of a guided calibration with the viewer."""
+_SAVED = Sentence("Saved: {camera} and {result} in {folder}.")
 
 
 def guide(options: GuideOptions) -> None:
@@ -116,7 +118,7 @@ def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None
         raise
     if is_over(snapshot) and not options.headless:
         _tell_written(files)
-    return f"Saved: {camera.name} and {complete.name} in {files.directory}."
+    return _SAVED.format(camera=camera.name, result=complete.name, folder=files.directory)
 
 
 def _tell_written(files: ResultFolder) -> None:

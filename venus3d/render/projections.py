@@ -16,6 +16,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.languages import translated
 from venus3d.render import texts
 from venus3d.render.describe import describe_step
 from venus3d.render.offscreen import Offscreen
@@ -133,7 +134,7 @@ def with_step_header(picture: Picture, step: Step, dark: bool) -> Picture:
     style = step_style(step.number)
     colour = style.colour(dark)
     picture = with_header(
-        picture, str(step.number), colour, style.title, step_prompt(step).camera, dark
+        picture, str(step.number), colour, style.title, translated(step_prompt(step).camera), dark
     )
     return with_corner_banner(picture, step, dark)
 

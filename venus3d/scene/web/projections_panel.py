@@ -20,6 +20,7 @@ from venus3d.engine.amounts import step_amount
 from venus3d.engine.guidance.prompts import Wording
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import translated
 from venus3d.render.palette import step_style
 from venus3d.render.projections import Projections
 from venus3d.render.redrawing import still_shows
@@ -75,7 +76,7 @@ class ProjectionsPanel:
             _tile(number, source, remaining, number == step, theme, wording)
             for number, source in enumerate(sources, start=1)
         )
-        foot = f"<div class='v-legend'>{escape(note)}</div>" if note else ""
+        foot = f"<div class='v-legend'>{escape(translated(note))}</div>" if note else ""
         self._tiles.content = (
             f"<div class='v-steps' data-marked='{step}'><h3 title='{escape(say.TILES_HINT)}'>"
             f"{title}</h3><div class='v-legend'>{say.READERS[wording]}</div>"
@@ -95,7 +96,8 @@ def _tile(
     if remaining is not None:
         step = remaining.step(number)
         left = say.DONE if step.done else step_amount(step.step)
-        fact, words = say.TILE_FACT.format(number=number, fact=left), step.prompt.text(wording)
+        fact = say.TILE_FACT.format(number=number, fact=left)
+        words = translated(step.prompt.text(wording))
         fact = escape(fact) if step.done else f"{escape(fact)}<em> {say.TO_GO}</em>"
     return tile_html("steps", number, source, fact, words, theme, is_on=is_on)
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from venus3d.engine.amounts import step_amount
 from venus3d.engine.guidance.prompts import HOLD_HEADLINE, HOLD_STILL, Wording
 from venus3d.engine.guidance.remaining import RemainingSteps
+from venus3d.languages import translated
 from venus3d.render.palette import STEP_STYLES, step_style
 from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.theme import Theme
@@ -43,17 +44,18 @@ def guide_card(
     foot: str = "",
     eyebrow: str = "",
 ) -> str:
-    """One card; `below` and `foot` are HTML, the rest is text. A `note` replaces the foot."""
+    """One card; `below` and `foot` are HTML, the rest is text, also the engine's sentences. A
+    `note` replaces the foot."""
     left = f"<div class='v-amount'>{escape(amount)}<small>{say.TO_GO}</small></div>"
     left = left if amount else ""
     above = f"<small>{escape(eyebrow)}</small> " if eyebrow else ""
     warns = " v-warns" if note.warns else ""
-    said = f"<div class='v-note{warns}'>{escape(note.text)}</div>" if note.text else ""
+    said = f"<div class='v-note{warns}'>{escape(translated(note.text))}</div>" if note.text else ""
     return (
         f"<div class='v-guide' role='status' style='--step:{colour}'>"
         f"<div class='v-head'><span class='v-badge'>{escape(badge)}</span>"
-        f"<span class='v-title'>{above}{escape(headline)}</span></div>{left}"
-        f"<div class='v-sentence'>{escape(sentence)}</div>{below}{said or foot}</div>"
+        f"<span class='v-title'>{above}{escape(translated(headline))}</span></div>{left}"
+        f"<div class='v-sentence'>{escape(translated(sentence))}</div>{below}{said or foot}</div>"
     )
 
 
@@ -81,7 +83,7 @@ def step_card(
     step = remaining.step(number)
     other = step.prompt.text("camera" if wording == "holder" else "holder")
     if not foot and other != step.prompt.text(wording):
-        seen = escape(say.OTHER_WORDING[wording].format(words=other))
+        seen = escape(say.OTHER_WORDING[wording].format(words=translated(other)))
         foot = f"<div class='v-picture'>{seen}</div>"
     return guide_card(
         theme.steps[number - 1],

@@ -13,6 +13,7 @@ import numpy as np
 
 from venus3d.engine.amounts import degrees, size_mm, whole
 from venus3d.engine.guidance.matching import Match
+from venus3d.languages import number
 from venus3d.scene.pages.audience import texts
 
 LARGEST_DEG, LARGEST_MM = 90.0, 300.0
@@ -74,7 +75,7 @@ def _turn(match: Match, step: int) -> str:
         f"<text x='200' y='246' class='v-figure'>{escape(amount)}</text>",
         f"<text x='200' y='290' class='v-unit'>{escape(texts.TO_GO)}</text>",
     ]
-    limit = f"{match.limit_deg:.1f}°"
+    limit = f"{number(f'{match.limit_deg:.1f}')}°"
     return _svg("".join(parts), texts.DIAL_LABEL.format(amount=amount, limit=limit))
 
 

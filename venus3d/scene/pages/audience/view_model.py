@@ -7,6 +7,7 @@ from typing import Literal
 
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import translated
 from venus3d.render import texts as render_texts
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.dial import share_left
@@ -63,7 +64,7 @@ def view_model_of(
         return _unseen(snapshot)
     if todo.is_over:
         return AudienceViewModel("good", *texts.HOLD_STILL, remaining=todo)
-    step, sentence = todo.active, todo.step(todo.active).prompt.holder
+    step, sentence = todo.active, translated(todo.step(todo.active).prompt.holder)
     left, title = share_left(todo.match, step), render_texts.STEP_SHORT_TITLES[step - 1]
     return AudienceViewModel("step", str(step), title, sentence, step, todo, left)
 
@@ -71,8 +72,8 @@ def view_model_of(
 def _unseen(snapshot: Snapshot) -> AudienceViewModel:
     other = another_board(snapshot)
     if other is not None:
-        return AudienceViewModel("warning", *texts.OTHER_BOARD, other.cure)
-    sentence = snapshot.instruction.holder
+        return AudienceViewModel("warning", *texts.OTHER_BOARD, translated(other.cure))
+    sentence = translated(snapshot.instruction.holder)
     if snapshot.phase == "startup" and snapshot.target is None:
         return AudienceViewModel("unseen", *texts.SHOW_BOARD, sentence)
     if snapshot.pose is None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from venus3d.engine.amounts import degrees, size_deg, size_mm
 from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN, step_prompt
+from venus3d.languages import number, translated
 from venus3d.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
 from venus3d.render.palette import STEP_STYLES, hex_of
 from venus3d.scene.pages.exercise import texts as say
@@ -66,7 +67,7 @@ def _practice_card(view: PracticeViewModel, theme: Theme) -> tuple[str, str, str
     style = STEP_STYLES[step.number - 1]
     amount = _amounts(view)[step.number - 1]
     colour = theme.steps[step.number - 1]
-    return colour, str(step.number), style.title, step_prompt(step).camera, amount
+    return colour, str(step.number), style.title, translated(step_prompt(step).camera), amount
 
 
 def _amounts(view: PracticeViewModel) -> tuple[str, ...]:
@@ -165,8 +166,8 @@ def results_html(view: PracticeViewModel) -> str:
 
 def _cells(row: ExerciseRow) -> str:
     reached, ratio = row.outcome == REACHED, detour_of(row)
-    time = f"✓ {row.seconds:.1f} s" if reached else f"✕ {say.GAVE_UP}"
-    way = f"{ratio:.1f} ×" if reached and np.isfinite(ratio) else "–"
+    time = f"✓ {number(f'{row.seconds:.1f}')} s" if reached else f"✕ {say.GAVE_UP}"
+    way = f"{number(f'{ratio:.1f}')} ×" if reached and np.isfinite(ratio) else "–"
     mark = "v-right" if reached else "v-wrong"
     return (
         f"<tr><td>{row.level}</td><td>{escape(say.SHORT_HELP_NAMES[row.help])}</td>"
@@ -211,7 +212,7 @@ def side_html(view: TrialViewModel) -> str:
         f"<div class='v-progress'><div class='v-participant'>{escape(view.participant)}</div>"
         f"<div class='v-what'>{escape(what)}</div>{_counters(view)}"
         f"<h3>{say.ORDER_TITLE}</h3><div class='v-order'>{rows}</div>"
-        f"<div class='v-remark'>{escape(view.note)}</div></div>"
+        f"<div class='v-remark'>{escape(translated(view.note))}</div></div>"
     )
 
 
@@ -262,7 +263,7 @@ def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
     return (
         f"<div class='v-wide'><div class='v-guide v-card' style='--step:{colour}'>"
         f"<span class='v-badge'>{badge}</span><div><b>{escape(headline)}</b>"
-        f"<span class='v-say'>{escape(sentence)}</span></div></div></div>"
+        f"<span class='v-say'>{escape(translated(sentence))}</span></div></div></div>"
     )
 
 
@@ -309,7 +310,7 @@ def times_html(view: TrialViewModel, times: Sequence[HelpTimes], theme: Theme) -
 
 
 def _time_row(times: HelpTimes, theme: Theme) -> str:
-    middle = f"{median(times.reached_s):.1f} s" if times.reached_s else "–"
+    middle = f"{number(f'{median(times.reached_s):.1f}')} s" if times.reached_s else "–"
     whole = clock(round(times.ends_s[-1])) if times.ends_s else "–"
     name = f"{_swatch(_colour(times.help, theme))}{say.TRIAL_HELP_NAMES[times.help]}"
     return f"<tr><td>{name}</td><td>{middle}</td><td>{whole}</td><td>{times.given_up}</td></tr>"

@@ -19,6 +19,7 @@ from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.limits import Limits
+from venus3d.languages import translated_error
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.scene.pages.exercise import texts as say
@@ -105,7 +106,8 @@ class PracticeServer(TabServer[Practice]):
         if isinstance(error, StorageError):
             print(f"venus3d: {error}", file=sys.stderr, flush=True)
             for tab in self.tabs:
-                tab.page.warn(str(error))
+                with tab.language.spoken():
+                    tab.page.warn(translated_error(error))
         elif error is not None:
             traceback.print_exception(error, file=sys.stderr)
 

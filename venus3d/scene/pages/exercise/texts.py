@@ -1,5 +1,6 @@
 """Texts of practice and trial."""
 
+from venus3d.engine.sentences import Sentence
 from venus3d.languages.texts_module import speak
 
 PRACTICE, TRIAL = "Practice", "Trial"
@@ -160,7 +161,10 @@ TRIAL_COMMANDS = {
     "theme": THEME_COMMAND,
     "autopilot": ("Autopilot", "Let the simulated hand move the board, or take it yourself"),
 }
-DRAG_HINT = "Drag the board by its handles in the scene, or press Shift+P for the simulated hand."
+# A sentence: it is said once, for tabs in any language.
+DRAG_HINT = Sentence(
+    "Drag the board by its handles in the scene, or press Shift+P for the simulated hand."
+)
 
 TRIAL_HELP_NAMES = {"steps": "the four steps", "axes": "the axes", "outline": "the filled outline"}
 HOW = {

@@ -11,6 +11,7 @@ import viser
 from venus3d.engine.amounts import figure
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target
+from venus3d.languages import translated
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import ChooseAlternative, Intent
 from venus3d.scene.web.help import Command
@@ -67,8 +68,9 @@ class AlternativesPanel:
 def alternative_text(other: Target) -> str:
     """How the board is held there, and the expected result."""
     if not np.isfinite(other.gain_px):
-        return other.held
-    return say.OTHER_TEXT.format(held=other.held, error=figure(other.predicted_uncertainty_px))
+        return translated(other.held)
+    held = translated(other.held)
+    return say.OTHER_TEXT.format(held=held, error=figure(other.predicted_uncertainty_px))
 
 
 def _title(target: Target) -> str:

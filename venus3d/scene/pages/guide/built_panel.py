@@ -10,6 +10,7 @@ import viser
 from venus3d.engine.amounts import step_amount
 from venus3d.engine.guidance.prompts import Wording, step_prompt
 from venus3d.engine.planning.target import Target
+from venus3d.languages import translated
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.web.projections_panel import Sources, pictures_html, tile_html
 from venus3d.scene.web.theme import Theme
@@ -42,7 +43,7 @@ def built_html(target: Target, sources: Sources, theme: Theme, wording: Wording)
             step.number,
             source,
             escape(say.BUILT_FACT.format(number=step.number, amount=step_amount(step))),
-            step_prompt(step).text(wording),
+            translated(step_prompt(step).text(wording)),
             theme,
         )
         for step, source in zip(target.steps, sources, strict=True)

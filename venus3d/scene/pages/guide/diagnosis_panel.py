@@ -7,6 +7,7 @@ from html import escape
 
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import translated
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.web.diagnoses import SEVERITIES, Severity
 
@@ -33,6 +34,6 @@ def _item(diagnosis: Diagnosis) -> str:
     return (
         f"<div class='v-diagnosis v-is-{severity}' data-kind='{diagnosis.kind}'>"
         f"<div class='v-named'><b class='v-sign'>{sign}</b>{word}: {escape(title)}</div>"
-        f"<div>{escape(diagnosis.cause)}</div>"
-        f"<div class='v-cure'>→ {escape(diagnosis.cure)}</div></div>"
+        f"<div>{escape(translated(diagnosis.cause))}</div>"
+        f"<div class='v-cure'>→ {escape(translated(diagnosis.cure))}</div></div>"
     )

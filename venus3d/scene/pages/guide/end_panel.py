@@ -15,6 +15,7 @@ from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.prompts import Phase
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.sentences import listed
+from venus3d.languages import translated
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import EndNow, GoOn, Intent, NewSession
 from venus3d.scene.pages.guide.state import ViewState
@@ -92,7 +93,7 @@ def unsettled_text(snapshot: Snapshot) -> str:
     """Which parameters have not settled, in a sentence; empty if all have."""
     judged = snapshot.convergence
     names = PARAMETERS if judged is None else judged.unsettled
-    return say.NOT_SETTLED.format(names=listed(names)) if names else ""
+    return say.NOT_SETTLED.format(names=translated(listed(names))) if names else ""
 
 
 def _focal_text(calibration: Calibration) -> str:
@@ -118,7 +119,7 @@ def result_html(snapshot: Snapshot, saved: str) -> str:
     line = say.RESULT_LINE.format(
         views=len(known.views), rms=figure(known.rms_px), error=figure(last.uncertainty_px)
     )
-    where = f"<div class='v-line'>{escape(saved)}</div>" if saved else ""
+    where = f"<div class='v-line'>{escape(translated(saved))}</div>" if saved else ""
     title = f"<h3 title='{escape(say.RESULT_HINT)}'>{say.RESULT_TITLE}</h3>"
     return (
         f"<div class='v-progress' data-panel='result'>{title}<div class='v-figures'>{cells}</div>"

@@ -21,6 +21,7 @@ from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Outcome, Work
+from venus3d.languages import translated_error
 from venus3d.scene.pages.guide import intents, texts
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.board_keys import KeyMoves
@@ -191,7 +192,7 @@ class LiveGuide:
                 try:
                     session.change_method(method, cost)
                 except VenusError as error:
-                    self._viewer.say(str(error))
+                    self._viewer.say(translated_error(error))
             case intents.EndNow():
                 session.finish()
             case intents.GoOn():

@@ -14,6 +14,7 @@ from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress, last_gain
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
+from venus3d.languages import number, translated
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.web.theme import Theme
 
@@ -30,8 +31,8 @@ def _summary(snapshot: Snapshot) -> str:
     last = snapshot.history[-1] if snapshot.history else None
     boxes = [(str(len(snapshot.views)), say.VIEWS_CAPTURED, "")]
     if last is not None:
-        boxes.append((figure(last.rms_px), say.RMS, say.RMS_HINT))
-        boxes.append((figure(last.uncertainty_px), say.UNCERTAINTY, say.UNCERTAINTY_HINT))
+        boxes.append((number(figure(last.rms_px)), say.RMS, say.RMS_HINT))
+        boxes.append((number(figure(last.uncertainty_px)), say.UNCERTAINTY, say.UNCERTAINTY_HINT))
     cells = "".join(
         f"<div title='{escape(hint)}'><b>{value}</b><span>{words}</span></div>"
         for value, words, hint in boxes
@@ -95,7 +96,7 @@ def _reason(snapshot: Snapshot) -> str:
     serves = ", ".join(target.serves[:3])
     serves = say.SERVES.format(names=serves) if serves else ""
     small = f"<small>{escape(looked + serves)}</small>" if looked or serves else ""
-    text = f"{target.reason} {_promise(snapshot)}".strip()
+    text = f"{translated(target.reason)} {_promise(snapshot)}".strip()
     reason = f"<div class='v-reason'>{escape(text)}{small}</div>"
     return f"<h3 title='{escape(say.WHAT_FOR_HINT)}'>{say.WHAT_FOR}</h3>{reason}"
 

@@ -10,6 +10,7 @@ from contextvars import copy_context
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import VenusError
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import translated_error
 from venus3d.scene.pages.guide import terminal_texts, texts
 from venus3d.threads.latest import Latest
 
@@ -84,7 +85,7 @@ class ResultSaver:
             sentence = self._write(snapshot)
         except VenusError as error:
             if not told:
-                self._failed(texts.NOT_SAVED.format(error=error))
+                self._failed(texts.NOT_SAVED.format(error=translated_error(error)))
             return False
         except Exception:  # our error: the next view is worth trying
             _LOG.exception(terminal_texts.NOT_SAVED_LOG)

@@ -13,6 +13,7 @@ from venus3d.engine.amounts import size_deg
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import Prompt, step_prompt
+from venus3d.languages import translated
 from venus3d.render.map_pictures import (
     distortion_magnification,
     distortion_picture,
@@ -53,7 +54,7 @@ def acceptance_html(taught: TaughtPose, *, live: bool = True) -> str:
         locked = f"{texts.LOCKED} {texts.LOCKED_TRY}" if live else texts.LOCKED
         parts.append(f"<div class='v-refused'><b>{texts.LOCKED_TITLE}</b>{escape(locked)}</div>")
     if taught.refusals:
-        lines = "".join(f"<p>{escape(r.text)}</p>" for r in taught.refusals[:_LISTED])
+        lines = "".join(f"<p>{escape(translated(r.text))}</p>" for r in taught.refusals[:_LISTED])
         left = len(taught.refusals) - _LISTED
         more = f"<small>{texts.MORE.format(count=left)}</small>" if left > 0 else ""
         parts.append(f"<div class='v-refused'><b>{texts.REFUSED}</b>{lines}{more}</div>")
@@ -88,7 +89,8 @@ def focal_uncertainty_html(taught: TaughtPose) -> str:
         f"<h3>{escape(texts.SIGMA_TITLE)}</h3><div class='v-figure'>{escape(figure)} "
         f"<small>{escape(texts.SIGMA_OF)}</small></div>"
         f"<div class='v-sigma'><i style='width:{100 * float(share):.0f}%'></i></div>"
-        f"<div class='v-why'>{escape(taught.sigma_words)} {escape(texts.SIGMA_BAR)}</div>"
+        f"<div class='v-why'>{escape(translated(taught.sigma_words))} "
+        f"{escape(texts.SIGMA_BAR)}</div>"
     )
 
 
@@ -120,7 +122,8 @@ def holder_sentence(words: Prompt) -> str:
     """The instruction for the board's holder; empty if it is the same for both sides."""
     if words.holder == words.camera:
         return ""
-    return texts.HOLDER.format(words=words.holder[0].lower() + words.holder[1:])
+    holder = translated(words.holder)
+    return texts.HOLDER.format(words=holder[0].lower() + holder[1:])
 
 
 def class_html(view: TabView) -> str:
@@ -149,12 +152,13 @@ def steps_html(taught: TaughtPose, sources: Sequence[str], theme: Theme) -> str:
 
 def _step_card(step: Step, source: str, colour: str) -> str:
     prompt, amount = step_prompt(step), "–" if step.is_idle else amount_text(step, 1.0)
-    words, held = escape(prompt.camera), escape(holder_sentence(prompt))
-    alt = escape(texts.STEP_ALT.format(number=step.number, words=prompt.camera), quote=True)
+    words, held = translated(prompt.camera), escape(holder_sentence(prompt))
+    alt = escape(texts.STEP_ALT.format(number=step.number, words=words), quote=True)
     return (
         f"<div class='v-tile' data-step='{step.number}' style='--step:{colour}'>"
         f"<div class='v-told'><b>{step.number}</b><strong>{step_style(step.number).title}</strong>"
-        f"<i>{escape(amount)}</i><span>{words}</span><span class='v-held'>{held}</span></div>"
+        f"<i>{escape(amount)}</i><span>{escape(words)}</span>"
+        f"<span class='v-held'>{held}</span></div>"
         f"<img alt=\"{alt}\" src='{source}'></div>"
     )
 
@@ -184,9 +188,10 @@ def _step(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
 def _told(step: Step, state: TeachState) -> list[tuple[str, str]]:
     """The step in words, and for whom; the side that is looked from comes first."""
     words = step_prompt(step)
-    if words.camera == words.holder:
-        return [(words.camera, texts.SIDES["both"])]
-    told = [(words.camera, texts.SIDES["camera"]), (words.holder, texts.SIDES["holder"])]
+    seen, held = translated(words.camera), translated(words.holder)
+    if seen == held:
+        return [(seen, texts.SIDES["both"])]
+    told = [(seen, texts.SIDES["camera"]), (held, texts.SIDES["holder"])]
     return told[::-1] if state.viewpoint == "holder" else told
 
 

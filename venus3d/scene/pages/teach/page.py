@@ -22,6 +22,7 @@ import viser
 
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.decomposition import Step
+from venus3d.languages import translated_error
 from venus3d.lessons.lesson import Lesson
 from venus3d.render.shapes import Shape
 from venus3d.render.viewpoints import SceneCamera
@@ -170,7 +171,7 @@ class TeachPage:
         try:
             name, content = self._save(self._shown.state, kind)
         except VenusError as error:
-            self._notify(str(error))
+            self._notify(translated_error(error))
             return
         except Exception:
             # Our error: the tab must not wait for ever, and the traceback is still printed.

@@ -15,6 +15,7 @@ from PIL import Image, ImageDraw
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array
+from venus3d.languages import translated
 from venus3d.render.annotated_picture import draw_line
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground, picture_background, text_on
@@ -111,7 +112,7 @@ def with_refusal(picture: Picture, taught: TaughtPose, dark: bool) -> Picture:
     drawn = np.array(picture)
     for place in places[np.isfinite(places).all(axis=1)]:
         _mark(drawn, place, colour)
-    return _banner(drawn, taught.refusals[0].text, colour)
+    return _banner(drawn, translated(taught.refusals[0].text), colour)
 
 
 def _mark(picture: Picture, place: Array, colour: Colour) -> None:

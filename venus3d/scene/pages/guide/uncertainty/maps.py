@@ -13,6 +13,7 @@ from venus3d.engine.amounts import figure
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.uncertainty import ProjectionUncertainty
+from venus3d.languages import number
 from venus3d.render.colour_scale import gradient_css, round_down, round_up
 from venus3d.render.map_pictures import (
     Picture,
@@ -93,7 +94,7 @@ def scale_html(ticks: tuple[float, ...], unit: str) -> str:
     """The legend of the colour scale, with its numbers."""
     last = len(ticks) - 1
     figures = "".join(
-        f"<span>{figure(tick)}{f' {unit}' if index == last else ''}</span>"
+        f"<span>{number(figure(tick))}{f' {unit}' if index == last else ''}</span>"
         for index, tick in enumerate(ticks)
     )
     return (
@@ -187,6 +188,6 @@ def _figures(shown: ShownMap) -> str:
     spots = ((0, 0, "tl"), (0, columns, "tr"), (rows // 2, columns // 2, "mid"))
     spots = (*spots, (rows, 0, "bl"), (rows, columns, "br"))
     return "".join(
-        f"<b data-at='{place}'>{figure(float(shown.figures[row, column]))}</b>"
+        f"<b data-at='{place}'>{number(figure(float(shown.figures[row, column])))}</b>"
         for row, column, place in spots
     )

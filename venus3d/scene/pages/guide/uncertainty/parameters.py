@@ -14,6 +14,7 @@ from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import number, translated
 from venus3d.scene.pages.guide.uncertainty import texts
 
 _IN_PIXELS = 4
@@ -50,10 +51,10 @@ def value_text(value: float, sigma: float, index: int) -> str:
 def figures(value: float, sigma: float, index: int) -> tuple[str, str]:
     """The same without the unit, apart; no sigma for a parameter held fixed."""
     if not sigma > 0:
-        return f"{value:.1f}" if index < _IN_PIXELS else f"{value:.4f}", ""
+        return number(f"{value:.1f}" if index < _IN_PIXELS else f"{value:.4f}"), ""
     # Two figures of the sigma are significant.
     places = min(max(1 - math.floor(math.log10(sigma)), 0), 6)
-    return f"{value:.{places}f}", f"{sigma:.{places}f}"
+    return number(f"{value:.{places}f}"), number(f"{sigma:.{places}f}")
 
 
 def sparkline(history: Sequence[Progress], index: int) -> str:
@@ -90,7 +91,7 @@ def _row(snapshot: Snapshot, index: int) -> str:
     sentence = escape(texts.PARAMETER_SENTENCES[index])
     return (
         f"<details class='v-row v-param'><summary title='{sentence}'><b>{PARAMETERS[index]}</b>"
-        f"<span class='v-word'>{PARAMETER_DESCRIPTIONS[index]}</span>"
+        f"<span class='v-word'>{translated(PARAMETER_DESCRIPTIONS[index])}</span>"
         f"<span class='v-mark{kind}'>{mark}</span>"
         f"<span class='v-value'>{value_text(float(value), float(sigma), index)}</span>"
         f"{sparkline(snapshot.history, index)}</summary>"

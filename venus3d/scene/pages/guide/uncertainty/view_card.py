@@ -19,6 +19,7 @@ from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import held_in_words
 from venus3d.engine.planning.uncertainty import Influence
+from venus3d.languages import number
 from venus3d.scene.pages.guide.uncertainty import texts
 
 _FX, _FY = PARAMETERS.index("fx"), PARAMETERS.index("fy")
@@ -136,8 +137,8 @@ def _what_if(
         (calibration.rms_px, left.rms_px),
     )
     rows = "".join(
-        f"<tr><td>{escape(name)}</td><td>{figure(float(now))} px</td>"
-        f"<td>{figure(float(then))} px</td></tr>"
+        f"<tr><td>{escape(name)}</td><td>{number(figure(float(now)))} px</td>"
+        f"<td>{number(figure(float(then)))} px</td></tr>"
         for name, (now, then) in zip(texts.WITHOUT_ROWS, pairs, strict=True)
     )
     head = f"<tr><th></th><th>{texts.WITHOUT_NOW}</th><th>{texts.WITHOUT_THEN}</th></tr>"

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import step_prompt
-from venus3d.languages import current_language
+from venus3d.languages import current_language, translated
 from venus3d.lessons.lesson import Lesson, Question
 from venus3d.render.palette import hex_of, step_style, text_on
 from venus3d.render.projections import Picture
@@ -144,7 +144,7 @@ def _figures(page: ExportedPage, dark: bool) -> str:
 
 
 def _step(step: Step, picture: Picture, dark: bool) -> str:
-    style, words = step_style(step.number), step_prompt(step).camera
+    style, words = step_style(step.number), translated(step_prompt(step).camera)
     colour = style.colour(dark)
     alt = escape(teach_texts.STEP_ALT.format(number=step.number, words=words), quote=True)
     look = f"--step:{hex_of(colour)};--on:{hex_of(text_on(colour))}"

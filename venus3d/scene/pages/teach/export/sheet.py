@@ -9,6 +9,7 @@ from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step
 from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.languages import translated
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground, step_style, text_on
 from venus3d.render.projections import Picture, Projections
@@ -66,7 +67,7 @@ def sheet(
 
 def _lines(step: Step, width: int) -> tuple[str, ...]:
     """The step's instruction, for the picture and for the hands, as lines of a cell."""
-    words = (step_prompt(step).camera, holder_sentence(step_prompt(step)))
+    words = (translated(step_prompt(step).camera), holder_sentence(step_prompt(step)))
     return tuple(line for text in words for line in wrapped_lines(text, font(_WORDS), width - 60))
 
 
@@ -80,7 +81,7 @@ def _heading(draw: Any, taught: TaughtPose, vector: Vector, title: str) -> None:
     if taught.refusals:
         # For a refused pose the way to it does not matter.
         line, colour = texts.SHEET_REFUSED, colours.warning
-    why = taught.refusals[0].text if taught.refusals else ""
+    why = translated(taught.refusals[0].text) if taught.refusals else ""
     line = line.format(millimetres=round(1000 * HOME_DISTANCE), why=why)
     draw.text((_MARGIN, 345), line, fill=colour, font=fitting_font(line, _WORDS, _ROOM))
 
