@@ -199,7 +199,8 @@ class Detector:
             self._check.found()
         scales = local_scales(self._board, ids, corners)
         if self._refine:
-            corners = refine_corners(grey, corners, refinement_windows(self._board, scales))
+            windows = refinement_windows(self._board, scales, corners)
+            corners = refine_corners(self._board, ids, grey, corners, windows)
         squares = np.linalg.norm(scales, axis=1).min(axis=1) * self._board.square
         self.square_px = float(squares.min())
         sharpness = edge_sharpness(grey, corners, squares)

@@ -1,6 +1,12 @@
-"""Subpixel corners: cornerSubPix in a window that follows the size of a square."""
+"""Subpixel corners: cornerSubPix in a window that follows the size of a square.
+
+A refined corner is a second opinion. It must be near the plain one, and must fit its neighbours on
+the board no worse: glare, a hand or dirt in the window pulls it away.
+"""
 
 from __future__ import annotations
+
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -11,21 +17,58 @@ from venus3d.engine.geometry.pose import Array
 
 Grey = NDArray[np.uint8]
 
-# cornerSubPix's half-window as a share of the distance to the nearest marker edge: 0.106 of a
+# cornerSubPix's half-window as a share of the distance to the nearest marker edge: 0.094 of a
 # square on a frontal board with markers of 3/4 of a square, less where it is foreshortened.
-_WINDOW = 0.85
+_WINDOW = 0.75
 _SMALLEST_WINDOW = 2
 _LARGEST_WINDOW = 30
+# The largest half-window as a share of the distance to the nearest corner found.
+_OF_NEAREST = 0.3
+# The farthest that a corner is moved, pixels. On real recordings 99 % move by less than 0.5 px, and
+# those that move farther have found another edge.
+_FARTHEST_PX = 1.5
+# Of a smaller move, which of the two places fits better says nothing.
+_TELLS_PX = 0.1
 _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
+# A corner is predicted from those within so many squares along both axes, if they are this many:
+# two more than a quadratic has coefficients.
+_REACH, _FEWEST_NEIGHBOURS = 2, 8
 
 
 def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
-    """(N, 2, 2) derivatives of the image by the board's x, y at each corner, pixels per metre. From
-    a homography through all corners; distortion changes the scale of a square only a little."""
-    points = board.points_of(ids)[:, :2]
+    """(N, 2, 2) derivatives of the image by the board's x, y at each corner, pixels per metre.
+
+    Measured between a corner and its neighbours along each axis. A corner that has none takes those
+    of the nearest corner that has; a homography through all corners serves if no corner has any.
+    """
+    columns = board.columns - 1
+    places = np.stack([ids % columns, ids // columns], axis=1)
+    grid = np.full((columns + 2, board.rows + 1, 2), np.nan)
+    grid[places[:, 0] + 1, places[:, 1] + 1] = corners
+    scales = np.zeros((ids.size, 2, 2))
+    for axis, step in enumerate(np.eye(2, dtype=np.intp)):
+        after, before = places + 1 + step, places + 1 - step
+        steps = np.stack(
+            [grid[after[:, 0], after[:, 1]] - corners, corners - grid[before[:, 0], before[:, 1]]]
+        )
+        known = np.isfinite(steps[:, :, 0])
+        measured = np.flatnonzero(known.any(axis=0))
+        if not measured.size:
+            scales[:, :, axis] = _homography_scales(board.points_of(ids)[:, :2], corners)[
+                :, :, axis
+            ]
+            continue
+        mean = np.nansum(steps[:, measured], axis=0) / known[:, measured].sum(axis=0)[:, None]
+        distances = np.linalg.norm(places[:, None] - places[measured], axis=2)
+        scales[:, :, axis] = mean[np.argmin(distances, axis=1)] / board.square
+    return scales
+
+
+def _homography_scales(points: Array, corners: Array) -> Array:
+    """(N, 2, 2) the derivatives of a homography from points (N, 2) to corners (N, 2)."""
     H, _ = cv2.findHomography(points, corners)
     if H is None:
-        return np.zeros((ids.size, 2, 2))
+        return np.zeros((len(points), 2, 2))
     H = np.asarray(H, dtype=np.float64)
     depth = (points @ H[2, :2] + H[2, 2])[:, None]
     image = (points @ H[:2, :2].T + H[:2, 2]) / depth
@@ -34,8 +77,8 @@ def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
     return np.nan_to_num(scales, nan=0.0, posinf=0.0, neginf=0.0)
 
 
-def refinement_windows(board: Board, scales: Array) -> NDArray[np.intp]:
-    """(N,) half-windows that stay clear of the markers around each corner, pixels."""
+def refinement_windows(board: Board, scales: Array, corners: Array) -> NDArray[np.intp]:
+    """(N,) half-windows that stay clear of the markers around each corner (N, 2), pixels."""
     gap = (board.square - board.marker) / 2
     along = np.linspace(gap, board.square / 2, 5)
     edge = np.stack([np.full_like(along, gap), along])
@@ -44,22 +87,72 @@ def refinement_windows(board: Board, scales: Array) -> NDArray[np.intp]:
     # squares hold a marker depends on the layout, and the other two are symmetrical.
     edges = np.hstack([edge, edge[::-1], mirror * edge, mirror * edge[::-1]])
     room = np.abs(scales @ edges).max(axis=1).min(axis=1)
-    return np.minimum(np.floor(_WINDOW * room), _LARGEST_WINDOW).astype(np.intp)
+    apart = np.linalg.norm(corners[:, None] - corners, axis=2) + np.diag(np.full(len(corners), 1e9))
+    largest = np.minimum(_LARGEST_WINDOW, _OF_NEAREST * apart.min(axis=1))
+    return np.minimum(np.floor(_WINDOW * room), largest).astype(np.intp)
 
 
-def refine_corners(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
-    """Corners (N, 2) after cornerSubPix in half-windows (N,); unchanged where under 2 px."""
+def refine_corners(
+    board: Board, ids: NDArray[np.intp], grey: Grey, corners: Array, windows: NDArray[np.intp]
+) -> Array:
+    """(N, 2) corners, each refined in its half-window (N,) if that makes it better.
+
+    A corner whose window is too small or that would move far stays as it is; so does one that then
+    fits its neighbours worse, and worse than is usual in this image. All stay if together they fit
+    worse. Moves of less than 0.1 px are not judged.
+    """
+    refined = _moved(grey, corners, windows)
+    smoother = _smoother(board.columns - 1, ids.tobytes())
+    judged = smoother.any(axis=1)
+    far = judged & (np.linalg.norm(refined - corners, axis=1) > _TELLS_PX)
+    if not far.any():
+        return refined
+    predicted = smoother @ refined
+    after = np.linalg.norm(refined - predicted, axis=1)
+    usual = np.sqrt((after[judged] ** 2).mean())
+    if usual > np.sqrt(((corners - smoother @ corners)[judged] ** 2).sum(axis=1).mean()):
+        return corners
+    worse = after > np.maximum(usual, np.linalg.norm(corners - predicted, axis=1))
+    return np.where((far & worse)[:, None], corners, refined)
+
+
+def _moved(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
+    """(N, 2) corners after cornerSubPix; those that would move too far stay."""
     better = corners.copy()
     for window in np.unique(windows[windows >= _SMALLEST_WINDOW]):
-        members = windows == window
+        members = np.flatnonzero(windows == window)
         half = (int(window), int(window))
         start = corners[members].astype(np.float32).reshape(-1, 1, 2)
         moved = cv2.cornerSubPix(grey, start.copy(), half, (-1, -1), _REFINE_CRITERIA)
         moved = np.asarray(moved, dtype=np.float64).reshape(-1, 2)
-        # A corner that moves far has found another edge.
-        near = np.linalg.norm(moved - corners[members], axis=1) <= max(1.0, window / 2)
+        near = np.linalg.norm(moved - corners[members], axis=1) <= _FARTHEST_PX
         better[members] = np.where(near[:, None], moved, corners[members])
     return better
+
+
+@lru_cache(maxsize=64)
+def _smoother(columns: int, ids: bytes) -> Array:
+    """(N, N) matrix that predicts corners from their neighbours, for corners in rows of `columns`.
+
+    Row n holds the weights of a quadratic fit around corner n, without itself, at its place (a
+    quadratic over five squares: perspective and a lens's distortion bend them hardly more). Zero
+    for corners with too few neighbours. The same corners come in many frames, hence the cache.
+    """
+    numbers = np.frombuffer(ids, dtype=np.intp)
+    places = np.stack([numbers % columns, numbers // columns], axis=1).astype(np.float64)
+    d = places - places[:, None]
+    ring = np.abs(d).max(axis=2)
+    near = (ring > 0) & (ring <= _REACH)
+    x, y = d[..., 0], d[..., 1]
+    A = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2) * near[..., None]
+    normal = np.einsum("kni,knj->kij", A, A)
+    values = np.linalg.eigvalsh(normal)
+    fits = (near.sum(axis=1) >= _FEWEST_NEIGHBOURS) & (values[:, 0] > 1e-6 * values[:, -1])
+    weights = np.zeros(ring.shape)
+    if fits.any():
+        # The fit's value at the corner itself is its first coefficient.
+        weights[fits] = np.einsum("kj,knj->kn", np.linalg.inv(normal[fits])[:, 0], A[fits])
+    return weights
 
 
 def edge_sharpness(grey: Grey, corners: Array, squares: Array) -> float:

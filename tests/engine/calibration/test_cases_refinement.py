@@ -1,0 +1,147 @@
+"""Refined corners on real recordings: never worse than what OpenCV finds and fits by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.refinement import (
+    local_scales,
+    refine_corners,
+    refinement_windows,
+)
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array
+
+Corners = tuple[NDArray[np.intp], Array]
+GLARE = Board(9, 7, 0.040, 0.020, "DICT_4X4_100")
+STILLS = {
+    "cases/glare": GLARE,
+    "lifecam-charuco-8x8": Board(8, 8, 0.0254, 0.01905, "DICT_4X4_1000"),
+    "sleap-charuco-8x11-top": Board(8, 11, 0.024, 0.01875, "DICT_4X4_1000"),
+}
+SAME = 1.001
+"""Halves are drawn at random: a thousandth is no difference."""
+
+
+def by_opencv(board: Board, picture: NDArray[np.uint8]) -> Corners:
+    detector = cv2.aruco.CharucoDetector(board.cv_board)
+    corners, ids, _, _ = detector.detectBoard(picture)
+    return np.asarray(ids, np.intp).reshape(-1), np.asarray(corners, float).reshape(-1, 2)
+
+
+def calibrated(
+    board: Board, views: Sequence[Corners], size: tuple[int, int]
+) -> tuple[float, Array, Array]:
+    """OpenCV's rms, camera matrix and distortion; the same fit for both kinds of corners."""
+    points = [board.points_of(ids).astype(np.float32) for ids, _ in views]
+    pixels = [corners.astype(np.float32) for _, corners in views]
+    return cv2.calibrateCamera(points, pixels, size, None, None)[:3]  # type: ignore[call-overload]
+
+
+def held_out(board: Board, views: Sequence[Corners], size: tuple[int, int]) -> float:
+    """Median over halves of the rms of the other half's corners, their pose fitted; pixels."""
+    rng, found = np.random.default_rng(0), []
+    for _ in range(4):
+        order = rng.permutation(len(views))
+        middle = len(order) // 2
+        for known, asked in ((order[:middle], order[middle:]), (order[middle:], order[:middle])):
+            _, K, distortion = calibrated(board, [views[i] for i in known], size)
+            errors = []
+            for ids, corners in (views[i] for i in asked):
+                points = board.points_of(ids)
+                _, turn, place = cv2.solvePnP(points, corners, K, distortion)
+                turn, place = cv2.solvePnPRefineLM(points, corners, K, distortion, turn, place)
+                errors.append(cv2.projectPoints(points, turn, place, K, distortion)[0][:, 0])
+                errors[-1] -= corners
+            found.append(np.sqrt((np.concatenate(errors) ** 2).sum(axis=1).mean()))
+    return float(np.median(found))
+
+
+def compare(board: Board, pictures: Sequence[NDArray[np.uint8]]) -> tuple[float, float]:
+    """Our rms and held-out rms over OpenCV's."""
+    detector = Detector(board, find_layout=False)
+    size = (pictures[0].shape[1], pictures[0].shape[0])
+    seen = [detector.detect(picture) for picture in pictures]
+    ours = [(o.ids, o.corners) for o in seen if o.count]
+    plain = [by_opencv(board, p) for p, o in zip(pictures, seen, strict=True) if o.count]
+    rms = calibrated(board, ours, size)[0] / calibrated(board, plain, size)[0]
+    return rms, held_out(board, ours, size) / held_out(board, plain, size)
+
+
+def grey_of(folder: Path) -> list[NDArray[np.uint8]]:
+    files = sorted(folder.glob("*.jpg"))
+    return [np.asarray(cv2.imread(str(f), cv2.IMREAD_GRAYSCALE), np.uint8) for f in files]
+
+
+@pytest.mark.parametrize("name", STILLS)
+def test_no_set_of_stills_is_worse_than_plain_opencv(shared_data: Path, name: str) -> None:
+    rms, held = compare(STILLS[name], grey_of(shared_data / name))
+    assert rms <= SAME and held <= SAME
+    if name != "cases/glare":
+        assert rms < 0.96 and held < 0.96, "here it gains"
+
+
+@pytest.mark.slow
+def test_no_video_is_worse_than_plain_opencv(shared_data: Path) -> None:
+    video = cv2.VideoCapture(str(shared_data / "wpilib-charuco-12x8.mp4"))
+    frames = []
+    for number in range(161):
+        assert video.grab()
+        if number % 8 == 0:
+            frames.append(cv2.cvtColor(video.retrieve()[1], cv2.COLOR_BGR2GRAY))
+    rms, held = compare(Board(12, 8, 0.0180086, 0.0139954, "DICT_5X5_1000"), frames)
+    assert rms <= SAME and held <= SAME
+
+
+def test_glare_moves_no_corner_away(shared_data: Path) -> None:
+    """A corner went 5.6 px onto a reflection, and the rms was 0.471 px instead of 0.313."""
+    pictures = grey_of(shared_data / "cases" / "glare")
+    detector = Detector(GLARE, find_layout=False)
+    seen = [detector.detect(picture) for picture in pictures]
+    for observation, picture in zip(seen, pictures, strict=True):
+        ids, corners = by_opencv(GLARE, picture)
+        order = np.argsort(ids)
+        np.testing.assert_array_equal(observation.ids, ids[order])
+        assert np.linalg.norm(observation.corners - corners[order], axis=1).max() < 0.5
+    calibration = calibrate(GLARE, seen)
+    assert calibration.rms_px <= 0.313
+    assert calibration.camera.fx == pytest.approx(790.7, abs=3 * 1.3)
+
+
+def test_windows_come_from_measured_neighbours(default_board: Board) -> None:
+    """A row and one corner more: no homography says how large a square is along the columns."""
+    ids = np.array([*range(8), 8], dtype=np.intp)
+    corners = default_board.points_of(ids)[:, :2] / default_board.square * 31 + 200
+    corners[8] += [2.0, -1.5]
+    windows = refinement_windows(default_board, local_scales(default_board, ids, corners), corners)
+    assert windows.max() <= 0.15 * 31
+    scattered = np.array([0, 10, 21, 39], dtype=np.intp)  # no two are neighbours
+    spread = default_board.points_of(scattered)[:, :2] / default_board.square * 31 + 200
+    scales = local_scales(default_board, scattered, spread)
+    np.testing.assert_allclose(scales * default_board.square, [31 * np.eye(2)] * 4, atol=1e-3)
+
+
+def test_a_corner_drawn_aside_stays_where_it_was(default_board: Board) -> None:
+    """A bright spot beside one corner, as glare leaves it; the others are refined."""
+    texture = cv2.copyMakeBorder(
+        default_board.texture(60), *(4 * [60]), cv2.BORDER_CONSTANT, value=255
+    )
+    picture = np.asarray(cv2.GaussianBlur(texture, (0, 0), 1.5), np.uint8)
+    ids = np.arange(default_board.corner_count)
+    truth = np.stack([ids % 8 + 2, ids // 8 + 2], axis=1) * 60.0 - 0.5
+    x, y = np.rint(truth[19]).astype(int)
+    picture[y - 4 : y + 1, x + 1 : x + 5] = 255
+    start = truth + np.random.default_rng(4).normal(0, 0.15, truth.shape)
+    windows = np.full(ids.size, 5, dtype=np.intp)
+    found = refine_corners(default_board, ids, picture, start, windows)
+    np.testing.assert_array_equal(found[19], start[19])
+    others = np.delete(found - truth, 19, axis=0)
+    assert np.sqrt((others**2).mean()) < 0.05
