@@ -21,7 +21,9 @@ from websockets.sync.client import ClientConnection, connect
 class RawClient:
     """One connection; a context manager."""
 
-    def __init__(self, port: int, host: str = "127.0.0.1", holds_bytes: int = 0) -> None:
+    def __init__(
+        self, port: int, host: str = "127.0.0.1", holds_bytes: int = 0, cookie: str = ""
+    ) -> None:
         """`holds_bytes`: how much waits at this end while nobody reads; 0 for as usual."""
         version = f"viser-v{viser.__version__}"
         line = socket.socket()
@@ -31,6 +33,7 @@ class RawClient:
         self._socket: ClientConnection = connect(
             f"ws://{host}:{port}",
             sock=line,
+            additional_headers={"Cookie": cookie} if cookie else None,
             subprotocols=[version],
             max_size=None,
             max_queue=1,

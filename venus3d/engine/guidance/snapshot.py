@@ -74,8 +74,9 @@ class Snapshot:
     """Whether the board is still where the last view was taken back: no capture by itself."""
     run: int = 1
     """Counts the calibrations of this session: each begins without views."""
-    captured: tuple[int, ...] = ()
-    """Numbers of the captured views, also of those that are not calibrated with yet."""
+    captured: tuple[int, ...] | None = None
+    """Numbers of the captured views, also of those that are not calibrated with yet; None if none
+    are captured here, since another program gives the pose."""
     loop: Loop = field(default=Loop())
     """What the method does now, with its figures."""
 

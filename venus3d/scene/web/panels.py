@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from html import escape
+from http.cookies import CookieError, SimpleCookie
 from typing import Any
 
 import viser
@@ -11,7 +13,9 @@ import viser
 from venus3d.scene.web import texts
 from venus3d.scene.web.scene_view import Host
 from venus3d.scene.web.theme import Theme
-from venus3d.scene.web.viser_private import panel_in
+from venus3d.scene.web.viser_private import connection_of, panel_in, server_of, sockets_of
+
+_HEIGHT_COOKIE = "venus3d-window-height"
 
 
 class PanelStyle:
@@ -61,14 +65,26 @@ def on_window(host: Host, act: Callable[[viser.ClientHandle], None]) -> None:
 
 
 def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
-    """Give a panel the width (pixels) that suits the window's height, in each tab of a server
-    separately."""
-    shown: dict[int, int] = {}
+    """Give a panel the width that suits the height of the window as it was opened, both in CSS
+    pixels, in each tab of a server separately."""
 
     def fit(client: viser.ClientHandle) -> None:
-        wanted = width(client.camera.image_height)
-        if shown.get(client.client_id) != wanted:
-            shown[client.client_id] = wanted
-            (panel if client is host else panel_in(client, panel)).set_width(wanted)
+        wanted = width(_window_height(client))
+        (panel if client is host else panel_in(client, panel)).set_width(wanted)
 
-    on_window(host, fit)
+    if isinstance(host, viser.ClientHandle):
+        fit(host)
+    else:
+        host.on_client_connect(fit)
+
+
+def _window_height(client: viser.ClientHandle) -> int:
+    """As the browser told it in a cookie (window.js). Its camera tells the scene's height in pixels
+    of the device, of which viser takes fewer when drawing is slow."""
+    request = connection_of(sockets_of(server_of(client)), client.client_id).request
+    for line in request.headers.get_all("cookie"):
+        with suppress(CookieError):
+            height = SimpleCookie(line).get(_HEIGHT_COOKIE)
+            if height is not None and height.value.isdecimal() and len(height.value) < 6:
+                return int(height.value)
+    return client.camera.image_height

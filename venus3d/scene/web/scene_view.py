@@ -126,6 +126,12 @@ class SceneView:
         moving = self._pulsing is not None or not self._view.at_rest
         return moving or self._view_now() != self._drawn_from
 
+    def leave_view(self) -> None:
+        """A view is about to be sent to the tabs: nothing is drawn in front of all else for the old
+        one, for which it would be too large or elsewhere in the new one."""
+        self._view.will_move()
+        self.refresh()
+
     def refresh(self) -> None:
         """Draw the same shapes again for the point of view of now."""
         if self._view_now() != self._drawn_from:

@@ -64,8 +64,8 @@ class LocalServer(viser.ViserServer):
 
     shares_language = True
     """Whether all tabs show one page, in the language of the first browser."""
-    script = "fields"
-    """Name of the script that is added to the page (`page_script`); empty for none."""
+    scripts: tuple[str, ...] = ("fields", "window")
+    """Names of the scripts that are added to the page (`page_script`)."""
 
     def __init__(
         self, host: str, port: int, *, language: PageLanguage | None = None, **options: Any
@@ -177,9 +177,7 @@ class LocalServer(viser.ViserServer):
                 return connection.respond(403, f"{refused}\n")
             language = self._hear_language(request)
             response = None if answer is None else answer(connection, request)
-            if response and self.script:
-                return as_page(response, self.script, language)
-            return response
+            return as_page(response, self.scripts, language) if response else None
 
         def connection(*given: Any, **more: Any) -> _Connection:
             return _Connection(self._hears, *given, **more)
@@ -197,7 +195,7 @@ class ReadOnlyServer(LocalServer):
     """A server that shows but accepts nothing: no message from a browser reaches a callback,
     whatever is on the page. It only tracks each browser's own viewpoint."""
 
-    script = "audience"
+    scripts = ("audience",)
 
     def _hears(self, raw: bytes, client_id: int) -> bool:
         return is_point_of_view(raw)

@@ -86,6 +86,11 @@ def connection_of(sockets: Any, client_id: int) -> Any:
     return sockets._live_connections[client_id]
 
 
+def server_of(client: viser.ClientHandle) -> viser.ViserServer:
+    """The server of a connected tab."""
+    return vars(client)["_viser_server"]
+
+
 def allow_late_message(buffer: Any) -> None:
     """Let one message be pushed to a closed tab without viser's warning."""
     buffer._sanctioned_dead_writes += 1

@@ -299,6 +299,12 @@ LOOP_POSES = "{count} poses"
 LOOP_STEPS, LOOP_STEP_LEFT, LOOP_STEPS_LEFT = "to the target", "1 step", "{count} steps"
 LOOP_GAIN, LOOP_GAINED, LOOP_FIRST_GAIN = "uncertainty", "{before} → {after} px", "{after} px"
 
+# -- the film strip --------------------------------------------------------------------------------
+
+FILM_ROW = ("Captured views", "The views captured so far; a click opens one.")
+FILM_EMPTY = "The views that are captured appear here."
+FILM_VIEW = "{number}"
+
 # -- the tour --------------------------------------------------------------------------------------
 
 TOUR = (

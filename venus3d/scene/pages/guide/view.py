@@ -4,6 +4,7 @@ left    what to do now, in large letters; below it the progress (views, purpose 
 its alternatives) and, in its own tab, the camera's parameters
 middle  the 3D scene
 above   the loop of the method, when asked for
+below   under the scene, the captured views
 right   live picture, the four steps as the camera sees them, controls, how this pose is built and
         how poses are found
 """
@@ -25,6 +26,7 @@ from venus3d.scene.pages.guide.built_panel import BuiltPanel
 from venus3d.scene.pages.guide.control_panel import ControlPanel
 from venus3d.scene.pages.guide.diagnosis_panel import diagnoses_html
 from venus3d.scene.pages.guide.end_panel import OVER, EndButtons, EndMap, result_html
+from venus3d.scene.pages.guide.film_strip import FilmStrip
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import Intent
 from venus3d.scene.pages.guide.loop_line import loop_html
@@ -58,7 +60,8 @@ class GuideView:
         server: viser.ViserServer,
         ask: Callable[[Intent], None],
         rig: CameraRig,
-        layers: Sequence[Layer] = (),
+        layers: Sequence[Layer],
+        film: FilmStrip,
         *,
         dark: bool,
         simulated: bool,
@@ -68,13 +71,14 @@ class GuideView:
 
         Args:
             rig: turns the scene's cameras.
+            film: the strip of captured views.
             simulated: whether there is a simulated hand.
             tour: show new browsers around.
         """
         self._server, self._gui = server, server.gui
         self._style = PanelStyle(server.gui)
         self._ask, self._rig = ask, rig
-        self._layers, self._simulated = layers, simulated
+        self._layers, self._film, self._simulated = layers, film, simulated
         self._views = self._captures = 0
         theme = Theme(dark)
         self._make_guidance()
@@ -194,6 +198,7 @@ class GuideView:
         self.built = BuiltPanel(gui)
         self.end_map = EndMap(gui)
         self.method = MethodPanel(gui, self._ask)
+        self._film.lay_out(gui)
 
     def _make_commands(self, tour: bool) -> None:
         panels = (self.controls, self.alternatives, *self._layers, self.method)

@@ -34,6 +34,7 @@ from venus3d.render.redrawing import looks_alike, still_shows
 from venus3d.render.shapes import Shape
 from venus3d.render.straighten import Straightener
 from venus3d.scene.pages.guide import intents
+from venus3d.scene.pages.guide.film_strip import FilmStrip
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.subject import subject_of
 from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
@@ -109,9 +110,11 @@ class Viewer(Page[ViewState]):
         self._drawn: RemainingSteps | None = None
         self._additions: list[Addition] = []
         self._draggable, self._tour = draggable_board, tour
-        self.layers: tuple[Layer, ...] = (
-            UncertaintyPanel(lambda number: self._ask(intents.DropView(number)), self.wake),
+        uncertainty = self._uncertainty = UncertaintyPanel(
+            lambda number: self._ask(intents.DropView(number)), self.wake
         )
+        self.layers: tuple[Layer, ...] = (uncertainty,)
+        self._film = FilmStrip(uncertainty.open_view)
         self._straightener = Straightener()
         self._pictures = PictureFeed(self._draw_picture)
         self._open(picture=self._pictures.loop)
@@ -150,7 +153,9 @@ class Viewer(Page[ViewState]):
         self._pictures.put(image, observation)
 
     def keep_view(self, number: int, image: LivePicture) -> None:
-        """Keep the picture (BGR or grey) of the captured view of this number, for its card."""
+        """Keep the picture (BGR or grey) of the captured view of this number, for its card and for
+        the film strip."""
+        self._film.keep_picture(number, image)
         for layer in self.layers:
             layer.keep_picture(number, image)
 
@@ -219,6 +224,7 @@ class Viewer(Page[ViewState]):
             self._ask,
             self._rig,
             self.layers,
+            self._film,
             dark=self._state.dark,
             simulated=self._draggable,
             tour=self._tour,
@@ -257,6 +263,7 @@ class Viewer(Page[ViewState]):
             self._draw_page(snapshot, state, self._note)
         self._moved = moves
         if self._rig.is_due:
+            self._scene.leave_view()
             self._rig.advance()
         self._scene.refresh()
 
@@ -275,6 +282,7 @@ class Viewer(Page[ViewState]):
             if snapshot is not None:
                 for layer in self.layers:
                     layer.show(snapshot, theme)
+                self._film.show(snapshot.captured, self._uncertainty.state.view)
         self.server.flush()
         if snapshot is not None:
             # Only now: the moved board comes before maps and pictures of a target.

@@ -199,7 +199,7 @@ class UncertaintyPanel:
             number = view_of(name)
             if number is not None and name not in self._bound:
                 self._bound.add(name)
-                scene.node(name).on_click(partial(self._open, number))
+                scene.node(name).on_click(partial(self._clicked, number))
 
     # -- the tab ---------------------------------------------------------------------------------
 
@@ -213,8 +213,8 @@ class UncertaintyPanel:
                 if number in numbers or number > newest
             }
 
-    def _open(self, number: int, event: Any) -> None:
-        """Open a view's card in the tab in which it was clicked."""
+    def open_view(self, number: int, client: viser.ClientHandle) -> None:
+        """Select a view, as in the list, and open its card in this tab."""
         snapshot = self._snapshot
         self._change(view=number)
         if snapshot is None:
@@ -222,9 +222,12 @@ class UncertaintyPanel:
         html = view_html(snapshot, number, self._pictures.get(number, ""))
         if html:
             drop = partial(self._leave_out, number) if len(snapshot.views) > 1 else None
-            self._window.open(event.client, number, self._theme.sheet + html, drop)
+            self._window.open(client, number, self._theme.sheet + html, drop)
 
     # -- what people do; on viser's threads ------------------------------------------------------
+
+    def _clicked(self, number: int, event: Any) -> None:
+        self.open_view(number, event.client)
 
     def _change(self, **changes: Any) -> None:
         with self._lock:

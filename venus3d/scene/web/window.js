@@ -1,0 +1,31 @@
+/* What only the browser knows of its window: its height, in a cookie that comes with the connection
+   (panels.py); where the scene is in it, for what stands at the scene's lower edge (style.css). And a
+   film strip shows its newest picture. */
+(() => {
+  const SCENE = "div:has(> div > div > canvas[data-engine])";
+  const told = document.documentElement.style;
+
+  const tellHeight = () => {
+    document.cookie = `venus3d-window-height=${innerHeight}; path=/; SameSite=Strict`;
+  };
+  tellHeight();
+  addEventListener("resize", tellHeight);
+
+  const waiting = new MutationObserver(() => {
+    const scene = document.querySelector(SCENE)?.parentElement;
+    if (!scene) return;
+    waiting.disconnect();
+    new ResizeObserver(() => {
+      const { left, width } = scene.getBoundingClientRect();
+      told.setProperty("--scene-left", `${left}px`);
+      told.setProperty("--scene-width", `${width}px`);
+    }).observe(scene);
+  });
+  waiting.observe(document, { childList: true, subtree: true });
+
+  addEventListener("animationstart", ({ animationName, target }) => {
+    if (animationName !== "v-film-in") return;
+    const strip = target.parentElement;
+    strip.scrollLeft = target.offsetLeft + target.offsetWidth - strip.clientWidth;
+  });
+})();
