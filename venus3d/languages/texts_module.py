@@ -48,7 +48,9 @@ def _translated(value: Any, section: Mapping[str, str]) -> Any:
     if isinstance(value, Sentence):  # translated with its arguments
         return value
     if isinstance(value, str):
-        return Template(section.get(value, value))
+        words = section.get(value, value)
+        # Only what is formatted first: viser's messages take no other kind of text than str.
+        return Template(words) if "{" in words else words
     if isinstance(value, dict):
         pairs = cast(dict[Any, Any], value)
         return {key: _translated(inner, section) for key, inner in pairs.items()}

@@ -23,10 +23,10 @@ def number(text: str) -> str:
 
 
 def translated(text: str) -> str:
-    """An engine's sentence in this language; a plain text as it is."""
+    """An engine's sentence in this language, as plain text; other texts as they are."""
     language = current_language()
     if language == "en" or not isinstance(text, Sentence):
-        return text
+        return str(text)
     template = sentences_of(language).get(text.template, text.template)
     arguments = {
         name: translated(value) if isinstance(value, str) else value
