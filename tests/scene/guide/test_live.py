@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from datetime import datetime, timedelta
 from html import escape
+from typing import Any
 
 import numpy as np
 import pytest
@@ -152,9 +153,9 @@ def test_the_picture_goes_on_while_the_mathematics_is_at_work(
 
     go_on, run = threading.Event(), Work.run
 
-    def held(work: Work, *arguments: Callable[[], bool]) -> Outcome:
+    def held(work: Work, *arguments: Callable[[], bool], **more: Any) -> Outcome:
         go_on.wait(_PATIENCE_S)
-        return run(work, *arguments)
+        return run(work, *arguments, **more)
 
     monkeypatch.setattr(Work, "run", held)
     session, live = guide(camera, viewer, [])
