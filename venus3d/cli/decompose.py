@@ -12,6 +12,7 @@ from PIL import Image
 
 from venus3d.cli.options import DecomposeOptions
 from venus3d.cli.report import print_note
+from venus3d.engine.amounts import signed, signed_tenth, size_mm
 from venus3d.engine.errors import PoseError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
@@ -64,12 +65,12 @@ def _target(options: DecomposeOptions, board: Board, camera: Camera) -> Pose:
 
 
 def _heading(target: Pose, board: Board) -> str:
-    x, y, z = target.t * 1000
-    xr, yr, zr = target.vector()[:3]
+    x, y = (signed(1000 * length) for length in target.t[:2])
+    xr, yr, zr = (signed_tenth(angle) for angle in target.vector()[:3])
     return (
-        f"Target: turned {xr:+.1f}° about X, {yr:+.1f}° about Y, {zr:+.1f}° about Z (the camera's "
-        f"axes);\n        centre {x:+.0f} mm right, {y:+.0f} mm down, {z:.0f} mm in front.\n"
-        f"From the upright, frontal board, {HOME_DISTANCE * 1000:.0f} mm in front of the camera:"
+        f"Target: turned {xr}° about X, {yr}° about Y, {zr}° about Z (the camera's axes);\n"
+        f"        centre {x} mm right, {y} mm down, {size_mm(1000 * target.t[2])} in front.\n"
+        f"From the upright, frontal board, {size_mm(1000 * HOME_DISTANCE)} in front of the camera:"
     )
 
 

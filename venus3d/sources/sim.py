@@ -143,11 +143,14 @@ class Simulation:
         """The autopilot's current step, 1 ... 4."""
         return self._autopilot.step
 
-    def follow(self, target: Target | None, seen: Pose | None = None) -> None:
+    def follow(
+        self, target: Target | None, seen: Pose | None = None, *, begins: bool = False
+    ) -> None:
         """Give the autopilot its target, and the board's pose as estimated by the calibration.
 
         With `seen` it corrects its position on arrival: as the target is a pose in an estimated
-        camera, the true board has to be slightly beside it.
+        camera, the true board has to be slightly beside it. If the calibration `begins`, without
+        any view, it brings the board into view as long as there is no target.
         """
         with self._lock:
             new = target is not None and (
@@ -158,12 +161,8 @@ class Simulation:
                 bow = (self.board.bow[0] + float(across), self.board.bow[1] + float(down))
                 self._bent = replace(self.board, bow=bow)
             self._target, self._seen = target, seen
-
-    def begin_anew(self) -> None:
-        """Have the autopilot bring the board into view, as for the first target."""
-        with self._lock:
-            self._target = None
-            self._autopilot.forget_target()
+            if begins and target is None:
+                self._autopilot.forget_target()
 
     def move_to(self, pose: Pose) -> None:
         """Move the board to `T_camera_board`, kept in front of the lens and in view."""

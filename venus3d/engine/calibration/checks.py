@@ -12,6 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
+from venus3d.engine.amounts import figure, whole
 from venus3d.engine.calibration import fit_checks
 from venus3d.engine.calibration.adjustment import Calibration, largest_angle_deg
 from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
@@ -82,15 +83,15 @@ def _parallel_or_weak(calibration: Calibration) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "parallel-views",
             Sentence(
-                "The views differ by only {angle:.0f}° in tilt, so the focal length is weak "
-                "(± {share:.1f} % at best) and a low rms proves little."
-            ).format(angle=angle, share=share),
+                "The views differ by only {angle}° in tilt, so the focal length is weak "
+                "(± {share} % at best) and a low rms proves little."
+            ).format(angle=whole(angle), share=figure(share)),
             _TILT,
         )
     elif share > 100 * WEAK_SIGMA:
         yield Diagnosis(
             "weak-focal-length",
-            Sentence("The focal length is known to {share:.1f} % only.").format(share=share),
+            Sentence("The focal length is known to {share} % only.").format(share=figure(share)),
             Sentence("Add views that are tilted by 20-45° and fill the picture."),
         )
 
@@ -103,27 +104,27 @@ def _folding(calibration: Calibration) -> Iterator[Diagnosis]:
     limit = camera.radius_limit
     if np.isfinite(limit):
         edge = limit * (1 + camera.k1 * limit**2 + camera.k2 * limit**4 + camera.k3 * limit**6)
-        where = Sentence("{edge:.0f} px from the centre").format(
-            edge=edge * (camera.fx + camera.fy) / 2
+        where = Sentence("{edge} px from the centre").format(
+            edge=whole(edge * (camera.fx + camera.fy) / 2)
         )
     else:
         where = Sentence("by its tangential part")
     yield Diagnosis(
         "folding",
         Sentence(
-            "The lens model folds back {where}, and the picture's corners are up to {farthest:.0f} "
+            "The lens model folds back {where}, and the picture's corners are up to {farthest} "
             "px away: the estimate cannot be used there."
-        ).format(where=where, farthest=farthest),
+        ).format(where=where, farthest=whole(farthest)),
         Sentence("Add views with the board near the picture's corners."),
     )
 
 
 _OUTLYING_ONE = (
-    Sentence("View {views} fits far worse than the others: rms {rms} px against {median:.2f} px."),
+    Sentence("View {views} fits far worse than the others: rms {rms} px against {median} px."),
     Sentence("Leave it out, and take it again with the board flat and held still."),
 )
 _OUTLYING_MANY = (
-    Sentence("Views {views} fit far worse than the others: rms {rms} px against {median:.2f} px."),
+    Sentence("Views {views} fit far worse than the others: rms {rms} px against {median} px."),
     Sentence("Leave them out, and take them again with the board flat and held still."),
 )
 
@@ -141,18 +142,18 @@ def _outlying(calibration: Calibration) -> Iterator[Diagnosis]:
     named = [
         f"{v.number} ({v.observation.name})" if v.observation.name else f"{v.number}" for v in worst
     ]
-    errors = listed([f"{view.rms_px:.2f}" for view in worst])
+    errors = listed([figure(view.rms_px) for view in worst])
     cause, cure = _OUTLYING_MANY if len(worst) > 1 else _OUTLYING_ONE
     yield Diagnosis(
         "outlying-view",
-        cause.format(views=listed(named), rms=errors, median=median),
+        cause.format(views=listed(named), rms=errors, median=figure(median)),
         cure,
         tuple(view.number for view in worst),
     )
 
 
 _SIDES = (Sentence("left"), Sentence("right"), Sentence("top"), Sentence("bottom"))
-_SHARE = Sentence("{side} {share:.0f} %")
+_SHARE = Sentence("{side} {share} %")
 _CORNERS = (
     Sentence("upper left"),
     Sentence("upper right"),
@@ -161,14 +162,14 @@ _CORNERS = (
 )
 _UNSEEN_CORNER = (
     Sentence(
-        "The board was never in the picture's {corners} corner (up to {away:.0f} % of the picture "
+        "The board was never in the picture's {corners} corner (up to {away} % of the picture "
         "away from it), where the lens bends most."
     ),
     Sentence("Add views with the board in the {corners} corner."),
 )
 _UNSEEN_CORNERS = (
     Sentence(
-        "The board was never in the picture's {corners} corners (up to {away:.0f} % of the picture "
+        "The board was never in the picture's {corners} corners (up to {away} % of the picture "
         "away from it), where the lens bends most."
     ),
     Sentence("Add views with the board in the {corners} corners."),
@@ -181,7 +182,7 @@ def _unseen(calibration: Calibration) -> Iterator[Diagnosis]:
     free = (x.min(), 1 - x.max(), y.min(), 1 - y.max())
     sides = [(side, share) for side, share in zip(_SIDES, free, strict=True) if share > UNSEEN_SIDE]
     if sides:
-        shares = [_SHARE.format(side=side, share=100 * share) for side, share in sides]
+        shares = [_SHARE.format(side=side, share=whole(100 * share)) for side, share in sides]
         yield Diagnosis(
             "unseen-side",
             Sentence(
@@ -203,7 +204,7 @@ def _unseen(calibration: Calibration) -> Iterator[Diagnosis]:
         away = 100 * max(places[place] for place in corners)
         yield Diagnosis(
             "unseen-side",
-            cause.format(corners=listed(corners), away=away),
+            cause.format(corners=listed(corners), away=whole(away)),
             cure.format(corners=listed(corners)),
         )
 
@@ -215,9 +216,9 @@ def _same_depth(calibration: Calibration) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "same-depth",
             Sentence(
-                "The board was always about {cm:.0f} cm away, and its tilt does not make up for "
+                "The board was always about {cm} cm away, and its tilt does not make up for "
                 "it: the farthest corner is only {ratio:.2f} times as far as the nearest."
-            ).format(cm=100 * depths.mean(), ratio=ratio),
+            ).format(cm=whole(100 * depths.mean()), ratio=ratio),
             Sentence("Add views from nearer and from farther away, and tilt the board."),
         )
 
@@ -226,7 +227,7 @@ _FOCAL_TOGETHER = (
     Sentence(
         "{one} and {other} are known only together (correlation {correlation:.4f}): there is "
         "little perspective in the views, so errors that all of them share, as of a board not "
-        "quite flat, move the focal length by more than its sigma of {share:.1f} %."
+        "quite flat, move the focal length by more than its sigma of {share} %."
     ),
     Sentence("Add views that are tilted more, by 30-45° in different directions."),
 )
@@ -268,7 +269,7 @@ def _correlated(calibration: Calibration) -> Iterator[Diagnosis]:
         one=PARAMETERS[i],
         other=PARAMETERS[j],
         correlation=correlation[i, j],
-        share=100 * _focal_share(calibration),
+        share=figure(100 * _focal_share(calibration)),
     )
     yield Diagnosis("correlated", cause, cure)
 
@@ -280,11 +281,11 @@ def _allowed(i: int, j: int) -> float:
 
 
 _TOO_NEAR = Sentence(
-    "With squares of {square:g} mm the board was {distance:.0f} mm from the lens, which is hardly "
+    "With squares of {square:g} mm the board was {distance} mm from the lens, which is hardly "
     "possible: perhaps centimetres or inches were given as millimetres."
 )
 _TOO_FAR = Sentence(
-    "With squares of {square:g} mm the board was {distance:.0f} m away, which is hardly possible: "
+    "With squares of {square:g} mm the board was {distance} m away, which is hardly possible: "
     "perhaps another unit was given as millimetres."
 )
 
@@ -298,7 +299,7 @@ def _impossible(calibration: Calibration) -> Iterator[Diagnosis]:
         "impossible-distance",
         (_TOO_NEAR if is_near else _TOO_FAR).format(
             square=1000 * calibration.board.square,
-            distance=1000 * depths.min() if is_near else depths.max(),
+            distance=whole(1000 * depths.min() if is_near else depths.max()),
         ),
         Sentence(
             "Measure a square and start again with --board.square-mm and --board.marker-mm; the "

@@ -38,7 +38,7 @@ def run_headless(
                 keep(session.run_pending())
             if isinstance(source, Simulation):
                 snapshot = session.snapshot()
-                source.follow(snapshot.target, snapshot.pose)
+                source.follow(snapshot.target, snapshot.pose, begins=not snapshot.captured)
                 waited = waited + 1 if len(snapshot.views) == views else 0
                 views = len(snapshot.views)
     except KeyboardInterrupt:

@@ -137,7 +137,7 @@ class LiveGuide:
         snapshot = self._session.snapshot()
         source = self._stream.source
         if isinstance(source, Simulation):
-            source.follow(snapshot.target, snapshot.pose)
+            source.follow(snapshot.target, snapshot.pose, begins=not snapshot.captured)
         self._viewer.show(snapshot)
         for monitor in self._monitors:
             monitor.show(snapshot)
@@ -199,8 +199,6 @@ class LiveGuide:
                 session.resume()
             case intents.NewSession():
                 session.restart()
-                if isinstance(source, Simulation):
-                    source.begin_anew()
             case intents.Toggle("paused"):
                 self._stream.pause(self._viewer.state.paused)
                 for monitor in self._monitors:
