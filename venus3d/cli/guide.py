@@ -93,7 +93,8 @@ def open_audience(options: GuideOptions) -> Audience | None:
         light=options.audience_light,
         sound=options.audience_sound,
     )
-    return Audience(*audience_address(options.audience, options.port), state, options.language)
+    host, port = audience_address(options.audience, options.port)
+    return Audience(host, port, state, options.language, options.audience_token)
 
 
 def _attach(audience: Audience, viewer: Viewer) -> None:

@@ -87,18 +87,23 @@ def test_who_can_look_is_told() -> None:
     assert alone is not None
     try:
         assert alone.state == AudienceState(lens=True, light=True)
-        assert f"http://localhost:{port}" in announcement(alone) and "this machine" in announcement(
-            alone
-        )
+        assert f"http://127.0.0.1:{port} " in announcement(alone)
+        assert "ther machines" not in announcement(alone)
     finally:
         alone.close()
     everybody = open_audience(replace(options, audience=f"0.0.0.0:{free_port()}"))
     assert everybody is not None
     try:
         said = announcement(everybody)
-        assert "without a password" in said and "0.0.0.0" not in said
+        assert "without a password" in said and "0.0.0.0" not in said and "token" not in said
     finally:
         everybody.close()
+    some = open_audience(replace(options, audience=f"0.0.0.0:{free_port()}", audience_token=True))
+    assert some is not None
+    try:
+        assert announcement(some).count("?token=") == 2 and "password" not in announcement(some)
+    finally:
+        some.close()
 
 
 def test_the_second_monitors_keys_are_nobody_elses_and_stand_in_the_help() -> None:
@@ -129,7 +134,7 @@ def test_the_program_shows_both_pages_the_same_calibration(tmp_path: Path) -> No
     )
     try:
         assert program.stdout is not None
-        assert any(f"http://localhost:{port}" in line for line in program.stdout)
+        assert any(f"http://127.0.0.1:{port}" in line for line in program.stdout)
         seen: set[str] = set()
         deadline = time.monotonic() + 120
         with RawClient(port) as looking:

@@ -30,8 +30,8 @@ def server(request: pytest.FixtureRequest) -> Iterator[LocalServer]:
 
 @pytest.fixture(scope="module")
 def open_server() -> Iterator[LocalServer]:
-    """One for the whole network."""
-    server, _ = start_server("0.0.0.0", free_port())
+    """One for the whole network, without a token, as a class has it."""
+    server, _ = start_server("0.0.0.0", free_port(), asks_token=False)
     yield server
     server.stop()
 

@@ -14,6 +14,8 @@ from urllib.parse import SplitResult, urlsplit
 
 from websockets import Headers
 
+from venus3d.scene.web.addresses import is_loopback
+
 _PROXIED = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-real-ip")
 _PORTS = {"http": 80, "https": 443}
 
@@ -77,12 +79,5 @@ def _is_ours(name: str, host: str) -> bool:
         address = ipaddress.ip_address(name)
     except ValueError:
         own = socket.gethostname().lower()
-        return bool(name) and not _is_loopback(host) and name in {host.lower(), own, f"{own}.local"}
-    return address.is_loopback or not _is_loopback(host)
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host.lower() == "localhost"
+        return bool(name) and not is_loopback(host) and name in {host.lower(), own, f"{own}.local"}
+    return address.is_loopback or not is_loopback(host)

@@ -32,6 +32,7 @@ from typing import Generic, TypeVar
 from venus3d.languages import PageLanguage
 from venus3d.scene.web import terminal_texts
 from venus3d.scene.web.drawing import DrawingThreads, tell_of_failure
+from venus3d.scene.web.qr_code import qr_code_if_seen
 from venus3d.scene.web.server import LocalServer, serve_anew
 
 State = TypeVar("State")
@@ -62,7 +63,7 @@ class Page(ABC, Generic[State]):
 
     @property
     def url(self) -> str:
-        """The page's address on this machine."""
+        """The page's address on this machine, with its token."""
         return self.server.url
 
     @property
@@ -195,6 +196,16 @@ def announce(*lines: str) -> None:
             print(line, flush=True)
 
 
-def announce_page(title: str, url: str, *notes: str) -> None:
-    """Print a page's address and how to end it."""
-    announce(*notes, terminal_texts.PAGE_ANNOUNCED.format(title=title, url=url))
+def announce_page(title: str, server: LocalServer, *notes: str) -> None:
+    """Print a page's address and how to end it, and the address for other machines, if any."""
+    here = terminal_texts.PAGE_ANNOUNCED.format(title=title, url=server.url)
+    announce(*notes, here, *outside_lines(server))
+
+
+def outside_lines(server: LocalServer) -> tuple[str, ...]:
+    """What is said of a page that other machines can open; nothing of any other."""
+    url = server.outside_url
+    if not url:
+        return ()
+    reach = terminal_texts.WITHOUT_TOKEN if server.token is None else terminal_texts.WITH_TOKEN
+    return terminal_texts.FROM_ELSEWHERE.format(url=url, reach=reach), qr_code_if_seen(url)

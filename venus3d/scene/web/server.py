@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import errno
 import socket
 import threading
 import time
@@ -19,12 +18,21 @@ import websockets.asyncio.server as websockets_server
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
-from venus3d.engine.errors import VenusError
 from venus3d.languages import Language, PageLanguage, language_from
+from venus3d.scene.web.addresses import (
+    AddressError,
+    check_port,
+    from_elsewhere,
+    here,
+    is_free,
+    is_loopback,
+)
+from venus3d.scene.web.connection import LARGEST_MESSAGE_BYTES, Connection, Connections
 from venus3d.scene.web.handshake import RefusedError, came_from_here, check
 from venus3d.scene.web.incoming import is_heard, is_point_of_view
 from venus3d.scene.web.page_script import as_page
 from venus3d.scene.web.terminal_texts import PORT_TAKEN
+from venus3d.scene.web.token import Token
 from venus3d.scene.web.viser_private import (
     allow_late_message,
     call_within,
@@ -36,21 +44,13 @@ from venus3d.scene.web.viser_private import (
 )
 
 _PORTS_TRIED = 100
-_EVERYWHERE = ("0.0.0.0", "::", "")
 _ON_ITS_WAY_BYTES = 131072
 """Send-buffer size above which a slow browser skips pictures, which would come seconds late."""
 _FREE_AGAIN_S = 10.0
 _FAREWELL_S = 1.0
 """Seconds a browser may take to close its connection when the server stops."""
-_LARGEST_MESSAGE_BYTES = 16384
-"""Limit for a browser's message. viser allows 50 MB, for uploads and screenshots, unused here."""
-
 
 _Kind = TypeVar("_Kind", bound="LocalServer")
-
-
-class AddressError(VenusError):
-    """An address that cannot be served."""
 
 
 class LocalServer(viser.ViserServer):
@@ -68,14 +68,22 @@ class LocalServer(viser.ViserServer):
     """Names of the scripts that are added to the page (`page_script`)."""
 
     def __init__(
-        self, host: str, port: int, *, language: PageLanguage | None = None, **options: Any
+        self,
+        host: str,
+        port: int,
+        *,
+        language: PageLanguage | None = None,
+        token: Token | None = None,
+        **options: Any,
     ) -> None:
         """Serve on this address.
 
         Args:
+            token: lets in only browsers that show it.
             language: of what all tabs share; the first browser's by default.
             options: viser's.
         """
+        self.token = token
         self.language = language or PageLanguage()
         self.languages: dict[int, PageLanguage] = {}
         """Of tabs with a page of their own, by client."""
@@ -100,9 +108,18 @@ class LocalServer(viser.ViserServer):
 
     @property
     def url(self) -> str:
-        """The page's address on this machine."""
+        """The page's address on this machine, with its token."""
+        return self._address(here(self.get_host()))
+
+    @property
+    def outside_url(self) -> str:
+        """The page's address on other machines; empty if they cannot reach it."""
         host = self.get_host()
-        return f"http://{'localhost' if host in _EVERYWHERE else host}:{self.get_port()}"
+        return "" if is_loopback(host) else self._address(from_elsewhere(host))
+
+    def _address(self, name: str) -> str:
+        token = "" if self.token is None else f"/?token={self.token.secret}"
+        return f"http://{name}:{self.get_port()}{token}"
 
     def is_on_this_machine(self, client_id: int) -> bool:
         """Whether this tab's browser runs on this machine and has not come through a proxy."""
@@ -173,19 +190,28 @@ class LocalServer(viser.ViserServer):
             await self._complete.wait()
             try:
                 check(request.headers, host)
+                cookie = None if self.token is None else self.token.check(request)
             except RefusedError as refused:
                 return connection.respond(403, f"{refused}\n")
+            if cookie is not None:
+                return cookie
             language = self._hear_language(request)
             response = None if answer is None else answer(connection, request)
-            return as_page(response, self.scripts, language) if response else None
+            if response is None:
+                return None
+            # Framed by another page, a click meant for that one could be a click on ours.
+            response.headers["X-Frame-Options"] = "DENY"
+            return as_page(response, self.scripts, language)
 
-        def connection(*given: Any, **more: Any) -> _Connection:
-            return _Connection(self._hears, *given, **more)
+        connections = Connections(self._hears)
+
+        def connection(*given: Any, **more: Any) -> Connection:
+            return Connection(connections, *given, **more)
 
         ours = {
             "process_request": let_in,
             "create_connection": connection,
-            "max_size": _LARGEST_MESSAGE_BYTES,
+            "max_size": LARGEST_MESSAGE_BYTES,
             "close_timeout": _FAREWELL_S,
         }
         return _plain_serve(handler, *address, **{**options, **ours})
@@ -206,23 +232,6 @@ class ReadOnlyServer(LocalServer):
         line.get_extra_info("socket").setsockopt(
             socket.SOL_SOCKET, socket.SO_SNDBUF, _ON_ITS_WAY_BYTES
         )
-
-
-class _Connection(ServerConnection):
-    """A browser's connection that drops messages which the page does not accept."""
-
-    client_id = -1
-    """viser's number of this client."""
-
-    def __init__(self, hears: Callable[[bytes, int], bool], *given: Any, **more: Any) -> None:
-        super().__init__(*given, **more)
-        self._hears = hears
-
-    async def recv(self, decode: bool | None = None) -> Any:
-        while True:
-            raw = await super().recv(decode)
-            if isinstance(raw, bytes) and self._hears(raw, self.client_id):
-                return raw
 
 
 class _LoopEvent(asyncio.Event):
@@ -265,33 +274,41 @@ def _serve_as(serve: Callable[..., Any]) -> Generator[None, None, None]:
             websockets_server.serve = _plain_serve
 
 
-def start_server(host: str, port: int, language: Language | None = None) -> tuple[LocalServer, str]:
+def start_server(
+    host: str, port: int, language: Language | None = None, *, asks_token: bool = True
+) -> tuple[LocalServer, str]:
     """A running server whose pages speak `language`, by default the browser's, and a note if it had
     to take another port than `port`. Raises `AddressError` if the address cannot be bound; this is
-    tried first, since viser would wait for ever."""
-    _check_port(port)
+    tried first, since viser would wait for ever.
+
+    Args:
+        asks_token: beyond this machine, let in only browsers that show the token in its address.
+    """
+    check_port(port)
     for candidate in range(port, min(port + _PORTS_TRIED, 65536)):
-        if _is_free(host, candidate):
+        if is_free(host, candidate):
             break
     else:
         raise AddressError(f"No port from {port} on is free on {host}; choose another with --port.")
-    server = _quietly(LocalServer, host, candidate, PageLanguage(language))
+    token = _token(host, candidate, asks_token)
+    server = _quietly(LocalServer, host, candidate, PageLanguage(language), token)
     taken = server.get_port()
     note = "" if taken == port else PORT_TAKEN.format(port=port, taken=taken)
     return server, note
 
 
 def start_read_only_server(
-    host: str, port: int, language: Language | None = None
+    host: str, port: int, language: Language | None = None, *, asks_token: bool = False
 ) -> ReadOnlyServer:
     """A running read-only server on exactly this port, which the second screen already knows, with
     a page in `language`, by default the first browser's. Raises `AddressError` if the address
-    cannot be bound or the port is taken."""
-    _check_port(port)
+    cannot be bound or the port is taken. `asks_token` as of `start_server`."""
+    check_port(port)
     taken = AddressError(f"Port {port} is taken on {host}; choose another with --audience.")
-    if not _is_free(host, port):
+    if not is_free(host, port):
         raise taken
-    server = _quietly(ReadOnlyServer, host, port, PageLanguage(language))
+    token = _token(host, port, asks_token)
+    server = _quietly(ReadOnlyServer, host, port, PageLanguage(language), token)
     if server.get_port() != port:  # another program was quicker
         server.stop()
         raise taken
@@ -305,11 +322,11 @@ def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
     host, port = server.get_host(), server.get_port()
     server.stop()
     deadline = time.monotonic() + _FREE_AGAIN_S
-    while not _is_free(host, port):
+    while not is_free(host, port):
         if time.monotonic() > deadline:
             raise AddressError(f"Port {port} on {host} is not free any more; start again.")
         time.sleep(0.05)
-    anew = _quietly(type(server), host, port, server.language)
+    anew = _quietly(type(server), host, port, server.language, server.token)
     if stop.is_set() or anew.get_port() != port:  # another program was quicker
         anew.stop()
     if anew.get_port() != port:
@@ -317,38 +334,13 @@ def serve_anew(server: _Kind, stop: threading.Event) -> _Kind:
     return anew
 
 
-def _quietly(kind: type[_Kind], host: str, port: int, language: PageLanguage) -> _Kind:
+def _token(host: str, port: int, asked: bool) -> Token | None:
+    return Token(port) if asked and not is_loopback(host) else None
+
+
+def _quietly(
+    kind: type[_Kind], host: str, port: int, language: PageLanguage, token: Token | None
+) -> _Kind:
     # viser prints a banner with the address; our command line prints its own.
     with _viser_is_quiet():
-        return kind(host=host, port=port, language=language, label="venus3d", verbose=False)
-
-
-def _check_port(port: int) -> None:
-    if not 0 < port < 65536:
-        raise AddressError(f"There is no port {port}; use one from 1024 to 65535.")
-
-
-def _is_free(host: str, port: int) -> bool:
-    """Whether this port can be bound. Raises `AddressError` if no port can on this address."""
-    try:
-        infos = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-    except (socket.gaierror, UnicodeError):
-        raise AddressError(
-            f"The address {host!r} is not known; use 127.0.0.1 for this machine only, "
-            "or 0.0.0.0 for the network."
-        ) from None
-    family, kind, protocol, _, address = infos[0]
-    with socket.socket(family, kind, protocol) as trial:
-        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            trial.bind(address)
-        except PermissionError:
-            raise AddressError(f"Port {port} needs special rights; use one above 1023.") from None
-        except OSError as error:
-            if error.errno == errno.EADDRINUSE:
-                return False
-            raise AddressError(
-                f"The address {host} cannot be bound on this machine ({error.strerror}); "
-                "use 127.0.0.1 for this machine only, or 0.0.0.0 for the network."
-            ) from None
-    return True
+        return kind(host, port, language=language, token=token, label="venus3d", verbose=False)

@@ -51,11 +51,13 @@ class Audience(Page[AudienceState]):
         port: int,
         choices: AudienceState | None = None,
         language: Language | None = None,
+        asks_token: bool = False,
     ) -> None:
-        """Serve the page on exactly this port, in this language or the first browser's. Raises
+        """Serve the page on exactly this port, in this language or the first browser's; beyond this
+        machine on request only for browsers that show the token in its address. Raises
         `AddressError` if the address cannot be bound or the port is taken."""
         super().__init__(
-            start_read_only_server(host, port, language),
+            start_read_only_server(host, port, language, asks_token=asks_token),
             state=choices or AudienceState(),
             period_s=_SCENE_PERIOD_S,
         )

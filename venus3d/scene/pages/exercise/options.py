@@ -34,6 +34,8 @@ class PracticeOptions:
     """Language of the page; usually each browser's own."""
     host: str = "127.0.0.1"
     """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
+    token: Switch = False
+    """With another --host: let in only who has the address that is printed, by the token in it."""
     port: int = 8080
     """Port of the page; the next free one is used if it is taken."""
     output: Annotated[Path, arg(metavar="DIR")] = Path("venus3d-practice")
@@ -81,7 +83,8 @@ class TrialOptions:
     language: LanguageOption = None
     """Language of the page; usually each browser's own."""
     host: str = "127.0.0.1"
-    """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
+    """Address the page listens on; with 0.0.0.0 the address that is printed opens the page on
+    other machines too, by the token in it."""
     port: int = 8080
     """Port of the page; the next free one is used if it is taken."""
     output: Annotated[Path, arg(metavar="DIR")] = Path("venus3d-trial")

@@ -59,10 +59,12 @@ def run_practice(options: PracticeOptions) -> None:
         file = stack.enter_context(closing(ExerciseFile(path, "practice")))
         before = len(file.rows)
         offscreen = stack.enter_context(closing(Offscreen()))
-        server, note = start_server(options.host, options.port, options.language)
+        server, note = start_server(
+            options.host, options.port, options.language, asks_token=options.token
+        )
         stack.callback(server.stop)
         practice = stack.enter_context(closing(PracticeServer(server, settings, file, offscreen)))
-        announce_page(say.PRACTICE, server.url, note, offscreen.note)
+        announce_page(say.PRACTICE, server, note, offscreen.note)
         with suppress(KeyboardInterrupt), low_latency():
             practice.run()
     if len(file.rows) == before:
@@ -196,7 +198,7 @@ def _run_on_a_page(
     simulation = source if isinstance(source, Simulation) else None
     server = trial_server(web, trial, pictures, simulated=simulation is not None)
     stack.enter_context(closing(server))
-    announce_page(say.TRIAL, web.url, note)
+    announce_page(say.TRIAL, web, note)
     if simulation is not None and not options.autopilot:
         trial.say(say.DRAG_HINT, _HINT_S)
     stream = ObservationStream(source, tracker, on_picture=lambda frame: pictures.put(frame.image))

@@ -71,7 +71,8 @@ class GuideOptions:
     headless: Switch = False
     """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
     host: str = "127.0.0.1"
-    """Address the viewer listens on; 0.0.0.0 lets other machines in, without a password."""
+    """Address the viewer listens on; with 0.0.0.0 the address that is printed opens the page on
+    other machines too, by the token in it."""
     port: int = 8080
     """Port of the viewer; the next free one is used if it is taken."""
     tour: bool = True
@@ -80,6 +81,8 @@ class GuideOptions:
         None
     )
     """A second, read-only page for a monitor or a class; with 0.0.0.0:PORT for other machines."""
+    audience_token: Switch = False
+    """Other machines see the second page only by the token in the address that is printed."""
     audience_view: Literal["picture", "lens"] = "picture"
     """The second page shows the picture with outlines, or the 3D steps through the lens."""
     audience_mirror: bool = True
@@ -112,7 +115,12 @@ class GuideOptions:
 
     def _check_audience(self) -> None:
         if self.audience is None:
-            chosen = (not self.audience_mirror, self.audience_light, self.audience_sound != "off")
+            chosen = (
+                not self.audience_mirror,
+                self.audience_light,
+                self.audience_sound != "off",
+                self.audience_token,
+            )
             if self.audience_view != "picture" or any(chosen):
                 raise VenusError("This choice is about the second page; open it with --audience.")
             return

@@ -103,7 +103,7 @@ def run_guide(
                 )
             )
         )
-        announce_page(terminal_texts.VIEWER_TITLE, viewer.url, *viewer.notes)
+        announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes)
         on_viewer(viewer)
         # What is said from here on is for the page.
         stack.enter_context(viewer.language.spoken())

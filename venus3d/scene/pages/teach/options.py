@@ -38,6 +38,8 @@ class TeachOptions:
     --export."""
     host: str = "127.0.0.1"
     """Address the page listens on; 0.0.0.0 lets other machines in, without a password."""
+    token: Switch = False
+    """With another --host: let in only who has the address that is printed, by the token in it."""
     port: int = 8080
     """Port of the page; the next free one is used if it is taken."""
 

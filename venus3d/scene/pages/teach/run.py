@@ -33,7 +33,9 @@ def run_teach(options: TeachOptions) -> None:
     lessons, chosen = _lessons(options.lesson)
     with ExitStack() as stack:
         offscreen = stack.enter_context(closing(Offscreen()))
-        server, note = start_server(options.host, options.port, options.language)
+        server, note = start_server(
+            options.host, options.port, options.language, asks_token=options.token
+        )
         stack.callback(server.stop)
         teach = TeachServer(
             server,
@@ -48,7 +50,7 @@ def run_teach(options: TeachOptions) -> None:
         stack.enter_context(closing(teach))
         outside = [note for one in lessons for note in notes_on_poses(one, analyse)]
         how = terminal_texts.FOLLOW_ME.format(url=server.url) if options.follow_me else ""
-        announce_page(texts.ANNOUNCED, server.url, note, offscreen.note, *outside, how)
+        announce_page(texts.ANNOUNCED, server, note, offscreen.note, *outside, how)
         with low_latency():
             teach.run()
 
