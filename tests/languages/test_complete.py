@@ -17,7 +17,15 @@ import pytest
 
 import venus3d
 from venus3d.engine.sentences import Sentence
-from venus3d.languages import LANGUAGES, Language, catalogue_of
+from venus3d.languages import (
+    LANGUAGES,
+    Language,
+    PageLanguage,
+    catalogue_of,
+    language_from,
+    number,
+)
+from venus3d.scene.pages.exercise import texts as say
 
 PACKAGE = Path(venus3d.__file__).parent
 OTHERS = [language for language in LANGUAGES if language != "en"]
@@ -173,3 +181,46 @@ def test_a_sentence_keeps_how_it_was_made() -> None:
     assert sentence == "the top edge is 3 mm away"
     assert sentence.template == "{what} is {mm:.0f} mm away"
     assert sentence.arguments["what"].template == "the top edge"
+
+
+def test_diagnoses_are_made_of_sentences() -> None:
+    """A literal or an f-string given to one could not be translated."""
+    found: list[str] = []
+    for path in sorted((PACKAGE / "engine").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == "Diagnosis":
+                plain = [a for a in node.args[1:3] if isinstance(a, ast.Constant | ast.JoinedStr)]
+                found += [f"{path.name}, line {a.lineno}: wrap it in Sentence(...)" for a in plain]
+    assert not found, found
+
+
+@pytest.mark.parametrize(
+    "accepted, language",
+    [
+        ("de", "de"),
+        ("de-AT,de;q=0.9,en;q=0.8", "de"),
+        ("en-GB,en;q=0.9,de;q=0.8", "en"),
+        ("fr-FR,fr;q=0.9,de;q=0.5,en;q=0.3", "de"),
+        ("en;q=0.1, DE;q=0.2", "de"),
+        ("de;q=0", "en"),
+        ("fr, *;q=0.1", "en"),
+        ("", "en"),
+        (";;q=x,,-", "en"),
+    ],
+)
+def test_the_browsers_language(accepted: str, language: str) -> None:
+    assert language_from(accepted) == language
+
+
+def test_numbers_have_a_decimal_comma_in_german_only_where_they_are_numbers() -> None:
+    assert number("0.42") == "0.42"
+    with PageLanguage("de").spoken():
+        assert [number(text) for text in ("0.42", "−1.5", "1.41 ± 0.03", "12")] == [
+            "0,42",
+            "−1,5",
+            "1,41 ± 0,03",
+            "12",
+        ]
+        assert number("OpenCV 4.6") == "OpenCV 4.6"
+        assert say.REACHED_HEADLINE.format(seconds=3.25) == "Erreicht in 3,2 s"
+    assert say.REACHED_HEADLINE.format(seconds=3.25) == "Reached in 3.2 s"

@@ -22,9 +22,15 @@ class RawClient:
     """One connection; a context manager."""
 
     def __init__(
-        self, port: int, host: str = "127.0.0.1", holds_bytes: int = 0, cookie: str = ""
+        self,
+        port: int,
+        host: str = "127.0.0.1",
+        holds_bytes: int = 0,
+        cookie: str = "",
+        language: str = "",
     ) -> None:
-        """`holds_bytes`: how much waits at this end while nobody reads; 0 for as usual."""
+        """`holds_bytes`: how much waits at this end while nobody reads; 0 for as usual.
+        `language`: of the browser, as in Accept-Language."""
         version = f"viser-v{viser.__version__}"
         line = socket.socket()
         if holds_bytes:
@@ -33,7 +39,11 @@ class RawClient:
         self._socket: ClientConnection = connect(
             f"ws://{host}:{port}",
             sock=line,
-            additional_headers={"Cookie": cookie} if cookie else None,
+            additional_headers={
+                name: said
+                for name, said in (("Cookie", cookie), ("Accept-Language", language))
+                if said
+            },
             subprotocols=[version],
             max_size=None,
             max_queue=1,

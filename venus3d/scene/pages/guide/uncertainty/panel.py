@@ -81,8 +81,12 @@ class UncertaintyPanel:
         self._snapshot: Snapshot | None = None
         self._theme = Theme(True)
         self._replay = SearchReplay()
+
+    @property
+    def commands(self) -> tuple[Command, ...]:
+        """Its commands, which the page adds."""
         views, search = partial(self._switch, "views"), partial(self._switch, "search")
-        self.commands = (
+        return (
             Command(texts.NEXT_MAP, KEYS["map"], texts.NEXT_MAP_HINT, self._next_map),
             Command(texts.TOGGLE_VIEWS, KEYS["views"], texts.TOGGLE_VIEWS_HINT, views),
             Command(texts.NEXT_VIEW, KEYS["next_view"], texts.NEXT_VIEW_HINT, self._next_view),

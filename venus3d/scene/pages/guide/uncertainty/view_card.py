@@ -19,7 +19,7 @@ from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import held_in_words
 from venus3d.engine.planning.uncertainty import Influence
-from venus3d.languages import number
+from venus3d.languages import number, translated
 from venus3d.scene.pages.guide.uncertainty import texts
 
 _FX, _FY = PARAMETERS.index("fx"), PARAMETERS.index("fy")
@@ -82,7 +82,7 @@ def judgement(snapshot: Snapshot, number: int) -> Judgement:
 
 def _pose_lines(snapshot: Snapshot, view: View) -> list[str]:
     x, y, z, right, down, away = view.pose.vector() * [1, 1, 1, 1000, 1000, 1000]
-    held = held_in_words(view.pose, snapshot.camera)
+    held = translated(held_in_words(view.pose, snapshot.camera))
     numbers = {"x": x, "y": y, "z": z, "right": right, "down": down, "away": away}
     rounded = {name: signed(value) for name, value in numbers.items()}
     return [texts.VIEW_HELD.format(held=held), texts.VIEW_POSE.format(**rounded)]
