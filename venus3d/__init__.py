@@ -53,6 +53,8 @@ if TYPE_CHECKING:
     from venus3d.sources.images_calibration import calibrate_images as calibrate
     from venus3d.sources.sim import Simulation
     from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
+    from venus3d.storage.formats import export_camera, import_camera
+    from venus3d.storage.formats.record import CameraRecord
     from venus3d.storage.result import write_result
     from venus3d.storage.result_reader import Result, read_result
 
@@ -88,6 +90,9 @@ __all__ = [  # noqa: RUF022
     "Frame",
     "read_camera_yaml",
     "write_camera_yaml",
+    "export_camera",
+    "import_camera",
+    "CameraRecord",
     "read_result",
     "write_result",
     "Result",
@@ -131,6 +136,8 @@ _NAMES_IN = {
     "sources.images_calibration": ("calibrate",),
     "sources.sim": ("Simulation",),
     "storage.camera_yaml": ("read_camera_yaml", "write_camera_yaml"),
+    "storage.formats": ("export_camera", "import_camera"),
+    "storage.formats.record": ("CameraRecord",),
     "storage.result": ("write_result",),
     "storage.result_reader": ("Result", "read_result"),
 }

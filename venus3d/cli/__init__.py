@@ -19,7 +19,13 @@ import tyro
 from tyro.conf import subcommand
 
 from venus3d import __version__
-from venus3d.cli.options import BoardCommand, CalibrateOptions, DecomposeOptions
+from venus3d.cli.options import (
+    BoardCommand,
+    CalibrateOptions,
+    DecomposeOptions,
+    ExportOptions,
+    ImportOptions,
+)
 from venus3d.cli.study import StudyOptions
 from venus3d.engine.errors import VenusError
 from venus3d.scene.pages.exercise.options import PracticeOptions, TrialOptions
@@ -41,6 +47,8 @@ _COMMANDS: dict[str, tuple[type, str]] = {
     "calibrate": (CalibrateOptions, "venus3d.cli.calibrate:calibrate_command"),
     "decompose": (DecomposeOptions, "venus3d.cli.decompose:decompose_command"),
     "board": (BoardCommand, "venus3d.cli.board:board_command"),
+    "export": (ExportOptions, "venus3d.cli.export:export_command"),
+    "import": (ImportOptions, "venus3d.cli.import_:import_command"),
     "study": (StudyOptions, "venus3d.cli.study:study"),
 }
 """Each command's options, whose docstring is its description, and the function that takes them."""

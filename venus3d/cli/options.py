@@ -9,6 +9,7 @@ from typing import Annotated
 from tyro.conf import Positional, arg
 
 from venus3d.engine.geometry.pose import Axes
+from venus3d.engine.geometry.resize import ResizeBy
 from venus3d.options import BoardOptions, LimitOptions, Switch
 
 Number = Positional[float]
@@ -70,3 +71,59 @@ class BoardCommand:
     """Free border around the board in millimetres."""
     output: Annotated[Path, arg(metavar="PATH")] = Path("board.png")
     """The image to write; in a folder board.png."""
+
+
+_FORMATS = (
+    "opencv-yaml, opencv-json, opencv-xml, ros, kalibr, colmap, mrcal, nerfstudio, matlab, "
+    "blender, unity, json"
+)
+_FormatOption = Annotated[
+    str | None, arg(metavar="FORMAT", help_behavior_hint="(usual: found out from the file)")
+]
+_NameOption = Annotated[str | None, arg(metavar="NAME", help_behavior_hint="(usual: the only one)")]
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """Write a calibrated camera in the format of another program."""
+
+    source: Annotated[Positional[Path], arg(metavar="SOURCE")]
+    """A result.json, a camera.yaml, any other camera file, or a folder that holds one of the first
+    two."""
+    to: Annotated[
+        str | None, arg(metavar="FORMAT", help=_FORMATS, help_behavior_hint="(usual: by --output)")
+    ] = None
+    output: Annotated[
+        Path | None, arg(metavar="FILE", help_behavior_hint="(usual: the format's own name)")
+    ] = None
+    """The file to write."""
+    size: Annotated[str | None, arg(metavar="WxH", help_behavior_hint="(usual: as calibrated)")] = (
+        None
+    )
+    """For pictures of another size, WIDTHxHEIGHT."""
+    by: Annotated[ResizeBy | None, arg(help_behavior_hint="(needed for another shape)")] = None
+    """How the camera makes them: scaled, cropped, or by binning whole pixels."""
+    offset: Annotated[str | None, arg(metavar="X,Y", help_behavior_hint="(usual: centred)")] = None
+    """First pixel of the crop."""
+    without_k3: Switch = False
+    """For a format without k3: the nearest camera that has none, and how far it is off."""
+    undistorted: Switch = False
+    """The file is for undistorted pictures: leave the distortion out."""
+    format: _FormatOption = None
+    """Format of SOURCE."""
+    name: _NameOption = None
+    """Which camera of SOURCE: cam1 of Kalibr's chain, an id of cameras.txt."""
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """Read another program's camera file and write it as a camera.yaml."""
+
+    file: Annotated[Positional[Path], arg(metavar="FILE")]
+    """A file as `venus3d export` writes it, by that program or by us."""
+    output: Annotated[Path, arg(metavar="FILE")] = Path("camera.yaml")
+    """The file to write."""
+    format: _FormatOption = None
+    """Format of FILE."""
+    name: _NameOption = None
+    """Which camera of FILE: cam1 of Kalibr's chain, an id of cameras.txt."""

@@ -1,0 +1,229 @@
+"""Camera files of other programs: one small module a format, and the two functions that use them.
+
+docs/formats.md is the table of what each format keeps.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.errors import CalibrationError, StorageError
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.nearest_camera import nearest_without_k3
+from venus3d.storage.folder import reason, write_bytes
+from venus3d.storage.formats.blender import BLENDER
+from venus3d.storage.formats.colmap import COLMAP
+from venus3d.storage.formats.kalibr import KALIBR
+from venus3d.storage.formats.matlab import MATLAB
+from venus3d.storage.formats.mrcal import MRCAL
+from venus3d.storage.formats.nerfstudio import NERFSTUDIO
+from venus3d.storage.formats.opencv import OPENCV_JSON, OPENCV_XML, OPENCV_YAML
+from venus3d.storage.formats.plain_json import JSON
+from venus3d.storage.formats.record import CameraFormat, CameraRecord
+from venus3d.storage.formats.ros import ROS
+from venus3d.storage.formats.unity import UNITY
+
+FORMATS: dict[str, CameraFormat] = {
+    one.name: one
+    for one in (
+        OPENCV_YAML,
+        OPENCV_JSON,
+        OPENCV_XML,
+        ROS,
+        KALIBR,
+        COLMAP,
+        MRCAL,
+        NERFSTUDIO,
+        MATLAB,
+        BLENDER,
+        UNITY,
+        JSON,
+    )
+}
+LARGEST_FILE = 64 * 2**20
+"""Bytes; a result.json with thousands of views or a .cameramodel with its solve is smaller."""
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """A camera in a format: the file's content, and what it does not hold, in sentences."""
+
+    content: bytes
+    losses: tuple[str, ...]
+
+
+def format_called(name: str) -> CameraFormat:
+    """The format of this name. Raises `StorageError`, which names all."""
+    if name not in FORMATS:
+        raise StorageError(f"There is no format {name!r}; it is one of {', '.join(FORMATS)}.")
+    return FORMATS[name]
+
+
+def format_of_name(path: Path) -> CameraFormat | None:
+    """The format that a file's name alone tells, or None."""
+    name = path.name.lower()
+    fitting = [
+        one for one in FORMATS.values() if any(fnmatchcase(name, pattern) for pattern in one.names)
+    ]
+    return fitting[0] if len(fitting) == 1 else None
+
+
+def encode(
+    record: CameraRecord,
+    target: CameraFormat,
+    *,
+    without_k3: bool = False,
+    undistorted: bool = False,
+) -> Encoded:
+    """The content of a file of this format. Raises `StorageError` for a distortion that the format
+    cannot hold, unless it may be approximated or left out; `export_camera` explains both."""
+    losses: list[str] = []
+    if undistorted:
+        record = replace(_camera_alone(record), camera=record.camera.without_distortion())
+        losses.append("Without distortion: this file is for pictures undistorted to this camera.")
+    elif target.coefficients == 0 and record.camera.distortion.any():
+        raise StorageError(
+            f"{_start(target)} has no lens distortion, and this camera has; undistort the pictures "
+            "(cv2.undistort) and say so with --undistorted."
+        )
+    elif target.coefficients == 4 and record.camera.k3:
+        if not without_k3:
+            raise StorageError(
+                f"{_start(target)} has no k3, and this camera has k3 = {record.camera.k3:.4g}; "
+                "export to ros or opencv-yaml, or take the nearest camera without k3 "
+                "(--without-k3)."
+            )
+        camera, largest = nearest_without_k3(record.camera)
+        record = replace(_camera_alone(record), camera=camera)
+        losses.append(f"The nearest camera without k3: up to {largest:.2g} px off in the picture.")
+    lost = (
+        "covariance"
+        if record.covariance is not None and not target.keeps_covariance
+        else "standard deviations"
+        if record.sigma is not None and not target.keeps_sigma
+        else ""
+    )
+    if lost:
+        place = (
+            " (it stands in a comment)" if target.name == "mrcal" and lost == "covariance" else ""
+        )
+        losses.append(f"{_start(target)} has no place for the {lost}{place}; --to json keeps it.")
+    return Encoded(target.write(record), tuple(losses))
+
+
+def export_camera(
+    source: Calibration | Camera | CameraRecord,
+    path: Path | str,
+    format: str | None = None,
+    *,
+    without_k3: bool = False,
+    undistorted: bool = False,
+) -> Path:
+    """Write a camera in another program's format, and give the path.
+
+    Args:
+        source: what `calibrate`, `read_result(...).calibration`, `import_camera` give, or a camera.
+        format: "opencv-yaml", "ros", "kalibr" ...; None takes it from the file's name.
+        without_k3: for a format without k3, the nearest camera that has none.
+        undistorted: the file is for undistorted pictures; the distortion is left out.
+
+    What the format does not hold is told as a `UserWarning`. Raises `StorageError` if it cannot
+    hold the camera's distortion or if the file cannot be written.
+    """
+    place = Path(path)
+    target = format_called(format) if format else format_of_name(place)
+    if target is None:
+        raise StorageError(
+            f"The name {place.name} does not tell its format; name it: {', '.join(FORMATS)}."
+        )
+    encoded = encode(
+        CameraRecord.of(source), target, without_k3=without_k3, undistorted=undistorted
+    )
+    for loss in encoded.losses:
+        warnings.warn(loss, stacklevel=2)
+    return write_bytes(place, encoded.content)
+
+
+def import_camera(
+    path: Path | str, format: str | None = None, *, name: str | None = None
+) -> CameraRecord:
+    """Read a camera from another program's file; `.camera` is the camera.
+
+    Args:
+        format: "opencv-yaml", "ros", "kalibr" ...; None finds it out from name and content.
+        name: which camera, where a file has several (Kalibr's `cam1`, COLMAP's id).
+
+    Raises `StorageError` if there is no such file, no camera in it, or one of another model.
+    """
+    place = Path(path)
+    content = _content_of(place)
+    source = format_called(format) if format else _format_of(place, content)
+    try:
+        return source.read(content, name)
+    except (ArithmeticError, LookupError, TypeError, ValueError, CalibrationError) as error:
+        raise _none_in(place, source) from error
+    except (RecursionError, MemoryError) as error:
+        raise _none_in(place, source) from error
+
+
+def record_in(path: Path | str, format: str | None = None, name: str | None = None) -> CameraRecord:
+    """The camera of a file, or of a folder's result.json or camera.yaml. Raises `StorageError`."""
+    place = Path(path)
+    if place.is_dir():
+        found = [
+            place / file for file in ("result.json", "camera.yaml") if (place / file).is_file()
+        ]
+        if not found:
+            raise StorageError(
+                f"{place} has neither a result.json nor a camera.yaml; give the file itself."
+            )
+        place = found[0]
+    return import_camera(place, format, name=name)
+
+
+def _content_of(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise StorageError(
+            f"The camera file {path} cannot be read ({reason(error)}); give another."
+        ) from error
+    if len(content) > LARGEST_FILE:
+        raise StorageError(
+            f"{path} has more than {LARGEST_FILE >> 20} MiB and is no camera file; give another."
+        )
+    return content
+
+
+def _format_of(path: Path, content: bytes) -> CameraFormat:
+    """By the content, and where that does not tell, by the name."""
+    looks = [one for one in FORMATS.values() if one.recognises(content)]
+    named = format_of_name(path)
+    if named is not None and (named in looks or not looks):
+        return named
+    if not looks:
+        raise StorageError(
+            f"The format of {path} cannot be told; name it with --format: {', '.join(FORMATS)}."
+        )
+    return looks[0]
+
+
+def _none_in(path: Path, source: CameraFormat) -> StorageError:
+    return StorageError(
+        f"There is no camera in {path} as {source.title} holds it; see docs/formats.md, or name "
+        "another --format."
+    )
+
+
+def _camera_alone(record: CameraRecord) -> CameraRecord:
+    # Neither the rms nor the covariance is that of another model.
+    return replace(record, covariance=None, sigma=None, rms_px=None, views=None)
+
+
+def _start(target: CameraFormat) -> str:
+    return target.title[0].upper() + target.title[1:] if target.name == "json" else target.title

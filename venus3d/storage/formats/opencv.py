@@ -1,0 +1,167 @@
+"""OpenCV's FileStorage (YAML, JSON, XML) with the keys of its calibration sample.
+
+Written by https://github.com/opencv/opencv, samples/cpp/.../camera_calibration.cpp; camera.yaml is
+of this format. There is no key for a covariance; the standard deviations stand beside.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from datetime import datetime, timezone
+from typing import Any
+
+import cv2
+import numpy as np
+
+from venus3d.engine.errors import BoardError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.geometry.pose import Array
+from venus3d.storage.formats import values
+from venus3d.storage.formats.record import CameraFormat, CameraRecord
+
+_IN_MEMORY = cv2.FILE_STORAGE_MEMORY
+
+
+def opencv_text(record: CameraRecord, extension: str = "yaml") -> str:
+    """The text of such a file. Pixels as in OpenCV; the board's lengths in metres."""
+    camera, board = record.camera, record.board
+    file = cv2.FileStorage(f"camera.{extension}", cv2.FILE_STORAGE_WRITE | _IN_MEMORY)
+    file.writeComment("Camera calibration by venus3d. Pixel centres have integer coordinates.")
+    file.write("calibration_time", datetime.now(timezone.utc).isoformat(timespec="seconds"))
+    file.write("image_width", camera.width)
+    file.write("image_height", camera.height)
+    file.write("camera_matrix", camera.K)
+    # One row, k1 k2 p1 p2 k3, as in OpenCV's sample.
+    file.write("distortion_coefficients", camera.distortion.reshape(1, 5))
+    if record.sigma is not None:
+        file.writeComment(f"Standard deviations of {' '.join(PARAMETERS)}; 0: was held fixed.")
+        file.write("standard_deviations", np.reshape(record.sigma, (1, 9)))
+    if record.rms_px is not None:
+        file.write("avg_reprojection_error", record.rms_px)
+    if record.views is not None:
+        file.write("nframes", record.views)
+    if board is not None:
+        file.write("board_width", board.columns)
+        file.write("board_height", board.rows)
+        file.write("square_size", board.square)
+        file.write("marker_size", board.marker)
+        file.write("aruco_dictionary", board.dictionary)
+        file.write("board_legacy", int(board.legacy))
+        file.write("board_inverted", int(board.inverted))
+    return file.releaseAndGetString()
+
+
+def read_opencv(content: bytes, _name: str | None = None) -> CameraRecord:
+    """The camera of such a file, ours or the sample's, in YAML, JSON or XML."""
+    text = values.text_of(content)
+    # OpenCV's parsers call themselves for each level, and end the process when the stack does.
+    if text.lstrip().startswith("<") and _xml_depth(text) > values.DEEPEST:
+        raise ValueError("too deep")
+    try:
+        file = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | _IN_MEMORY)
+    except (cv2.error, SystemError) as error:
+        raise ValueError("no file of OpenCV") from error
+    try:
+        return _record_of(file)
+    except cv2.error as error:
+        raise ValueError("no camera") from error
+    finally:
+        file.release()
+
+
+def _record_of(file: cv2.FileStorage) -> CameraRecord:
+    K, distortion = (_matrix(file, key) for key in ("camera_matrix", "distortion_coefficients"))
+    if K is None or distortion is None:
+        raise ValueError("no camera matrix")
+    width, height = _number(file, "image_width"), _number(file, "image_height")
+    camera = values.camera_of(values.size(width, height), K, distortion.ravel(), model="The file")
+    sigma, views = _matrix(file, "standard_deviations"), _number(file, "nframes")
+    return CameraRecord(
+        camera,
+        sigma=None if sigma is None or sigma.size != len(PARAMETERS) else sigma.ravel(),
+        rms_px=_number(file, "avg_reprojection_error"),
+        views=None if views is None else int(views),
+        board=_board_of(file),
+    )
+
+
+def _board_of(file: cv2.FileStorage) -> Board | None:
+    """The board, if it is a ChArUco board of ours."""
+    dictionary = file.getNode("aruco_dictionary")
+    sides = [_number(file, key) for key in ("board_width", "board_height", "square_size",
+                                            "marker_size")]  # fmt: skip
+    columns, rows, square, marker = (-1.0 if side is None else side for side in sides)
+    if not dictionary.isString() or min(columns, rows, square, marker) < 0:
+        return None
+    try:
+        return Board(
+            columns=int(columns),
+            rows=int(rows),
+            square=square,
+            marker=marker,
+            dictionary=dictionary.string(),
+            legacy=bool(_number(file, "board_legacy")),
+            inverted=bool(_number(file, "board_inverted")),
+        )
+    except BoardError:
+        return None
+
+
+def _matrix(file: cv2.FileStorage, key: str) -> Array | None:
+    content: Any = file.getNode(key).mat()
+    return None if content is None else np.asarray(content, dtype=np.float64)
+
+
+def _number(file: cv2.FileStorage, key: str) -> float | None:
+    node = file.getNode(key)
+    return float(node.real()) if node.isInt() or node.isReal() else None
+
+
+def _xml_depth(text: str) -> int:
+    depth = deepest = 0
+    for tag in re.finditer(r"<(/?)[A-Za-z_]", text):
+        depth += -1 if tag[1] else 1
+        deepest = max(deepest, depth)
+    return deepest
+
+
+def _write(extension: str) -> Callable[[CameraRecord], bytes]:
+    return lambda record: opencv_text(record, extension).encode()
+
+
+def _is_yaml(content: bytes) -> bool:
+    return content[:6] == b"%YAML:" or b"!!opencv-matrix" in content
+
+
+OPENCV_YAML = CameraFormat(
+    "opencv-yaml",
+    "OpenCV's YAML",
+    "camera.yaml",
+    ("camera.yaml", "camera.yml"),
+    write=_write("yaml"),
+    read=read_opencv,
+    recognises=_is_yaml,
+    keeps_sigma=True,
+)
+OPENCV_JSON = CameraFormat(
+    "opencv-json",
+    "OpenCV's JSON",
+    "camera-opencv.json",
+    ("*-opencv.json",),
+    write=_write("json"),
+    read=read_opencv,
+    recognises=lambda content: b'"opencv-matrix"' in content,
+    keeps_sigma=True,
+)
+OPENCV_XML = CameraFormat(
+    "opencv-xml",
+    "OpenCV's XML",
+    "camera.xml",
+    ("*.xml",),
+    write=_write("xml"),
+    read=read_opencv,
+    recognises=lambda content: b"<opencv_storage" in content,
+    keeps_sigma=True,
+)

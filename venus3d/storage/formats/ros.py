@@ -1,0 +1,64 @@
+"""ROS: the YAML file of camera_calibration_parsers, which camera drivers read into
+`sensor_msgs/CameraInfo` (K, D, R, P).
+
+https://github.com/ros-perception/image_common, camera_calibration_parsers/src/parse_yml.cpp. Pixels
+as in OpenCV. P is [K | 0]: the rectified picture has the same focal lengths and centre.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import yaml
+
+from venus3d.engine.errors import StorageError
+from venus3d.storage.formats import values
+from venus3d.storage.formats.record import CameraFormat, CameraRecord
+
+
+def write(record: CameraRecord) -> bytes:
+    """The text of a camera_info file."""
+    camera = record.camera
+    content = {
+        "image_width": camera.width,
+        "image_height": camera.height,
+        "camera_name": "camera",
+        "camera_matrix": _matrix(camera.K),
+        "distortion_model": "plumb_bob",
+        "distortion_coefficients": _matrix(camera.distortion.reshape(1, 5)),
+        "rectification_matrix": _matrix(np.eye(3)),
+        "projection_matrix": _matrix(np.hstack([camera.K, np.zeros((3, 1))])),
+    }
+    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=200).encode()
+
+
+def read(content: bytes, _name: str | None = None) -> CameraRecord:
+    """The camera of a camera_info file. Of `rational_polynomial`, only with k4 = k5 = k6 = 0."""
+    found = values.yaml_of(content)
+    model = found["distortion_model"]
+    if model not in ("plumb_bob", "rational_polynomial", ""):
+        raise StorageError(
+            f"The distortion model {str(model)[:40]!r} is not OpenCV's five-coefficient model "
+            "(plumb_bob); calibrate with that."
+        )
+    size = values.size(found["image_width"], found["image_height"])
+    matrix = values.numbers(found["camera_matrix"]["data"], 9)
+    distortion = found["distortion_coefficients"]["data"]
+    return CameraRecord(values.camera_of(size, matrix, distortion, model=f"The model {model}"))
+
+
+def _matrix(matrix: Any) -> dict[str, Any]:
+    rows, columns = np.shape(matrix)
+    return {"rows": rows, "cols": columns, "data": np.ravel(matrix).tolist()}
+
+
+ROS = CameraFormat(
+    "ros",
+    "ROS's camera_info",
+    "camera_info.yaml",
+    ("camera_info.yaml", "camera_info.yml", "*_camera_info.yaml", "*_camera_info.yml"),
+    write=write,
+    read=read,
+    recognises=lambda content: b"distortion_model" in content and b"camera_matrix" in content,
+)
