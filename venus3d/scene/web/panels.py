@@ -50,20 +50,6 @@ class PanelStyle:
         return True
 
 
-def on_window(host: Host, act: Callable[[viser.ClientHandle], None]) -> None:
-    """Call `act` on viser's threads for each tab of a server, or for one tab, when it connects and
-    whenever its camera or window size changes."""
-
-    def connected(client: viser.ClientHandle) -> None:
-        act(client)
-        client.camera.on_update(lambda _: act(client))
-
-    if isinstance(host, viser.ClientHandle):
-        connected(host)
-    else:
-        host.on_client_connect(connected)
-
-
 def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
     """Give a panel the width that suits the height of the window as it was opened, both in CSS
     pixels, in each tab of a server separately."""

@@ -43,7 +43,8 @@ def practice_card_html(view: PracticeViewModel, theme: Theme) -> str:
         free = say.ONLY_FREE.format(names=", ".join(names))
     left = f"<em>{escape(amount)}</em>" if amount else ""
     small = " ".join([view.note, "" if view.stage == "reached" else free]).strip()
-    first = "" if view.rows or view.stage == "hold" else f"<small>{say.HOW_TO}</small>"
+    how_to = f"<small class='v-how-to'>{say.HOW_TO}</small>"
+    first = "" if view.rows or view.stage == "hold" else how_to
     return (
         f"<div class='v-progress' style='--step:{colour}'><div class='v-do' "
         f"role='status'><header><span class='v-badge'>{badge}</span><b>{escape(headline)}</b>{left}"
@@ -180,15 +181,16 @@ def keys_html() -> str:
     mouse = "".join(f"<b>{how}</b><span>{what}</span>" for how, what in say.MOUSE_LINES)
     others = " &nbsp; ".join(f"{key_html(key)} {what}" for key, what in say.OTHER_KEYS)
     return (
-        f"<div class='v-progress'><h3>{say.KEYS_TITLE}</h3><div class='v-keylist'>"
+        f"<div class='v-progress v-all-keys'><h3>{say.KEYS_TITLE}</h3><div class='v-keylist'>"
         f"{board_keys_html()}</div><div class='v-keylist v-two'>{mouse}</div>"
         f"<div class='v-line'>{others}</div></div>"
     )
 
 
-def practice_legend_html(legend: str) -> str:
-    """The legend below the picture."""
-    return f"<div class='v-progress v-under'><div class='v-legend'>{escape(legend)}</div></div>"
+def practice_legend_html(legend: str, *, two: bool) -> str:
+    """The legend below the picture; `two`: another picture follows."""
+    marks = "v-under v-two-pictures" if two else "v-under"
+    return f"<div class='v-progress {marks}'><div class='v-legend'>{escape(legend)}</div></div>"
 
 
 def title_html(title: str) -> str:

@@ -93,7 +93,7 @@ class Practice(Exercise[PracticeViewModel]):
         self._settings, self._known = settings, known
         self.name = self._guest = say.GUEST.format(number=number)
         self._level, self._help = 1, PRACTICE_HELPS[0]
-        self._auto_level, self._through = True, False
+        self._auto_level, self._through, self._surroundings = True, False, True
         self._in_a_row = 0
         self._numbers: dict[int, int] = dict.fromkeys(LEVELS, 0)
         self._note = ""
@@ -125,6 +125,8 @@ class Practice(Exercise[PracticeViewModel]):
                 self._rename(name)
             case Press("view"):
                 self._through = not self._through
+            case Press("surroundings"):
+                self._surroundings = not self._surroundings
             case Press("start_over"):
                 self._move(self._attempt.start, "keys")
             case _:
@@ -155,6 +157,7 @@ class Practice(Exercise[PracticeViewModel]):
             help=self._help,
             auto_level=self._auto_level,
             side="through" if self._through else "outside",
+            surroundings=self._surroundings,
             dark=self._dark,
             seconds=taken,
             rows=tuple(self.rows),

@@ -36,6 +36,7 @@ _KEYS: dict[Action, str] = {
     "give_up": KEYS["other_pose"],
     "start_over": KEYS["reset"],
     "view": KEYS["viewpoint"],
+    "surroundings": KEYS["surroundings"],
     "theme": KEYS["theme"],
 }
 

@@ -33,12 +33,13 @@ from venus3d.scene.pages.exercise.shapes import (
 )
 from venus3d.scene.pages.exercise.view_model import MoveBoard, PracticeViewModel
 from venus3d.scene.web.help import Command
-from venus3d.scene.web.panels import on_window
+from venus3d.scene.web.panels import fit_width
 from venus3d.scene.web.pose_panel import PosePanel
 from venus3d.scene.web.theme import Theme
 
-_LEFT_WIDTH, _RIGHT_WIDTH = 380, 560
-_SMALL_SCREEN_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 330, 340
+_LEFT_WIDTHS, _RIGHT_WIDTHS = (345, 380), (370, 560)
+"""In a low window and in a higher one, CSS pixels."""
+_LOW = 850
 _PLOT_HEIGHT = 150
 _PICTURE_SIZE = (480, 270)
 _JPEG_QUALITY = 80
@@ -68,7 +69,6 @@ class PracticePage(ExercisePage[PracticeViewModel]):
             offscreen: draws the pictures; the caller closes it.
         """
         self._reach, self._offscreen = reach, offscreen
-        self._fitted: bool | None = None
         self._ordered: dict[str, tuple[object, ...]] = {}
         super().__init__(client, ask, view)
 
@@ -118,8 +118,9 @@ class PracticePage(ExercisePage[PracticeViewModel]):
             self._results.content = html.results_html(view)
             for plot, line in zip(self._plots, plots.practice_lines(view.rows) or (), strict=False):
                 plot.show([line], [4], theme)
-            self._legend.content = html.practice_legend_html(say.PICTURE_LEGENDS[view.help])
             alone = view.help == "none"
+            legend = say.PICTURE_LEGENDS[view.help]
+            self._legend.content = html.practice_legend_html(legend, two=alone)
             self._target_title.visible = self._target_picture.visible = alone
         moved = before is None or before.pose is not view.pose
         if moved and view.last_mover != "sliders":
@@ -160,16 +161,8 @@ class PracticePage(ExercisePage[PracticeViewModel]):
             lambda pose, grabbed: self._ask(MoveBoard(pose, "picture", grabbed)),
             view.pose,
         )
-        on_window(self._client, self._fit)
-
-    def _fit(self, client: viser.ClientHandle) -> None:
-        """Set the panel widths that suit the window."""
-        camera = client.camera
-        low = camera.image_height < _SMALL_SCREEN_HEIGHT
-        if low != self._fitted:
-            self._fitted = low
-            self._left.set_width(_SMALL_LEFT_WIDTH if low else _LEFT_WIDTH)
-            self._gui.main_panel.set_width(_SMALL_RIGHT_WIDTH if low else _RIGHT_WIDTH)
+        fit_width(self._client, self._left, partial(_in_window, _LEFT_WIDTHS))
+        fit_width(self._client, self._gui.main_panel, partial(_in_window, _RIGHT_WIDTHS))
 
     def _make_left(self, view: PracticeViewModel) -> None:
         gui = self._gui
@@ -215,6 +208,10 @@ def _chosen(view: PracticeViewModel) -> tuple[object, ...]:
     """What changes with a choice or a finished pose, but not with every move."""
     choices = (view.level, view.help, view.auto_level, view.side, view.dark)
     return (*choices, view.stage, len(view.rows))
+
+
+def _in_window(widths: tuple[int, int], height: int) -> int:
+    return widths[height >= _LOW]
 
 
 def _vector_of(pose: Pose) -> list[float]:

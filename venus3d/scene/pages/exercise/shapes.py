@@ -47,7 +47,9 @@ def scene_shapes(view: PracticeViewModel) -> tuple[Shape, ...]:
         # From inside the camera, only the edge of its picture is visible.
         camera = tuple(shape for shape in camera if shape.name == "/camera/border")
         return (*camera, *board, *_help_shapes(view, for_camera=True))
-    around = surroundings(view.board, view.pose, view.target, view.dark)
+    around: list[Shape] = []
+    if view.surroundings:
+        around = surroundings(view.board, view.pose, view.target, view.dark)
     return (*camera, *board, *around, *_help_shapes(view, for_camera=False))
 
 

@@ -26,7 +26,7 @@ ViewSide = Literal["outside", "through"]
 """Whether the scene is seen from outside or through the camera."""
 Mover = Literal["keys", "gizmo", "sliders", "picture"]
 """What moved a board; picture: the board was dragged itself, in either view."""
-Action = Literal["next", "give_up", "start_over", "view", "theme", "autopilot"]
+Action = Literal["next", "give_up", "start_over", "view", "surroundings", "theme", "autopilot"]
 """Requests without a value."""
 
 
@@ -67,6 +67,8 @@ class PracticeViewModel(ExerciseView):
     auto_level: bool
     """Whether the next level follows automatically."""
     side: ViewSide
+    surroundings: bool
+    """Whether the floor and the figure who holds the board are drawn."""
     last_mover: Mover | None
 
 
