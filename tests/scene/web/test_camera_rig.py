@@ -122,6 +122,26 @@ def test_a_browser_that_applies_eye_and_target_one_by_one_is_no_person(rig: Came
         assert sent(client, PATIENCE_S, 1)
 
 
+def test_a_browser_that_is_seconds_late_is_no_person(
+    rig: CameraRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a busy machine the echo of a flight came after it was forgotten, and the page said that
+    the view stays as it was turned."""
+    monkeypatch.setattr("venus3d.scene.web.camera_rig._ECHO_S", 0.0)
+    with RawClient(port_of(rig)) as client:
+        client.backlog()
+        client.look(**USUAL)
+        assert sent(client, PATIENCE_S, 1)
+        client.look(position=EYE.tolist(), look_at=AT.tolist())
+        sent(client, 0.3)
+        rig.refit(lambda _: SceneCamera(1.5 * EYE, AT, 0.7))
+        places = sent(client, 1.2)
+        client.look(position=places[len(places) // 2], look_at=AT.tolist())
+        sent(client, 0.3)
+        rig.refit(lambda _: SceneCamera(2 * EYE, AT, 0.7))
+        assert sent(client, PATIENCE_S, 1)
+
+
 def test_a_view_that_a_person_has_turned_stays_until_it_is_fitted_again(rig: CameraRig) -> None:
     def framing(aspect: float) -> SceneCamera:
         return SceneCamera(EYE * aspect, AT, 0.7)

@@ -41,6 +41,9 @@ _SAME = 0.01
 """Two views that differ by less than this, relative to the distance looked at, are the same."""
 _ECHO_S = 3.0
 """How late a browser may report a view that it was sent."""
+_KEPT = 60
+"""Number of the newest views that it may report at any time: the last flight's, on a machine that
+takes longer."""
 _TOLD_AFTER_S, _TOLD_S = 0.8, 6.0
 """How long after its beginning a person is told what a movement means, and for how long."""
 _EDGE = 0.97
@@ -282,8 +285,9 @@ class _Tab:
             shown = between(start, self.goal, max(0.0, done))
         else:
             self.start = None
-        recent = (pair for pair in self.sent if self.sent_at - pair[0] < _ECHO_S)
-        self.sent = (*recent, (self.sent_at, shown))
+        old, last = self.sent[:-_KEPT], self.sent[-_KEPT:]
+        recent = (pair for pair in old if self.sent_at - pair[0] < _ECHO_S)
+        self.sent = (*recent, *last, (self.sent_at, shown))
         with self.client.atomic():
             if again:
                 # viser sends nothing that it thinks is there already.
