@@ -254,6 +254,9 @@ def opencv_yaml(**changes: str) -> bytes:
     return text.encode()
 
 
+LAUGHS = "a0: &a0 {x: 1}\n" + "".join(
+    f"a{n + 1}: &a{n + 1} {{<<: [{', '.join([f'*a{n}'] * 10)}]}}\n" for n in range(20)
+)
 BAD: dict[str, tuple[bytes, str]] = {
     "nan": (opencv_yaml(a=("1068.", ".Nan")), "not finite"),
     "infinite": (opencv_yaml(a=("1068.", ".Inf")), "not finite"),
@@ -271,6 +274,8 @@ BAD: dict[str, tuple[bytes, str]] = {
     "a call": (b"{'lensmodel': 'LENSMODEL_OPENCV5', 'imagersize': __import__('os')}", "no camera"),
     "a YAML object": (b"camera_matrix: !!python/object/apply:os.getcwd []\ndistortion_model: a\n",
                       "no camera"),
+    "laughs": (LAUGHS.encode() + b"camera_matrix: 1\ndistortion_model: plumb_bob\n", "no camera"),
+    "large YAML": (b"camera_matrix: 1\ndistortion_model: a\n" + b"#" * 2_000_000, "no camera"),
     "fisheye": (b"1 OPENCV_FISHEYE 10 10 5 5 5 5 0 0 0 0\n", "OPENCV"),
     "equidistant": (b"cam0: {camera_model: pinhole, distortion_model: equidistant, resolution: "
                     b"[10, 10], intrinsics: [1, 1, 1, 1]}", "pinhole-radtan"),

@@ -15,6 +15,17 @@ from venus3d.engine.geometry.pose import Array
 
 LARGEST_SIDE = 100_000
 DEEPEST = 50
+LARGEST_YAML = 2**20
+"""Bytes. PyYAML takes seconds for that, and no camera file needs more."""
+
+
+class _WithoutMerges(yaml.SafeLoader):
+    """Merged mappings of merged mappings grow without bounds (\"billion laughs\")."""
+
+    def flatten_mapping(self, node: yaml.MappingNode) -> None:
+        """Raises `ValueError` for a merge key instead of following it."""
+        if any(key.tag == "tag:yaml.org,2002:merge" for key, _ in node.value):
+            raise ValueError("a merge key")
 
 
 def number(value: Any) -> float:
@@ -116,8 +127,10 @@ def json_of(content: bytes) -> Mapping[str, Any]:
 
 def yaml_of(content: bytes) -> Mapping[str, Any]:
     """The mapping of a YAML file. Raises `ValueError`."""
+    if len(content) > LARGEST_YAML:
+        raise ValueError("too large")
     try:
-        return mapping(yaml.safe_load(text_of(content)))
+        return mapping(yaml.load(text_of(content), _WithoutMerges))
     except yaml.YAMLError as error:
         raise ValueError("no YAML") from error
 
