@@ -25,6 +25,7 @@ from venus3d.cli.options import (
     DecomposeOptions,
     ExportOptions,
     ImportOptions,
+    UndistortOptions,
 )
 from venus3d.cli.study import StudyOptions
 from venus3d.engine.errors import VenusError
@@ -49,6 +50,7 @@ _COMMANDS: dict[str, tuple[type, str]] = {
     "board": (BoardCommand, "venus3d.cli.board:board_command"),
     "export": (ExportOptions, "venus3d.cli.export:export_command"),
     "import": (ImportOptions, "venus3d.cli.import_:import_command"),
+    "undistort": (UndistortOptions, "venus3d.cli.undistort:undistort_command"),
     "study": (StudyOptions, "venus3d.cli.study:study"),
 }
 """Each command's options, whose docstring is its description, and the function that takes them."""

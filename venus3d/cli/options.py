@@ -127,3 +127,19 @@ class ImportOptions:
     """Format of FILE."""
     name: _NameOption = None
     """Which camera of FILE: cam1 of Kalibr's chain, an id of cameras.txt."""
+
+
+@dataclass(frozen=True)
+class UndistortOptions:
+    """Write pictures or a video without lens distortion, and the camera that they are of then."""
+
+    source: Annotated[Positional[str], arg(metavar="SOURCE")]
+    """A picture, a folder of pictures, a pattern such as "shots/*.jpg", or a video."""
+    camera: Annotated[Path, arg(metavar="FILE")]
+    """A result.json, a camera.yaml, any other camera file, or the folder of a calibration."""
+    output: Annotated[Path, arg(metavar="DIR")] = Path("undistorted")
+    """Folder for the pictures (PNG) or the video (MP4), and for their camera.yaml."""
+    alpha: Annotated[
+        float | None, arg(metavar="0..1", help_behavior_hint="(usual: the same camera matrix)")
+    ] = None
+    """0: zoomed so that no pixel is black; 1: so that every pixel of the source is kept."""

@@ -88,7 +88,7 @@ def encode(
     elif target.coefficients == 0 and record.camera.distortion.any():
         raise StorageError(
             f"{_start(target)} has no lens distortion, and this camera has; undistort the pictures "
-            "(cv2.undistort) and say so with --undistorted."
+            "(venus3d undistort) and say so with --undistorted."
         )
     elif target.coefficients == 4 and record.camera.k3:
         if not without_k3:

@@ -1,0 +1,113 @@
+"""`venus3d undistort`: pictures and videos without lens distortion, and their camera beside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import cv2
+import numpy as np
+from av.error import FFmpegError
+from numpy.typing import NDArray
+
+from venus3d.cli.options import UndistortOptions
+from venus3d.cli.report import print_note
+from venus3d.engine.errors import StorageError, VenusError
+from venus3d.engine.geometry.undistortion import Undistortion
+from venus3d.sources.folder import Folder
+from venus3d.sources.frame import Frame
+from venus3d.sources.open_frame_source import open_frame_source
+from venus3d.sources.video import Video
+from venus3d.storage.folder import prepare, reason, write_bytes
+from venus3d.storage.formats import OPENCV_YAML, CameraRecord, encode, record_in
+
+_CLOCK = 90_000
+"""Ticks per second of the written video."""
+
+
+def undistort_command(options: UndistortOptions) -> None:
+    """Undistort all pictures, write them and their camera. Raises `VenusError` for a user's
+    mistake."""
+    undistortion = Undistortion(record_in(options.camera).camera, options.alpha)
+    with closing(open_frame_source(options.source)) as source:
+        if not isinstance(source, (Folder, Video)):
+            raise VenusError("Only pictures and videos are undistorted; record the camera first.")
+        place = Path(options.source).expanduser()
+        if options.output.resolve() in (place.resolve(), place.resolve().parent):
+            raise VenusError(
+                f"The results would lie among their sources in {options.output}; choose another "
+                "folder with --output."
+            )
+        folder = prepare(options.output)
+        if isinstance(source, Folder):
+            count = _write_pictures(source, undistortion, folder)
+            print(f"Written: {count} pictures in {folder}")
+        else:
+            print(f"Written: {_write_video(source, undistortion, folder / f'{place.stem}.mp4')}")
+        for note in source.notes:
+            print_note(note)
+    camera = encode(CameraRecord(undistortion.camera), OPENCV_YAML).content
+    print(f"Written: {write_bytes(folder / 'camera.yaml', camera)}")
+
+
+def _write_pictures(source: Folder, undistortion: Undistortion, folder: Path) -> int:
+    used: set[str] = set()
+    for frame in _frames(source):
+        # a.jpg and a.tif both become PNG files.
+        name = f"{Path(frame.name).stem}.png"
+        name = f"{frame.name}.png" if name in used else name
+        used.add(name)
+        _, content = cv2.imencode(".png", undistortion(frame.image))
+        write_bytes(folder / name, content.tobytes())
+    return len(used)
+
+
+def _write_video(source: Video, undistortion: Undistortion, path: Path) -> Path:
+    """H.264 in MP4, each frame at its own time; written beside, then renamed."""
+    beside = path.with_name(f".{path.name}.part")
+    try:
+        with av.open(str(beside), "w", format="mp4") as container:
+            stream = _stream(container, undistortion)
+            last = -1
+            for frame in _frames(source):
+                picture = av.VideoFrame.from_ndarray(
+                    _colours(undistortion(frame.image)), format="bgr24"
+                )
+                last = max(last + 1, round(frame.time_s * _CLOCK))
+                picture.pts, picture.time_base = last, Fraction(1, _CLOCK)
+                container.mux(stream.encode(picture))
+            container.mux(stream.encode())
+        beside.replace(path)
+    except (OSError, FFmpegError) as error:
+        cause = reason(error) if isinstance(error, OSError) else str(error)
+        raise StorageError(
+            f"{path} cannot be written ({cause}); choose another --output."
+        ) from error
+    finally:
+        beside.unlink(missing_ok=True)
+    return path
+
+
+def _stream(container: Any, undistortion: Undistortion) -> Any:
+    stream = container.add_stream("libx264", rate=30, options={"crf": "14"})
+    stream.width, stream.height = undistortion.camera.image_size
+    # The usual 4:2:0 has colours for two by two pixels.
+    even = stream.width % 2 == 0 and stream.height % 2 == 0
+    stream.pix_fmt = "yuv420p" if even else "yuv444p"
+    stream.codec_context.time_base = Fraction(1, _CLOCK)
+    return stream
+
+
+def _frames(source: Folder | Video) -> Iterator[Frame]:
+    while (frame := source.read()) is not None:
+        yield frame
+
+
+def _colours(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    if picture.ndim == 2:
+        picture = np.repeat(picture[..., None], 3, axis=2)
+    return np.ascontiguousarray(picture)

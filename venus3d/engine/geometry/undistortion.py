@@ -1,0 +1,56 @@
+"""Pictures without lens distortion, and the camera that they are of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.camera import Camera
+
+
+class Undistortion:
+    """Undistorts pictures of one camera, as `cv2.undistort` does.
+
+    `camera` is that of the undistorted pictures, without distortion. Its camera matrix is the same
+    (alpha None), or OpenCV's optimal one: no pixel without a source (alpha 0) to every source pixel
+    kept, black around (alpha 1). Raises `CalibrationError` for another alpha.
+    """
+
+    def __init__(self, camera: Camera, alpha: float | None = None) -> None:
+        self.source, self.camera = camera, camera.without_distortion()
+        if alpha is not None:
+            if not 0 <= alpha <= 1:
+                raise CalibrationError(f"alpha is from 0 to 1, not {alpha:g}.")
+            K, _ = cv2.getOptimalNewCameraMatrix(
+                camera.K, camera.distortion, camera.image_size, alpha
+            )
+            self.camera = Camera.from_opencv(K, np.zeros(5), camera.image_size)
+        u, v = np.meshgrid(
+            np.arange(camera.width, dtype=np.float64), np.arange(camera.height, dtype=np.float64)
+        )
+        new = self.camera
+        x, y = (u - new.cx) / new.fx, (v - new.cy) / new.fy
+        map_x, map_y = camera.distorted_pixels(x, y).astype(np.float32)
+        # Beyond it the model folds back and would show parts of the picture twice.
+        folded = np.hypot(x, y) >= camera.radius_limit
+        map_x[folded] = map_y[folded] = -10
+        self._maps = map_x, map_y
+
+    def __call__(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """The picture undistorted; of the same size, depth and channels. Black where the lens saw
+        nothing. Raises `CalibrationError` for a picture of another size."""
+        height, width = picture.shape[:2]
+        if (width, height) != self.source.image_size:
+            raise CalibrationError(
+                f"The pictures have {width}x{height} px and the camera "
+                f"{self.source.width}x{self.source.height} px; make a camera file for their size: "
+                f"venus3d export CAMERA --to opencv-yaml --size {width}x{height}."
+            )
+        undistorted: Any = cv2.remap(
+            picture, *self._maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT
+        )
+        return undistorted
