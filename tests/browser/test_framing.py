@@ -18,6 +18,8 @@ from venus3d.scene.pages.guide.viewer import Viewer
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 BOX = "() => document.querySelector('[data-engine]').getBoundingClientRect().toJSON()"
+HANDLE = ".mantine-ScrollArea-content > div > div:has(+ [aria-hidden])"
+"""Of the sheet into which viser lays all panels on a phone."""
 PINK = (255, 0, 255)
 
 
@@ -128,8 +130,13 @@ def test_on_a_phone_the_scene_keeps_above_the_sheet(
     page.wait_for_selector("[data-engine]")
     page.wait_for_selector(".v-title")
     page.wait_for_function(f"() => Math.abs(({BOX})().height - 344) < 2")
-    page.mouse.click(200, 366)  # the sheet's handle
+    handle = page.locator(HANDLE)
+    handle.click(position={"x": 200, "y": 22})
     page.wait_for_function(f"() => ({BOX})().height > 800")
-    page.mouse.click(200, 836)
+    # The scene grows at once, the sheet slides down: where its handle will be is still something
+    # else that can be clicked.
+    at_the_bottom = "e => innerHeight - e.getBoundingClientRect().bottom < 1"
+    wait_until(lambda: handle.evaluate(at_the_bottom), "the sheet is down")
+    handle.click(position={"x": 200, "y": 22})
     page.wait_for_function(f"() => Math.abs(({BOX})().height - 344) < 2")
     page.close()
