@@ -46,6 +46,8 @@ class BoardOptions:
     """The layout of boards printed before OpenCV 4.6; detected where it matters."""
     inverted: Switch = False
     """White on black; detected automatically."""
+    first_id: int = 0
+    """Number of the board's first marker in the dictionary; detected automatically."""
 
     def board(self) -> Board:
         """The engine's board. Raises `BoardError` for invalid options."""
@@ -57,6 +59,7 @@ class BoardOptions:
             dictionary=self.dictionary,
             legacy=self.legacy,
             inverted=self.inverted,
+            first_id=self.first_id,
         )
 
 

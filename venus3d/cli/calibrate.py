@@ -27,6 +27,7 @@ def calibrate_command(options: CalibrateOptions) -> None:
             board,
             max_frames=options.max_frames,
             every=options.every,
+            flip=options.flip,
             on_progress=print_note,
             on_count=on_count,
         )

@@ -22,6 +22,8 @@ class CalibrateOptions:
     source: Annotated[Positional[str], arg(metavar="SOURCE")]
     """A folder of pictures, a pattern such as "shots/*.jpg", or a video."""
     board: BoardOptions = field(default_factory=BoardOptions)
+    flip: Switch = False
+    """Exchange left and right: for pictures that are mirrored. The camera file holds for these."""
     max_frames: int = 40
     """Maximum number of frames from a video: the most informative ones, no near-duplicates."""
     every: Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: chosen)")] = None

@@ -16,6 +16,8 @@ class Arrays:
     Raises `SourceError` for an empty list."""
 
     is_live = False
+    flip = False
+    """Whether left and right are exchanged: for mirrored images."""
     notes: tuple[str, ...] = ()
 
     def __init__(self, images: Sequence[NDArray[np.uint8]]) -> None:
@@ -37,7 +39,8 @@ class Arrays:
         if self._next >= len(self._images):
             return None
         self._next += 1
-        return Frame(self._images[self._next - 1], self._next - 1.0, f"image {self._next}")
+        frame = Frame(self._images[self._next - 1], self._next - 1.0, f"image {self._next}")
+        return frame.flipped(self.flip)
 
     def close(self) -> None:
         """Ends reading; nothing is held open."""

@@ -36,6 +36,8 @@ class Folder:
     """
 
     is_live = False
+    flip = False
+    """Whether left and right are exchanged: for mirrored images."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         if not paths:
@@ -107,7 +109,9 @@ class Folder:
 
     def _read(self, index: int, *, grey: bool = False) -> Frame:
         path = self._paths[index]
-        frame = Frame(read_image(path, grey=grey), float(index), shown(path.name))
+        frame = Frame(read_image(path, grey=grey), float(index), shown(path.name)).flipped(
+            self.flip
+        )
         if frame.image_size != self._size:
             raise SourceError(f"The image {shown(path)} changed its size meanwhile; start again.")
         return frame

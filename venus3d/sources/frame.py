@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -24,6 +24,10 @@ class Frame:
     def image_size(self) -> tuple[int, int]:
         """(width, height)."""
         return (int(self.image.shape[1]), int(self.image.shape[0]))
+
+    def flipped(self, flip: bool = True) -> Frame:
+        """With left and right exchanged; as it is without `flip`."""
+        return replace(self, image=np.ascontiguousarray(self.image[:, ::-1])) if flip else self
 
 
 class Source(Protocol):

@@ -37,6 +37,7 @@ def calibrate_images(
     *,
     max_frames: int = 40,
     every: int | None = None,
+    flip: bool = False,
 ) -> Calibration:
     """Detect the board in images or a video, and calibrate the camera from all that show it.
 
@@ -44,10 +45,11 @@ def calibrate_images(
         images: a folder, a pattern such as "shots/*.png", a video; or a list of image files, or
             one of arrays (H, W) grey or (H, W, 3) BGR, 8 or 16 bit; or observations from a
             `Detector`. One size, one camera.
-        board: as printed. The other layout and white on black are detected: `Calibration.board`
-            is the board as it was read.
+        board: as printed. The other layout, white on black, another first id and another size of
+            the markers are detected: `Calibration.board` is the board as it was read.
         max_frames: of a video, the maximum number of frames, the most informative ones.
         every: of a video, take every n-th frame that shows the board instead.
+        flip: exchange left and right, for mirrored images; the camera is that of the flipped ones.
 
     Images that do not show the board are left out: `len(calibration.views)` tells, and each view's
     `observation.name`. See `diagnose` for what may be wrong with the calibration.
@@ -62,7 +64,9 @@ def calibrate_images(
     if observations:
         return calibrate(_board_of(observations, board), [o for o in observations if o.count])
     recorded = cast(Images, images)
-    return calibrate_recording(recorded, board, max_frames=max_frames, every=every).calibration
+    return calibrate_recording(
+        recorded, board, max_frames=max_frames, every=every, flip=flip
+    ).calibration
 
 
 def calibrate_recording(
@@ -71,13 +75,14 @@ def calibrate_recording(
     *,
     max_frames: int = 40,
     every: int | None = None,
+    flip: bool = False,
     on_progress: Callable[[str], None] = lambda _: None,
     on_count: OnCount | None = None,
 ) -> ImagesCalibration:
     """`calibrate_images`, with warnings and diagnoses; `on_progress` is called with sentences,
     `on_count` after every image."""
     detector = Detector(board)
-    recording = observe_recording(images, detector, on_count)
+    recording = observe_recording(images, detector, on_count, flip=flip)
     seen = [o for o in recording.observations if o.count]
     warnings = [*recording.notes, *detector.notes]
     if recording.is_video:
@@ -111,7 +116,8 @@ def _board_of(observations: Sequence[Observation], board: Board) -> Board:
             "all images with the same detector."
         )
     read = boards.pop() if boards else board
-    if replace(read, legacy=board.legacy, inverted=board.inverted) != board:
+    as_read = {"legacy": read.legacy, "inverted": read.inverted, "first_id": read.first_id}
+    if replace(board, **as_read, marker=read.marker) != read:
         raise CalibrationError(
             "The observations are of a board with other sizes or another dictionary than the one "
             "given; use the board that the detector has."
@@ -120,10 +126,7 @@ def _board_of(observations: Sequence[Observation], board: Board) -> Board:
 
 
 def _board_diagnoses(detector: Detector, recording: Recording) -> tuple[Diagnosis, ...]:
-    # If most images lack the board, they may show another one.
-    if 2 * sum(o.count > 0 for o in recording.observations) < len(recording.observations):
-        return (*detector.explain_misses(), *detector.diagnoses)
-    return detector.diagnoses
+    return tuple(dict.fromkeys((*recording.instead, *detector.diagnoses)))
 
 
 def _check_count(seen: Sequence[Observation], diagnoses: Sequence[Diagnosis]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from venus3d.engine.errors import SourceError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.geometry.pose import Pose
@@ -30,6 +31,7 @@ def open_interactive(
     speed: float,
     bow: float = 0.0,
     flex: float = 0.0,
+    flip: bool = False,
 ) -> Source:
     """Open what `spec` names, or with "sim" a simulation of the paper's camera.
 
@@ -39,13 +41,16 @@ def open_interactive(
         autopilot: whether the simulated hand holds the board.
         speed: of the simulated hand; 1 is a calm person.
         bow, flex: of the simulated board, metres; see `Simulation`.
+        flip: exchange left and right in the pictures, which are mirrored.
 
     Raises `SourceError` for whatever cannot be opened.
     """
     if not headless:
         limit_gl_threads()
     if spec != SIMULATED:
-        return open_frame_source(spec, size=size, realtime=not headless)
+        return open_frame_source(spec, size=size, realtime=not headless, flip=flip)
+    if flip:
+        raise SourceError("The simulated pictures are not mirrored; leave out --flip.")
     return Simulation(
         PAPER_CAMERA if size is None else PAPER_CAMERA.scaled(size),
         replace(board, bow=(bow, 0.0)),

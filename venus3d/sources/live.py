@@ -37,6 +37,8 @@ class Live:
     """A live source. `Frame.time_s` counts from the opening."""
 
     is_live = True
+    flip = False
+    """Whether left and right are exchanged: for mirrored pictures."""
 
     def __init__(
         self, capture: CaptureDevice, name: str, *, timeout_s: float = READ_TIMEOUT_S
@@ -83,7 +85,7 @@ class Live:
                 f"{self._name} changed its picture size from {self._size[0]} x {self._size[1]} to "
                 f"{frame.image_size[0]} x {frame.image_size[1]} px; start again with one size."
             )
-        return frame
+        return frame.flipped(self.flip)
 
     def close(self) -> None:
         """Stop reading and release the device. May be called twice."""

@@ -19,7 +19,11 @@ _ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 
 
 def open_frame_source(
-    spec: str, *, size: tuple[int, int] | None = None, realtime: bool = False
+    spec: str,
+    *,
+    size: tuple[int, int] | None = None,
+    realtime: bool = False,
+    flip: bool = False,
 ) -> OpenedSource:
     """Open what `spec` names.
 
@@ -30,9 +34,16 @@ def open_frame_source(
         spec: what the user typed.
         size: (width, height) to request from a camera; recordings have their own.
         realtime: play a video at its own rate instead of as fast as it can be read.
+        flip: exchange left and right: for mirrored pictures.
 
     Raises `SourceError`, one sentence with cause and cure, for whatever cannot be opened.
     """
+    source = _opened(spec, size, realtime)
+    source.flip = flip
+    return source
+
+
+def _opened(spec: str, size: tuple[int, int] | None, realtime: bool) -> OpenedSource:
     spec = spec.removeprefix("file://").strip()
     if not spec:
         raise SourceError("The source is empty; name a camera, a video, a folder, or sim.")

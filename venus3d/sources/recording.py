@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import SourceError
 from venus3d.sources.arrays import Arrays
@@ -53,6 +54,8 @@ class Recording:
     notes: tuple[str, ...]
     """The source's notes."""
     is_video: bool
+    instead: tuple[Diagnosis, ...] = ()
+    """What most images show instead of the board, if it is in less than half of them."""
 
 
 def observe_recording(
@@ -61,6 +64,7 @@ def observe_recording(
     on_count: OnCount | None = None,
     *,
     threads: int | None = None,
+    flip: bool = False,
 ) -> Recording:
     """Detect the board in every frame of a recording.
 
@@ -69,15 +73,23 @@ def observe_recording(
         detector: learns the board's layout as it goes.
         on_count: called after every frame; counts anew where frames have to be read again.
         threads: all cores if None; any number gives the same result.
+        flip: exchange left and right in every frame.
 
     Raises `SourceError` for what cannot be read, and for a live camera, which has no end.
     """
     threads = threads or _cores()
-    recording = _observe(images, detector, on_count, threads)
+    recording = _observe(images, detector, on_count, threads, flip)
+    instead = _shown_instead(recording, detector)  # may make the detector read another board
     # Frames read before the layout was determined are read again.
     if any(o.board != detector.board for o in recording.observations):
-        recording = _observe(images, detector, on_count, threads)
-    return recording
+        recording = _observe(images, detector, on_count, threads, flip)
+        instead = _shown_instead(recording, detector)
+    return replace(recording, instead=instead)
+
+
+def _shown_instead(recording: Recording, detector: Detector) -> tuple[Diagnosis, ...]:
+    shown = sum(o.count > 0 for o in recording.observations)
+    return detector.explain_misses() if 2 * shown < len(recording.observations) else ()
 
 
 def _cores() -> int:
@@ -85,11 +97,12 @@ def _cores() -> int:
 
 
 def _observe(
-    images: Images, detector: Detector, on_count: OnCount | None, threads: int
+    images: Images, detector: Detector, on_count: OnCount | None, threads: int, flip: bool
 ) -> Recording:
     observations: list[Observation] = []
     found = 0
     with closing(_opened(images)) as source:
+        source.flip = flip
         if isinstance(source, Live):
             raise SourceError(
                 "A live camera has no end to wait for; use venus3d guide for it, or record a "

@@ -22,6 +22,8 @@ class Video:
     The rotation tag is not applied: a lens is calibrated on the sensor's rows and columns."""
 
     is_live = False
+    flip = False
+    """Whether left and right are exchanged: for a mirrored video."""
 
     def __init__(self, path: Path | str, *, realtime: bool = False) -> None:
         """Open `path` (a file or its address). With `realtime`, frames come when the video's clock
@@ -94,7 +96,7 @@ class Video:
         self._capture.release()
 
     def _frame(self, image: NDArray[np.uint8]) -> Frame:
-        return Frame(image, self._time_s, f"frame {self._grabbed}")
+        return Frame(image, self._time_s, f"frame {self._grabbed}").flipped(self.flip)
 
     def _grab(self) -> bool:
         if not (self._capture.isOpened() and self._capture.grab()):

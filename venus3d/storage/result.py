@@ -83,6 +83,7 @@ def board_summary(board: Board) -> dict[str, Any]:
         "dictionary": board.dictionary,
         "legacy": board.legacy,
         "inverted": board.inverted,
+        "first_id": board.first_id,
     }
 
 

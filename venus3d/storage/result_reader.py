@@ -139,6 +139,7 @@ def _board_of(
     board = Board(
         **lengths,
         **{name: content[name] for name in others},
+        first_id=int(content.get("first_id", 0)),
         bow=(across, down),
         stretch=float(shape["stretch"]),
     )

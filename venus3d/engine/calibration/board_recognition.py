@@ -1,35 +1,62 @@
-"""Recognises a board other than the expected one in images where detection failed.
+"""Recognises what images show in which the expected board was not found.
 
 OpenCV finds no corners if rows and columns are swapped or the dictionary is wrong, and gives no
-reason. The dictionary and column count are inferred from the markers, one dictionary per try, since
-each costs a detection. Another layout is handled by `detection`.
+reason. Here all markers are read (`marker_reading`), mirrored ones too, and how they lie tells the
+kind of board (`marker_lattice`); patterns without markers: `plain_patterns`. Another layout is
+handled by `detection`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.diagnosis import Diagnosis
-from venus3d.engine.geometry.board import DICTIONARIES, Board
-from venus3d.engine.geometry.pose import Array
+from venus3d.engine.calibration.marker_lattice import Lattice, lattices_of
+from venus3d.engine.calibration.marker_reading import Markers, family_of, read_markers
+from venus3d.engine.calibration.plain_patterns import Pattern, find_pattern
+from venus3d.engine.errors import BoardError
+from venus3d.engine.geometry.board import Board
 from venus3d.engine.sentences import Sentence
 
-# Frames without the board before the first try, between tries, and after all were tried.
+Grey = NDArray[np.uint8]
+
+# Frames without the board before the first try, between tries, and after one with a result.
 _PATIENCE, _EVERY, _PAUSE = 8, 4, 60
+# Patterns without markers take longer to find: every so many tries.
+_PLAIN_EVERY = 8
 _FEWEST_MARKERS = 4
 """Different markers of one dictionary that rule out a chance detection."""
 _FEWEST_PLACED = 6
 """Markers needed to judge their arrangement."""
-_MOST_COLUMNS = 30
+_FEWEST_UNORDERED = 10
+"""Markers needed to say that no number of columns explains how they are numbered."""
+_MOST_COLUMNS = 40
+OTHER_MARKER = 0.2
+"""Markers measured this far from the size given, by a share of it, are read in the size measured:
+it is measured to some 5 %, and corners are found in their places up to some 30 %."""
 _IN_PLACE = 0.8
 """Share of the markers that must be where a layout has them; one may be misread."""
-_NEAR = 0.25
-"""Largest deviation from that place, in marker sides: allows for lens distortion."""
+
+_NOT_YET = Sentence(
+    "Such a pattern is not read yet: print a ChArUco board (venus3d board) and take the pictures "
+    "with it."
+)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What an image shows instead of the board."""
+
+    diagnosis: Diagnosis
+    board: Board | None = None
+    """The board that can be read instead."""
+    weight: float = 0.0
+    """Number of markers it rests on; less than one if there are none."""
 
 
 class BoardRecognition:
@@ -37,161 +64,333 @@ class BoardRecognition:
 
     def __init__(self, board: Board) -> None:
         self._board = board
-        own = _family(board.dictionary)
-        # One of each family, the largest: all of a family begin with the same markers.
-        named = {_family(name): name for name in sorted(DICTIONARIES, key=_size)}
-        self.dictionaries: tuple[str, ...] = (
-            board.dictionary,
-            *(name for name in sorted(named.values(), key=_size) if _family(name) != own),
-        )
-        """The dictionaries in the order in which they are tried; the board's own first."""
-        self._turn = 0
         self._misses = 0
-        self._diagnosis: Diagnosis | None = None
+        self._tries = 0
+        self._finding: Finding | None = None
 
     @property
     def diagnosis(self) -> Diagnosis | None:
         """What the images show instead of the board; None if unknown."""
-        return self._diagnosis
+        return None if self._finding is None else self._finding.diagnosis
+
+    @property
+    def readable(self) -> Board | None:
+        """The board to read instead of the one given, if the images show that."""
+        return None if self._finding is None else self._finding.board
 
     def found(self) -> None:
         """The board was found: discards whatever else was seen."""
-        self._misses, self._turn, self._diagnosis = 0, 0, None
+        self._misses, self._tries, self._finding = 0, 0, None
 
-    def missed(self, grey: NDArray[np.uint8]) -> None:
-        """The board was not found in this whole image (H, W); tries a dictionary now and then."""
+    def missed(self, grey: Grey) -> None:
+        """The board was not found in this whole image (H, W); looks for others now and then."""
         self._misses += 1
         if self._misses >= _PATIENCE and self._misses % _EVERY == 0:
-            self.try_next(grey)
+            self.examine(grey, plain=self._tries % _PLAIN_EVERY == 0)
 
-    def try_next(self, grey: NDArray[np.uint8]) -> bool:
-        """Try one dictionary on an image (H, W). True if this identifies what it shows."""
-        name = self.dictionaries[self._turn]
-        ids, quads = _markers(self._board, name, grey)
-        seen = len(np.unique(ids)) >= _FEWEST_MARKERS
-        if not seen:
-            self._diagnosis = None
-        elif self._turn:
-            self._diagnosis = _wrong_dictionary(self._board, name, len(np.unique(ids)))
-        else:
-            self._diagnosis = _misplaced(self._board, ids, quads)
-        if not seen:  # retry a dictionary that was found
-            self._turn = (self._turn + 1) % len(self.dictionaries)
-        if seen or self._turn == 0:
+    def examine(self, grey: Grey, *, plain: bool = True) -> bool:
+        """Look at an image (H, W), with `plain` for patterns without markers too. True if this
+        identifies what it shows."""
+        self._tries += 1
+        self._finding = _finding_of(self._board, grey, plain)
+        if self._finding is not None:
             self._misses = -_PAUSE
-        return seen
+        return self._finding is not None
 
 
-def recognise_board(board: Board, pictures: Iterable[NDArray[np.uint8]]) -> Diagnosis | None:
-    """What the first of the grey images (H, W) with markers shows instead of `board`.
-
-    None if no image shows markers, or if they are arranged as on the board. Tries every dictionary
-    on every image: about 0.2 s each at 720p.
-    """
-    for picture in pictures:
-        check = BoardRecognition(board)
-        for _ in check.dictionaries:
-            if check.try_next(picture):
-                break
-        if check.diagnosis is not None:
-            return check.diagnosis
-    return None
+def recognise_board(board: Board, pictures: Iterable[Grey]) -> Diagnosis | None:
+    """What the grey images (H, W) show instead of `board`; None if nothing can be said, or if they
+    show it. About 0.1 s each at 720p, without markers 0.3 s."""
+    finding = best_finding(board, pictures)
+    return None if finding is None else finding.diagnosis
 
 
-def _wrong_dictionary(board: Board, name: str, count: int) -> Diagnosis:
+def best_finding(board: Board, pictures: Iterable[Grey]) -> Finding | None:
+    """The finding in the image that shows the most markers; a board that can be read first."""
+    found = [f for f in (_finding_of(board, picture, True) for picture in pictures) if f]
+    return max(found, key=lambda f: (f.board is not None, f.weight), default=None)
+
+
+def _finding_of(board: Board, grey: Grey, plain: bool) -> Finding | None:
+    upright, mirrored = read_markers(grey)
+    seen, flipped = _likeliest(board, upright), _likeliest(board, mirrored)
+    counts = [0 if markers is None else markers.distinct for markers in (seen, flipped)]
+    # A few markers are others in the mirror image.
+    if counts[1] >= _FEWEST_MARKERS and counts[1] > 2 * counts[0] and flipped is not None:
+        return Finding(_mirrored(_name(board, flipped), counts[1]), weight=counts[1])
+    if seen is not None and counts[0] >= _FEWEST_MARKERS:
+        return _of_markers(board, grey, seen)
+    if seen is not None and family_of(seen.dictionary) == family_of(board.dictionary):
+        return None  # perhaps a board that is small or hidden
+    pattern = find_pattern(grey) if plain else None
+    if pattern is not None:
+        return Finding(_plain(pattern), weight=pattern.columns * pattern.rows / 1000)
+    return None if seen is None else Finding(_single(board, seen), weight=counts[0])
+
+
+def _likeliest(board: Board, read: list[Markers]) -> Markers | None:
+    """The dictionary of the most markers, of equals the board's own. Of 4 x 4 cells chance makes
+    some: they count from `_FEWEST_MARKERS` on."""
+    own = family_of(board.dictionary)
+    sure = [m for m in read if m.distinct >= _FEWEST_MARKERS or "4X4" not in m.dictionary]
+    return max(sure, key=lambda m: (m.distinct, family_of(m.dictionary) == own), default=None)
+
+
+def _of_markers(board: Board, grey: Grey, markers: Markers) -> Finding | None:
+    boards = lattices_of(markers)
+    own = family_of(markers.dictionary) == family_of(board.dictionary)
+    largest = boards[0] if boards and boards[0].ids.size >= _FEWEST_PLACED else None
+    if largest is not None and largest.arrangement == "grid":
+        return Finding(_grid(grey, markers.dictionary, largest), weight=largest.ids.size)
+    if own:
+        if largest is None:
+            return None
+        return _misplaced(board, largest)
+    size = None if largest is None else _numbering(largest)
+    return Finding(_wrong_dictionary(board, markers, size), weight=markers.distinct)
+
+
+@dataclass(frozen=True)
+class _Numbering:
+    """How the markers of a ChArUco board are numbered."""
+
+    columns: tuple[int, ...]
+    """The numbers of columns that fit."""
+    whole: bool
+    """Whether all columns are in the picture."""
+    rows: int
+    """Number of rows seen."""
+    first_id: int
+    """Of the topmost row seen; right if `whole`."""
+
+
+def _numbering(lattice: Lattice) -> _Numbering:
+    """Markers are numbered row by row on every second square: id = first + ⌊(n row + column) / 2⌋
+    for n columns, in either layout."""
+    column, row = lattice.places[:, 0], lattice.places[:, 1]
+    fitting: list[int] = []
+    for n in range(max(3, lattice.columns), _MOST_COLUMNS + 1):
+        doubled = 2 * lattice.ids - n * row - column  # twice the first id, or one less
+        values, counts = np.unique(doubled, return_counts=True)
+        pairs = counts + np.where(np.isin(values + 1, values), np.append(counts[1:], 0), 0)
+        if pairs.max() >= _IN_PLACE * lattice.ids.size:
+            fitting.append(n)
+    whole = len(fitting) >= 1 and fitting[0] == lattice.columns
+    n = fitting[0] if fitting else 0
+    firsts, counts = np.unique(lattice.ids - (n * row + column) // 2, return_counts=True)
+    first = int(firsts[counts.argmax()])
+    return _Numbering(tuple(fitting), whole, lattice.rows, first)
+
+
+def _misplaced(board: Board, lattice: Lattice) -> Finding | None:
+    """What is wrong with the arrangement of markers of the right dictionary; None if nothing."""
+    numbering = _numbering(lattice)
+    weight = int(lattice.ids.size)
+    if board.columns in numbering.columns:
+        return _read_otherwise(board, numbering, lattice)
+    if not numbering.columns and weight < _FEWEST_UNORDERED:
+        return None
+    asked = Sentence("not as on the board of {columns} columns and {rows} rows asked for").format(
+        columns=board.columns, rows=board.rows
+    )
+    first = numbering.first_id if numbering.whole else 0
+    if board.rows in numbering.columns:
+        cause = Sentence(
+            "The markers lie as on a board of {columns} columns, {asked}: the two are swapped."
+        ).format(columns=board.rows, asked=asked)
+        cure = _start_with(board, board.rows, board.columns, first)
+    elif len(numbering.columns) == 1:
+        columns = numbering.columns[0]
+        cause = Sentence("The markers lie as on a board of {columns} columns, {asked}.").format(
+            columns=columns, asked=asked
+        )
+        cure = (
+            _start_with(board, columns, numbering.rows, first)
+            if numbering.whole
+            else Sentence(
+                "Count the rows of squares as well and start with --board.columns {columns} "
+                "--board.rows ROWS."
+            ).format(columns=columns)
+        )
+    else:
+        cause = Sentence("Markers of {dictionary} are seen, but they lie {asked}.").format(
+            dictionary=board.dictionary, asked=asked
+        )
+        cure = Sentence(
+            "Count the squares along both sides and start with --board.columns and --board.rows."
+        )
+    return Finding(Diagnosis("swapped-size", cause, cure), weight=weight)
+
+
+def _start_with(board: Board, columns: int, rows: int, first_id: int) -> Sentence:
+    if first_id == board.first_id:
+        return Sentence("Start with --board.columns {columns} --board.rows {rows}.").format(
+            columns=columns, rows=rows
+        )
+    return Sentence(
+        "Start with --board.columns {columns} --board.rows {rows} --board.first-id {first}."
+    ).format(columns=columns, rows=rows, first=first_id)
+
+
+def _read_otherwise(board: Board, numbering: _Numbering, lattice: Lattice) -> Finding | None:
+    """The board with another first id, or another size of the markers."""
+    weight = int(lattice.ids.size)
+    marker = round(2000 * lattice.marker_share * board.square) / 2000  # to half a millimetre
+    if abs(marker / board.marker - 1) > OTHER_MARKER and 0 < marker < board.square:
+        other = replace(board, marker=marker)
+        return Finding(marker_size_diagnosis(board, other), other, weight)
+    # With other rows than asked for it is a part of the board, or one that is read all the same.
+    if not numbering.whole or numbering.first_id == board.first_id or numbering.rows != board.rows:
+        return None
+    try:
+        other = replace(board, first_id=numbering.first_id)
+    except BoardError:
+        return None
+    return Finding(first_id_diagnosis(other), other, weight)
+
+
+def marker_size_diagnosis(asked: Board, board: Board) -> Diagnosis:
+    """The markers have another size than asked for, and are read in that."""
+    values = {"found": board.marker * 1000, "square": board.square * 1000}
+    return Diagnosis(
+        "wrong-marker-size",
+        Sentence(
+            "In the pictures the markers are about {found:g} mm wide where a square is {square:g} "
+            "mm, not {given:g} mm; they are read that way."
+        ).format(**values, given=asked.marker * 1000),
+        Sentence(
+            "Measure a marker and a square and give both: --board.marker-mm {found:g} "
+            "--board.square-mm {square:g}, if that is right."
+        ).format(**values),
+    )
+
+
+def two_boards_diagnosis() -> Diagnosis:
+    """Two equal boards in view."""
+    return Diagnosis(
+        "two-boards",
+        Sentence("The picture shows the same markers twice, on two equal boards."),
+        Sentence("Cover one of the boards, or take it away."),
+    )
+
+
+def first_id_diagnosis(board: Board) -> Diagnosis:
+    """The markers start at another id than asked for, and are read."""
+    return Diagnosis(
+        "other-first-id",
+        Sentence(
+            "The markers of the board of {columns} x {rows} squares start at id {first}; it is "
+            "read that way."
+        ).format(columns=board.columns, rows=board.rows, first=board.first_id),
+        Sentence("Start with --board.first-id {first} to be sure.").format(first=board.first_id),
+    )
+
+
+def _wrong_dictionary(board: Board, markers: Markers, size: _Numbering | None) -> Diagnosis:
+    cure = Sentence("Start with --board.dictionary {name}.").format(name=markers.dictionary)
+    if size is not None and size.whole and len(size.columns) == 1:
+        columns, rows = size.columns[0], size.rows
+        if (columns, rows) != (board.columns, board.rows):
+            cure = Sentence(
+                "Start with --board.columns {columns} --board.rows {rows} --board.dictionary "
+                "{name}."
+            ).format(columns=columns, rows=rows, name=markers.dictionary)
     return Diagnosis(
         "wrong-dictionary",
         Sentence(
             "The picture shows markers of {name} ({count} different ones), not of {asked}."
-        ).format(name=name, count=count, asked=board.dictionary),
-        Sentence("Start with --board.dictionary {name}.").format(name=name),
+        ).format(name=markers.dictionary, count=markers.distinct, asked=board.dictionary),
+        cure,
     )
 
 
-def _misplaced(board: Board, ids: NDArray[np.intp], quads: Array) -> Diagnosis | None:
-    """What is wrong with the arrangement of markers of the right dictionary; None if nothing."""
-    if ids.size < _FEWEST_PLACED or _lie_on(board.columns, ids, quads):
-        return None
-    fitting = [n for n in range(3, _MOST_COLUMNS + 1) if _lie_on(n, ids, quads)]
-    asked = Sentence("not as on the board of {columns} columns and {rows} rows asked for").format(
-        columns=board.columns, rows=board.rows
-    )
-    if board.rows in fitting:
-        return Diagnosis(
-            "swapped-size",
-            Sentence(
-                "The markers lie as on a board of {columns} columns, {asked}: the two are swapped."
-            ).format(columns=board.rows, asked=asked),
-            Sentence("Start with --board.columns {columns} --board.rows {rows}.").format(
-                columns=board.rows, rows=board.columns
-            ),
-        )
-    if len(fitting) == 1:
-        return Diagnosis(
-            "swapped-size",
-            Sentence("The markers lie as on a board of {columns} columns, {asked}.").format(
-                columns=fitting[0], asked=asked
-            ),
-            Sentence(
-                "Count the rows of squares as well and start with --board.columns {columns} "
-                "--board.rows ROWS."
-            ).format(columns=fitting[0]),
-        )
+def _name(board: Board, markers: Markers) -> str:
+    """The board's own dictionary if it is of the same family."""
+    own = family_of(markers.dictionary) == family_of(board.dictionary)
+    return board.dictionary if own else markers.dictionary
+
+
+def _mirrored(name: str, count: int) -> Diagnosis:
     return Diagnosis(
-        "swapped-size",
-        Sentence("Markers of {dictionary} are seen, but they lie {asked}.").format(
-            dictionary=board.dictionary, asked=asked
-        ),
+        "mirrored",
         Sentence(
-            "Count the squares along both sides and start with --board.columns and --board.rows."
+            "The pictures are mirrored: flipped left to right, they show {count} markers of {name}."
+        ).format(count=count, name=name),
+        Sentence(
+            "Switch mirroring off in the camera's program, or start with --flip; the camera file "
+            "then holds for pictures that are flipped back."
         ),
     )
 
 
-def _markers(board: Board, name: str, grey: NDArray[np.uint8]) -> tuple[NDArray[np.intp], Array]:
-    """Ids (N,) and corners (N, 4, 2) of the markers of a dictionary, black or white.
-
-    Only markers of a board of about this size: OpenCV 5 compares every candidate with every marker,
-    so a whole dictionary of 1000 would take twenty times as long.
-    """
-    whole: Any = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
-    count = min(max(board.marker_count, 50), len(whole.bytesList))
-    some = cv2.aruco.Dictionary(whole.bytesList[:count], whole.markerSize, 0)
-    parameters = cv2.aruco.DetectorParameters()
-    parameters.detectInvertedMarker = True
-    parameters.errorCorrectionRate = 0.0  # a misread marker could name the wrong board
-    corners, ids, _ = cv2.aruco.ArucoDetector(some, parameters).detectMarkers(grey)
-    if ids is None or len(ids) == 0:
-        return np.zeros(0, np.intp), np.zeros((0, 4, 2))
-    quads = np.asarray(corners, dtype=np.float64).reshape(-1, 4, 2)
-    return np.asarray(ids, dtype=np.intp).reshape(-1), quads
+def _grid(grey: Grey, dictionary: str, lattice: Lattice) -> Diagnosis:
+    values = {"columns": lattice.columns, "rows": lattice.rows}
+    april, _, tags = dictionary.partition("APRILTAG_")
+    if april == "DICT_" and _has_dark_joints(grey, lattice):
+        cause = Sentence(
+            "The picture shows an AprilGrid of {columns} x {rows} tags, {tags}: not a ChArUco "
+            "board."
+        ).format(**values, tags=tags)
+    else:
+        cause = Sentence(
+            "The picture shows a grid of {columns} x {rows} markers of {name}: not a ChArUco board."
+        ).format(**values, name=dictionary)
+    return Diagnosis("other-pattern", cause, _NOT_YET)
 
 
-def _lie_on(columns: int, ids: NDArray[np.intp], quads: Array) -> bool:
-    """Whether markers are arranged as on a board with this many columns, in either layout.
-
-    They are numbered row by row on every second square, so the row count does not matter. A
-    homography maps the flat board's squares to the image.
-    """
-    side = float(np.median(np.linalg.norm(np.diff(quads, axis=1), axis=2)))
-    for first in (1, 0):  # the first row's second square carries a marker, or its first does
-        index = np.arange(columns * (2 * int(ids.max()) // columns + 3))
-        column, row = index % columns, index // columns
-        squares = np.stack([column, row], axis=1)[(column + row) % 2 == first]
-        placed = squares[ids].astype(np.float64)
-        H, inliers = cv2.findHomography(placed, quads.mean(axis=1), cv2.RANSAC, _NEAR * side)
-        if H is not None and np.count_nonzero(inliers) >= _IN_PLACE * ids.size:
-            return True
-    return False
+def _has_dark_joints(grey: Grey, lattice: Lattice) -> bool:
+    """Whether there are dark squares between four tags, as on Kalibr's AprilGrid."""
+    inner = np.stack(
+        np.meshgrid(np.arange(lattice.columns - 1), np.arange(lattice.rows - 1)), axis=-1
+    ).reshape(-1, 2)
+    joints, gaps = inner + 0.5, inner + np.array([0.5, 0.0])
+    dark, light = (_greys(grey, lattice, places) for places in (joints, gaps))
+    return bool(dark.size and np.median(dark) < 0.6 * np.median(light))
 
 
-def _family(dictionary: str) -> str:
-    """The name without its size: DICT_5X5_100 and DICT_5X5_1000 begin with the same markers."""
-    stem, _, size = dictionary.rpartition("_")
-    return stem if size.isdigit() else dictionary.upper()
+def _greys(grey: Grey, lattice: Lattice, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    pixels = cv2.perspectiveTransform(places.reshape(1, -1, 2).astype(np.float64), lattice.H)[0]
+    x, y = np.rint(pixels.T).astype(int)
+    inside = (x >= 0) & (y >= 0) & (x < grey.shape[1]) & (y < grey.shape[0])
+    return grey[y[inside], x[inside]].astype(np.float64)
 
 
-def _size(dictionary: str) -> tuple[bool, str, int]:
-    """Sort key of the dictionaries: ArUco's families with sizes first, each by size."""
-    size = dictionary.rpartition("_")[2]
-    return (not size.isdigit(), _family(dictionary), int(size) if size.isdigit() else 0)
+def _single(board: Board, markers: Markers) -> Diagnosis:
+    return Diagnosis(
+        "other-pattern",
+        Sentence(
+            "The picture shows {count} single markers of {name}: not the board of {asked} asked "
+            "for."
+        ).format(count=markers.distinct, name=markers.dictionary, asked=board.dictionary),
+        _NOT_YET,
+    )
+
+
+_PLAIN = {
+    "checkerboard": Sentence(
+        "The picture shows a checkerboard of {columns} x {rows} inner corners, without markers: "
+        "not a ChArUco board."
+    ),
+    "circles": Sentence(
+        "The picture shows a grid of {columns} x {rows} circles: not a ChArUco board."
+    ),
+    "unread": Sentence(
+        "The picture shows a board of {columns} x {rows} inner corners, but its markers cannot be "
+        "read: they are too small or blurred, their border is too thin, or their dictionary is "
+        "none of OpenCV's."
+    ),
+}
+
+
+def _plain(pattern: Pattern) -> Diagnosis:
+    cause = _PLAIN[pattern.kind].format(columns=pattern.columns, rows=pattern.rows)
+    if pattern.kind == "unread":
+        return Diagnosis(
+            "unread-markers",
+            cause,
+            Sentence(
+                "Bring the board nearer and hold it still; if that does not help, print a board "
+                "with venus3d board."
+            ),
+        )
+    return Diagnosis("other-pattern", cause, _NOT_YET)

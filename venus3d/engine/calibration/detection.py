@@ -16,8 +16,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_recognition import BoardRecognition, recognise_board
+from venus3d.engine.calibration.board_recognition import (
+    OTHER_MARKER,
+    BoardRecognition,
+    best_finding,
+    first_id_diagnosis,
+    marker_size_diagnosis,
+    two_boards_diagnosis,
+)
 from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.marker_lattice import side_of
 from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.calibration.refinement import (
     Grey,
@@ -44,8 +52,11 @@ _LEAD = 2.0
 # (docs/method.md). Smaller squares need all three.
 QUICK_FROM_PX = 40.0
 _QUICK_WINDOW_PX = 7
-# Number of recent whole images without the board kept for `explain_misses`.
+# Number of whole images without the board kept for `explain_misses`: the first and the last ones.
 _KEPT_MISSED = 3
+_FEWEST_MEASURED = 8
+# Different markers seen twice in one image: two boards.
+_TWICE = 4
 
 
 _WHITE_ON_BLACK = Sentence(
@@ -84,6 +95,7 @@ class Detector:
         self._asked = board
         self._board = board
         self._refine = refine
+        self._find_layout = find_layout
         self._settled = not find_layout
         self._finders: dict[tuple[Board, bool], Any] = {}
         self.square_px = 0.0
@@ -92,6 +104,9 @@ class Detector:
         self._frames = 0
         self._check = BoardRecognition(board)
         self._missed: deque[Grey] = deque(maxlen=_KEPT_MISSED)
+        self._first_missed: list[Grey] = []
+        self._markers: Any = None
+        self._two_boards = False
         self._is_copy = False
 
     @property
@@ -113,17 +128,38 @@ class Detector:
 
     @property
     def diagnoses(self) -> tuple[Diagnosis, ...]:
-        """Another board in the images, or another layout than the one given."""
-        found = () if self._check.diagnosis is None else (self._check.diagnosis,)
-        if self._board.legacy == self._asked.legacy:
-            return found
-        cause, cure = _OLD_LAYOUT if self._board.legacy else _NEW_LAYOUT
-        return (*found, Diagnosis("wrong-layout", cause, cure))
+        """Another board in the images, or another layout, first id or marker size than given."""
+        found: list[Diagnosis] = []
+        if self._check.diagnosis is not None:
+            found.append(self._check.diagnosis)
+        if self._two_boards:
+            found.append(two_boards_diagnosis())
+        if self._board.legacy != self._asked.legacy:
+            found.append(
+                Diagnosis("wrong-layout", *(_OLD_LAYOUT if self._board.legacy else _NEW_LAYOUT))
+            )
+        if self._board.first_id != self._asked.first_id:
+            found.append(first_id_diagnosis(self._board))
+        if self._board.marker != self._asked.marker:
+            found.append(marker_size_diagnosis(self._asked, self._board))
+        return tuple(dict.fromkeys(found))
 
     def explain_misses(self) -> tuple[Diagnosis, ...]:
-        """What the last images without the board show instead; may take a second."""
-        found = recognise_board(self._asked, self._missed)
-        return () if found is None else (found,)
+        """What images without the board show instead; may take a second. A board that can be read
+        is read from now on: detect in all images again if `board` has changed."""
+        finding = best_finding(self._board, [*self._first_missed, *self._missed])
+        if finding is None:
+            return ()
+        if finding.board is not None and self._find_layout:
+            self._adopt(finding.board)
+        return (finding.diagnosis,)
+
+    def _adopt(self, board: Board) -> None:
+        """Read this board from now on, in whichever layout."""
+        self._board, self._check = board, BoardRecognition(board)
+        self._settled, self._frames = False, 0
+        self._evidence = dict.fromkeys(_readings(board), 0)
+        self._missed, self._first_missed = deque(maxlen=_KEPT_MISSED), []
 
     def copy(self) -> Detector:
         """A detector for another thread, as this one is now: for one image until the layout is
@@ -136,6 +172,7 @@ class Detector:
     def take_over(self, seen: Observation, image: Any, by: Detector) -> Observation:
         """What `by`, a `copy`, saw in an image (see `detect`), as if it had been detected here:
         called in the order of the images, the copies give the same as one detector."""
+        self._two_boards |= by._two_boards
         if by._frames:  # it is evidence for a layout, which is weighed here
             return self.detect(image, time_s=seen.time_s, name=seen.name)
         if seen.count:
@@ -191,10 +228,14 @@ class Detector:
         if grey.size == 0:
             return nothing
         ids, corners = self._read(grey, quick)
+        if self._shows_two_boards():
+            return nothing
         if not determines_homography(self._board.points_of(ids)):
             if region is None and not quick and not self._is_copy:
                 self._miss(grey)
             return nothing
+        if not self._settled and self._reads_other_markers(ids, corners):
+            return self._observed(image, region, quick)
         if not self._is_copy:
             self._check.found()
         scales = local_scales(self._board, ids, corners)
@@ -207,8 +248,13 @@ class Detector:
         return Observation(ids, corners + np.array([x0, y0]), size, sharpness)
 
     def _miss(self, grey: Grey) -> None:
+        if len(self._first_missed) < _KEPT_MISSED:
+            self._first_missed.append(grey)
+        else:
+            self._missed.append(grey)
         self._check.missed(grey)
-        self._missed.append(grey)
+        if self._check.readable is not None and not self._settled:
+            self._adopt(self._check.readable)
 
     def _read(self, grey: Grey, quick: bool) -> tuple[NDArray[np.intp], Array]:
         """Ids (N,) and corners (N, 2) of the presumed board; compares readings until settled."""
@@ -227,6 +273,28 @@ class Detector:
         self._weigh({board: ids.size for board, (ids, _) in found.items()})
         nothing = (np.zeros(0, np.intp), np.zeros((0, 2)))
         return found.get(self._board, nothing)
+
+    def _shows_two_boards(self) -> bool:
+        """Whether several of the markers just found are there twice."""
+        if self._markers is None:
+            return False
+        _, counts = np.unique(np.asarray(self._markers[1]).reshape(-1), return_counts=True)
+        twice = int((counts > 1).sum()) >= _TWICE
+        self._two_boards |= twice
+        return twice
+
+    def _reads_other_markers(self, ids: NDArray[np.intp], corners: Array) -> bool:
+        """Take over the size of the markers as it is seen, if it is quite another."""
+        share = _marker_share(self._board, ids, corners, self._markers)
+        if share is None or abs(share * self._board.square / self._board.marker - 1) < (
+            OTHER_MARKER
+        ):
+            return False
+        marker = round(2000 * share * self._board.square) / 2000  # to half a millimetre
+        if not 0 < marker < self._board.square or marker == self._board.marker:
+            return False
+        self._adopt(replace(self._board, marker=marker))
+        return True
 
     def _weigh(self, counts: dict[Board, int]) -> None:
         """Add a frame's evidence: the right reading finds more corners over several frames.
@@ -257,6 +325,7 @@ class Detector:
             picture, *known
         )
         seen = (marker_corners, marker_ids) if marker_ids is not None and len(marker_ids) else None
+        self._markers = seen
         if ids is None or len(ids) == 0:
             return np.zeros(0, np.intp), np.zeros((0, 2)), seen
         numbers = np.asarray(ids, dtype=np.intp).reshape(-1)
@@ -286,6 +355,19 @@ def search_region(
     region = _clipped((int(x0), int(y0), int(x1), int(y1)), image_size)
     area = (region[2] - region[0]) * (region[3] - region[1])
     return region if area < 0.8 * image_size[0] * image_size[1] else None
+
+
+def _marker_share(
+    board: Board, ids: NDArray[np.intp], corners: Array, markers: Any
+) -> float | None:
+    """Side of the markers over that of a square, as seen; None if too little is seen."""
+    if markers is None or len(markers[1]) < _FEWEST_MEASURED or ids.size < _FEWEST_MEASURED:
+        return None
+    H, _ = cv2.findHomography(corners, board.points_of(ids)[:, :2])
+    if H is None:
+        return None
+    quads = np.asarray(markers[0], dtype=np.float64).reshape(-1, 4, 2)
+    return side_of(quads, np.asarray(H, dtype=np.float64)) / board.square
 
 
 def _finder(board: Board, quick: bool) -> Any:

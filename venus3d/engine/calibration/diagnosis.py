@@ -9,6 +9,10 @@ from typing import Literal, get_args
 DiagnosisKind = Literal[
     "wrong-dictionary",
     "swapped-size",
+    "mirrored",
+    "other-pattern",
+    "unread-markers",
+    "two-boards",
     "impossible-distance",
     "bent-board",
     "rolling-shutter",
@@ -25,6 +29,8 @@ DiagnosisKind = Literal[
     "bowed-board",
     "stretched-print",
     "wrong-layout",
+    "other-first-id",
+    "wrong-marker-size",
 ]
 """Worst first: a wrong number given, a model that does not fit, weak views, views left out; last,
 what the calibration allows for."""

@@ -39,6 +39,8 @@ class Board:
     """Layout of boards printed before OpenCV 4.6; differs if the row count is even."""
     inverted: bool = False
     """White markers on black."""
+    first_id: int = 0
+    """The dictionary's number of the first marker; the others follow."""
     bow: tuple[float, float] = (0.0, 0.0)
     """How far the middle lies behind the ends, along x and along y, metres: a parabola each."""
     stretch: float = 0.0
@@ -62,11 +64,14 @@ class Board:
                 f"There is no marker dictionary {self.dictionary!r}; use one of "
                 f"{', '.join(DICTIONARIES)}."
             )
+        if self.first_id < 0:
+            raise BoardError("The first marker's id cannot be negative; give 0 or more.")
         have = len(self._predefined.bytesList)
-        if self.marker_count > have:
+        if self.first_id + self.marker_count > have:
+            begun = f" from id {self.first_id} on" if self.first_id else ""
             raise BoardError(
                 f"{self.dictionary} has {have} markers, but a board of {self.columns} x "
-                f"{self.rows} squares needs {self.marker_count}; use a larger dictionary."
+                f"{self.rows} squares needs {self.marker_count}{begun}; use a larger dictionary."
             )
 
     def __reduce__(self) -> tuple[type[Board], tuple[Any, ...]]:
@@ -84,14 +89,16 @@ class Board:
 
     @cached_property
     def cv_dictionary(self) -> Any:
-        """OpenCV's dictionary object, cut down to the markers on this board.
+        """OpenCV's dictionary object, cut down to the markers on this board: `first_id` is its 0.
 
         OpenCV 5 compares every candidate with every marker: six times the work for `DICT_5X5_1000`
         as for a board's 48.
         """
         whole = self._predefined
         return cv2.aruco.Dictionary(
-            whole.bytesList[: self.marker_count], whole.markerSize, whole.maxCorrectionBits
+            whole.bytesList[self.first_id : self.first_id + self.marker_count],
+            whole.markerSize,
+            whole.maxCorrectionBits,
         )
 
     @cached_property

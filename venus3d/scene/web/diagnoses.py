@@ -12,6 +12,10 @@ Severity = Literal["wrong", "weak", "note"]
 SEVERITIES: dict[DiagnosisKind, Severity] = {
     "wrong-dictionary": "wrong",
     "swapped-size": "wrong",
+    "mirrored": "wrong",
+    "other-pattern": "wrong",
+    "unread-markers": "wrong",
+    "two-boards": "wrong",
     "impossible-distance": "wrong",
     "bent-board": "weak",
     "rolling-shutter": "weak",
@@ -28,12 +32,23 @@ SEVERITIES: dict[DiagnosisKind, Severity] = {
     "bowed-board": "note",
     "stretched-print": "note",
     "wrong-layout": "note",
+    "other-first-id": "note",
+    "wrong-marker-size": "note",
 }
+
+_UNREAD: tuple[DiagnosisKind, ...] = (
+    "wrong-dictionary",
+    "swapped-size",
+    "mirrored",
+    "other-pattern",
+    "unread-markers",
+    "two-boards",
+)
 
 
 def another_board(snapshot: Snapshot) -> Diagnosis | None:
     """The diagnosis that the board in view is not the configured one; None if there is none."""
-    unread = (d for d in snapshot.diagnoses if d.kind in ("wrong-dictionary", "swapped-size"))
+    unread = (d for d in snapshot.diagnoses if d.kind in _UNREAD)
     return next(unread, None)
 
 

@@ -33,6 +33,8 @@ class GuideOptions:
         str | None, arg(metavar="WIDTHxHEIGHT", help_behavior_hint="(usual: as it comes)")
     ] = None
     """Size of the picture to ask a camera for, or to simulate (sim: 1280x720)."""
+    flip: Switch = False
+    """Exchange left and right: for pictures that come mirrored. The camera file holds for these."""
     method: Method = "global"
     """How the next pose is found: ours (global), the paper's (venus), Rojtberg's, or by chance."""
     cost: Annotated[Cost | None, arg(help_behavior_hint="(the method's own)")] = None

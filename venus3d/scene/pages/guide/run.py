@@ -141,6 +141,7 @@ def _opened(options: GuideOptions, board: Board) -> Source:
         speed=options.speed,
         bow=options.bow_mm / 1000,
         flex=options.flex_mm / 1000,
+        flip=options.flip,
     )
 
 

@@ -263,6 +263,10 @@ SEVERITIES = {"wrong": "Wrong", "weak": "Weak", "note": "Note"}
 DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "wrong-dictionary": "other markers than asked for",
     "swapped-size": "rows and columns do not fit",
+    "mirrored": "the picture is mirrored",
+    "other-pattern": "another kind of pattern",
+    "unread-markers": "markers that cannot be read",
+    "two-boards": "two equal boards in view",
     "impossible-distance": "impossible distance",
     "bent-board": "the board is not flat",
     "rolling-shutter": "moved while being read",
@@ -279,6 +283,8 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "bowed-board": "the board is bowed",
     "stretched-print": "the print is stretched",
     "wrong-layout": "another layout of the board",
+    "other-first-id": "the marker ids start elsewhere",
+    "wrong-marker-size": "another size of the markers",
 }
 """Short forms."""
 

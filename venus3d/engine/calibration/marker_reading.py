@@ -1,0 +1,149 @@
+"""Reads the square markers of all dictionaries in one pass, mirrored ones too.
+
+OpenCV compares each candidate with each marker of one dictionary. To find out which markers a
+picture shows at all, the bits of a candidate are looked up in a table of all of them instead.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.geometry.board import DICTIONARIES
+from venus3d.engine.geometry.pose import Array
+
+Grey = NDArray[np.uint8]
+
+_CELL_PX = 4
+_LEAST_CONTRAST = 25
+"""Grey levels between a marker's white and black."""
+_DOUBLE_BORDER = "DICT_APRILTAG"
+"""Kalibr prints these with a border of two cells."""
+
+
+@dataclass(frozen=True, eq=False)
+class Markers:
+    """The markers of one dictionary in one image."""
+
+    dictionary: str
+    """The largest of its family: all of a family begin with the same markers."""
+    ids: NDArray[np.intp]
+    """(N,)"""
+    quads: Array
+    """(N, 4, 2) corners in pixels, clockwise from the marker's own top left."""
+
+    @property
+    def distinct(self) -> int:
+        """Number of different markers."""
+        return int(np.unique(self.ids).size)
+
+
+def family_of(dictionary: str) -> str:
+    """The name without its size: DICT_5X5_100 and DICT_5X5_1000 begin with the same markers."""
+    stem, _, size = dictionary.rpartition("_")
+    return stem if size.isdigit() else dictionary.upper()
+
+
+def size_key(dictionary: str) -> tuple[bool, str, int]:
+    """Sort key of the dictionaries: ArUco's families with sizes first, each by size."""
+    size = dictionary.rpartition("_")[2]
+    return (not size.isdigit(), family_of(dictionary), int(size) if size.isdigit() else 0)
+
+
+def read_markers(grey: Grey) -> tuple[list[Markers], list[Markers]]:
+    """All markers in an image (H, W) by dictionary, the most first; likewise those that are
+    markers only in the mirror image, where `quads` are those of this image."""
+    upright: dict[str, list[tuple[int, Array]]] = defaultdict(list)
+    mirrored: dict[str, list[tuple[int, Array]]] = defaultdict(list)
+    for quad in _candidates(grey):
+        for name, number, turns, flipped in _read(grey, quad):
+            found = mirrored if flipped else upright
+            found[name].append((number, np.roll(quad, turns, axis=0)))
+    return _sorted(upright), _sorted(mirrored)
+
+
+def _sorted(found: dict[str, list[tuple[int, Array]]]) -> list[Markers]:
+    all_of = [
+        Markers(name, np.array([n for n, _ in seen], np.intp), np.array([q for _, q in seen]))
+        for name, seen in found.items()
+    ]
+    return sorted(all_of, key=lambda markers: -markers.distinct)
+
+
+def _candidates(grey: Grey) -> Array:
+    """(N, 4, 2) quadrangles that may be markers, clockwise."""
+    # Compared with a single marker, nearly all come back as rejected.
+    whole: Any = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    one = cv2.aruco.Dictionary(whole.bytesList[:1], whole.markerSize, 0)
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.errorCorrectionRate = 0.0
+    accepted, _, rejected = cv2.aruco.ArucoDetector(one, parameters).detectMarkers(grey)
+    return np.asarray([*accepted, *rejected], dtype=np.float64).reshape(-1, 4, 2)
+
+
+def _read(grey: Grey, quad: Array) -> list[tuple[str, int, int, bool]]:
+    """(dictionary, id, turns, mirrored) of every marker that a candidate can be."""
+    found: list[tuple[str, int, int, bool]] = []
+    for cells in _tables():
+        bits = _bits(grey, quad, cells)
+        if bits is not None:
+            for border, table in _tables()[cells]:
+                ring = bits.copy()
+                inner = slice(border, cells - border)
+                ring[inner, inner] = False
+                if not ring.any():
+                    found += table.get(np.packbits(bits[inner, inner]).tobytes(), ())
+    return found
+
+
+def _bits(grey: Grey, quad: Array, cells: int) -> NDArray[np.bool_] | None:
+    """(cells, cells) which are white on black; None if there are no two greys, or no border."""
+    side = cells * _CELL_PX
+    square = np.array([[0, 0], [side, 0], [side, side], [0, side]], dtype=np.float32) - 0.5
+    H = cv2.getPerspectiveTransform(quad.astype(np.float32), square)
+    patch = np.asarray(cv2.warpPerspective(grey, H, (side, side)), dtype=np.float64)
+    inner = patch.reshape(cells, _CELL_PX, cells, _CELL_PX)[:, 1:-1, :, 1:-1].mean(axis=(1, 3))
+    low, high = float(inner.min()), float(inner.max())
+    if high - low < _LEAST_CONTRAST:
+        return None
+    white = inner > (low + high) / 2
+    edge = np.concatenate([white[0], white[-1], white[:, 0], white[:, -1]])
+    if edge.all():
+        return ~white  # white on black
+    return None if edge.any() else white
+
+
+@lru_cache(maxsize=1)
+def _tables() -> dict[int, list[tuple[int, dict[bytes, list[tuple[str, int, int, bool]]]]]]:
+    """By cells along a side: width of the border, and the markers by their bits."""
+    largest = {family_of(name): name for name in sorted(DICTIONARIES, key=size_key)}
+    tables: dict[tuple[int, int], dict[bytes, list[tuple[str, int, int, bool]]]] = {}
+    for name in sorted(set(largest.values()), key=size_key):
+        dictionary: Any = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+        size = int(dictionary.markerSize)
+        bits = np.array([_bits_of(entry, size) for entry in dictionary.bytesList])
+        borders = (1, 2) if name.startswith(_DOUBLE_BORDER) else (1,)
+        for border in borders:
+            table = tables.setdefault((size + 2 * border, border), {})
+            for flipped in (False, True):
+                for turns in range(4):
+                    shown = np.rot90(np.flip(bits, 2) if flipped else bits, turns, axes=(1, 2))
+                    keys = np.packbits(shown.reshape(len(bits), -1), axis=1)
+                    for number, key in enumerate(keys):
+                        table.setdefault(key.tobytes(), []).append((name, number, turns, flipped))
+    by_cells: dict[int, list[tuple[int, dict[bytes, list[tuple[str, int, int, bool]]]]]] = {}
+    for (cells, border), table in tables.items():
+        by_cells.setdefault(cells, []).append((border, table))
+    return by_cells
+
+
+def _bits_of(entry: Any, size: int) -> NDArray[np.uint8]:
+    """(size, size) the bits of a marker's row in a dictionary's `bytesList`."""
+    bits: Any = cv2.aruco.Dictionary.getBitsFromByteList(entry[None], size)
+    return np.asarray(bits, dtype=np.uint8).reshape(size, size)
