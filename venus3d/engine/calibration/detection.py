@@ -258,6 +258,7 @@ class Detector:
 
     def _read(self, grey: Grey, quick: bool) -> tuple[NDArray[np.intp], Array]:
         """Ids (N,) and corners (N, 2) of the presumed board; compares readings until settled."""
+        self._markers = None
         if self._settled:
             ids, corners, _ = self._detect_board(self._board, grey, quick=quick)
             return ids, corners
@@ -325,7 +326,8 @@ class Detector:
             picture, *known
         )
         seen = (marker_corners, marker_ids) if marker_ids is not None and len(marker_ids) else None
-        self._markers = seen
+        if seen is not None:
+            self._markers = seen
         if ids is None or len(ids) == 0:
             return np.zeros(0, np.intp), np.zeros((0, 2)), seen
         numbers = np.asarray(ids, dtype=np.intp).reshape(-1)

@@ -23,6 +23,8 @@ Grey = NDArray[np.uint8]
 _CELL_PX = 4
 _LEAST_CONTRAST = 25
 """Grey levels between a marker's white and black."""
+_OWN = 1.12
+"""Outlines this many times as large as a marker's smallest are of something around it."""
 _DOUBLE_BORDER = "DICT_APRILTAG"
 """Kalibr prints these with a border of two cells."""
 
@@ -59,21 +61,58 @@ def size_key(dictionary: str) -> tuple[bool, str, int]:
 def read_markers(grey: Grey) -> tuple[list[Markers], list[Markers]]:
     """All markers in an image (H, W) by dictionary, the most first; likewise those that are
     markers only in the mirror image, where `quads` are those of this image."""
-    upright: dict[str, list[tuple[int, Array]]] = defaultdict(list)
-    mirrored: dict[str, list[tuple[int, Array]]] = defaultdict(list)
+    negative = np.asarray(255 - grey, dtype=np.uint8)
+    black_on_white, white_on_black = _all_of(grey), _all_of(negative)
+    best = max((black_on_white, white_on_black), key=lambda both: max(map(_count, both)))
+    return _sorted(best[0]), _sorted(best[1])
+
+
+_Found = dict[str, list[tuple[int, Array]]]
+
+
+def _count(found: _Found) -> int:
+    """The number of markers of the dictionary that has the most."""
+    return max(map(len, found.values()), default=0)
+
+
+def _all_of(grey: Grey) -> tuple[_Found, _Found]:
+    """By dictionary the ids and quads of black markers on white: upright, and mirrored."""
+    upright: _Found = defaultdict(list)
+    mirrored: _Found = defaultdict(list)
     for quad in _candidates(grey):
         for name, number, turns, flipped in _read(grey, quad):
             found = mirrored if flipped else upright
             found[name].append((number, np.roll(quad, turns, axis=0)))
-    return _sorted(upright), _sorted(mirrored)
+    return upright, mirrored
 
 
-def _sorted(found: dict[str, list[tuple[int, Array]]]) -> list[Markers]:
+def _sorted(found: _Found) -> list[Markers]:
+    merged = {name: _merged(seen) for name, seen in found.items()}
     all_of = [
         Markers(name, np.array([n for n, _ in seen], np.intp), np.array([q for _, q in seen]))
-        for name, seen in found.items()
+        for name, seen in merged.items()
     ]
     return sorted(all_of, key=lambda markers: -markers.distinct)
+
+
+def _merged(seen: list[tuple[int, Array]]) -> list[tuple[int, Array]]:
+    """Each marker once: it is found with several thresholds, and in outlines around its own. Its
+    own are the smallest, and their mean is taken."""
+    groups: list[tuple[int, list[Array]]] = []
+    for number, quad in sorted(seen, key=lambda one: _diagonal(one[1])):
+        for other, quads in groups:
+            apart = float(np.linalg.norm((quad - quads[0]).mean(axis=0)))
+            if other == number and apart < _diagonal(quads[0]) / 2:
+                if _diagonal(quad) < _OWN * _diagonal(quads[0]):
+                    quads.append(quad)
+                break
+        else:
+            groups.append((number, [quad]))
+    return [(number, np.mean(quads, axis=0)) for number, quads in groups]
+
+
+def _diagonal(quad: Array) -> float:
+    return float(np.linalg.norm(quad[2] - quad[0]))
 
 
 def _candidates(grey: Grey) -> Array:
@@ -83,6 +122,8 @@ def _candidates(grey: Grey) -> Array:
     one = cv2.aruco.Dictionary(whole.bytesList[:1], whole.markerSize, 0)
     parameters = cv2.aruco.DetectorParameters()
     parameters.errorCorrectionRate = 0.0
+    parameters.minGroupDistance = 0.0  # a square around a marker does not hide it
+    parameters.minMarkerDistanceRate = 0.0
     accepted, _, rejected = cv2.aruco.ArucoDetector(one, parameters).detectMarkers(grey)
     return np.asarray([*accepted, *rejected], dtype=np.float64).reshape(-1, 4, 2)
 
@@ -114,8 +155,6 @@ def _bits(grey: Grey, quad: Array, cells: int) -> NDArray[np.bool_] | None:
         return None
     white = inner > (low + high) / 2
     edge = np.concatenate([white[0], white[-1], white[:, 0], white[:, -1]])
-    if edge.all():
-        return ~white  # white on black
     return None if edge.any() else white
 
 

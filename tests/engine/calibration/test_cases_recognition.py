@@ -1,0 +1,178 @@
+"""Pictures of other boards than the one asked for: named as what they are, and read if possible."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.engine.board_pictures import picture_of
+from venus3d.engine.calibration.board_recognition import recognise_board
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.sources.images_calibration import calibrate_images, calibrate_recording
+
+Picture = NDArray[np.uint8]
+CAMERA = Camera(1280, 720, 1000, 1000, 640, 360)
+POSE = Pose.from_vector([20, -25, 10, 0, 0, 0.45])
+
+
+def grey_of(folder: Path, count: int = 3) -> list[Picture]:
+    files = sorted(folder.glob("*.jpg"))[:count]
+    return [np.asarray(cv2.imread(str(f), cv2.IMREAD_GRAYSCALE), np.uint8) for f in files]
+
+
+def shown_in(pattern: Picture) -> Picture:
+    """A pattern seen from the side."""
+    height, width = pattern.shape
+    flat = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
+    seen = np.array([[250, 120], [1000, 60], [1060, 640], [180, 600]], np.float32)
+    H = cv2.getPerspectiveTransform(flat, seen)
+    picture = cv2.warpPerspective(pattern, H, (1280, 720), borderValue=(110,))
+    return np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.8), np.uint8)
+
+
+def told(picture: Picture, board: Board | None = None) -> Diagnosis:
+    found = recognise_board(board or Board(), [picture])
+    assert found is not None
+    return found
+
+
+def test_ids_from_30_are_found_said_and_read(shared_data: Path) -> None:
+    """The diagnosis was "11 columns"."""
+    folder = shared_data / "cases" / "ids-from-30"
+    found = calibrate_recording(str(folder), Board())
+    assert found.calibration.board.first_id == 30
+    assert len(found.calibration.views) == 5
+    assert found.calibration.rms_px < 0.08
+    assert found.calibration.camera.fx == pytest.approx(1000, abs=2)
+    (said,) = (d for d in found.diagnoses if d.kind == "other-first-id")
+    assert "9 x 6" in said.cause and "--board.first-id 30" in said.cure
+    asked = calibrate_recording(str(folder), Board(first_id=30))
+    assert "other-first-id" not in [d.kind for d in asked.diagnoses]
+    assert asked.calibration.camera == found.calibration.camera
+
+
+@pytest.mark.parametrize("layout", [{}, {"legacy": True, "inverted": True}])
+def test_another_first_id_is_read_while_pictures_come(layout: dict[str, bool]) -> None:
+    printed = Board(first_id=17, **layout)
+    picture = picture_of(printed, CAMERA, POSE)
+    detector = Detector(Board())
+    seen = [detector.detect(picture).count for _ in range(12)]
+    assert seen[0] == 0 and seen[-1] == 40
+    assert detector.board == printed
+    assert "other-first-id" in [d.kind for d in detector.diagnoses]
+    truth = CAMERA.project(POSE.apply(printed.corners))
+    assert np.abs(detector.detect(picture).corners - truth).max() < 0.2
+    kept = Detector(Board(), find_layout=False)
+    assert [kept.detect(picture).count for _ in range(12)] == [0] * 12
+
+
+def test_other_columns_and_first_id_at_once() -> None:
+    said = told(picture_of(Board(8, 5, first_id=40), CAMERA, POSE))
+    assert "--board.columns 8 --board.rows 5 --board.first-id 40" in said.cure
+
+
+def test_mirrored_pictures_are_named_and_read_if_asked(shared_data: Path) -> None:
+    folder = str(shared_data / "cases" / "mirrored")
+    with pytest.raises(CalibrationError, match=r"mirrored.*--flip"):
+        calibrate_images(folder, Board())
+    camera = calibrate_images(folder, Board(), flip=True).camera
+    assert camera.fx == pytest.approx(1000, abs=3)
+    assert camera.cx == pytest.approx(645, abs=5), "the camera of the pictures as they should be"
+    pictures = grey_of(Path(folder), 4)
+    arrays = calibrate_images(pictures, Board(), flip=True).camera
+    np.testing.assert_allclose(arrays.parameters[:4], camera.parameters[:4], atol=0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("cases/aprilgrid", "an AprilGrid of 6 x 6 tags, 36h11"),
+        ("cases/aruco-gridboard", "a grid of 6 x 4 markers of DICT_6X6_1000"),
+        ("checkerboard-9x6", "a checkerboard of 9 x 6 inner corners"),
+        ("fisheye-checkerboard-15x9", "a checkerboard of 15 x 9 inner corners"),
+    ],
+)
+def test_other_patterns_are_named_as_what_they_are(
+    shared_data: Path, name: str, sentence: str
+) -> None:
+    pictures = grey_of(shared_data / name)
+    said = recognise_board(Board(), pictures)
+    assert said is not None and said.kind == "other-pattern"
+    assert sentence in said.cause and "not a ChArUco board" in said.cause
+    assert "not read yet" in said.cure and "venus3d board" in said.cure
+    with pytest.raises(CalibrationError, match=sentence):
+        calibrate_images(pictures, Board())
+
+
+def test_circles_and_grids_of_small_markers_are_named() -> None:
+    circles = np.full((700, 800), 255, np.uint8)
+    for row in range(6):
+        for column in range(7):
+            cv2.circle(circles, (100 * column + 100, 100 * row + 100), 32, 0, -1, cv2.LINE_AA)
+    assert "a grid of 7 x 6 circles" in told(shown_in(circles)).cause
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_100)
+    grid = np.full((760, 560), 255, np.uint8)
+    for number in range(35):
+        y, x = 30 + 100 * (number // 5), 30 + 100 * (number % 5)
+        grid[y : y + 77, x : x + 77] = dictionary.generateImageMarker(number, 77)
+    assert "a grid of 5 x 7 markers" in told(shown_in(grid)).cause
+    single = np.full((400, 400), 255, np.uint8)
+    single[130:270, 130:270] = dictionary.generateImageMarker(7, 140)
+    said = told(shown_in(single), Board(dictionary="DICT_6X6_100"))
+    assert said.kind == "other-pattern" and "1 single markers of DICT_5X5" in said.cause
+
+
+def test_what_is_no_pattern_is_not_named(shared_data: Path) -> None:
+    rng = np.random.default_rng(0)
+    for blur in (1, 3, 6):
+        noise = cv2.GaussianBlur(rng.integers(0, 255, (480, 640), dtype=np.uint8), (0, 0), blur)
+        stretched = cv2.normalize(noise, noise, 0, 255, cv2.NORM_MINMAX)
+        assert recognise_board(Board(), [np.asarray(stretched, np.uint8)]) is None
+    for size in ((1, 1), (3, 200), (40, 40)):
+        assert recognise_board(Board(), [np.full(size, 90, np.uint8)]) is None
+    for name in ("cases/board-too-small", "cases/fisheye-147deg"):
+        assert recognise_board(Board(), grey_of(shared_data / name)) is None, "it is this board"
+
+
+@pytest.mark.parametrize("given_mm", [5, 12])
+def test_markers_of_another_size_than_given_are_measured(given_mm: float) -> None:
+    """With 5 mm for 21 mm OpenCV finds all corners, up to 26 px from their places."""
+    picture = picture_of(Board(), CAMERA, POSE)
+    detector = Detector(Board(marker=given_mm / 1000))
+    seen = [detector.detect(picture) for _ in range(12)][-1]
+    truth = CAMERA.project(POSE.apply(Board().points_of(seen.ids)))
+    assert seen.count == 40 and np.abs(seen.corners - truth).max() < 0.2
+    assert detector.board.marker == pytest.approx(0.021, abs=0.0006)
+    (said,) = detector.diagnoses
+    assert said.kind == "wrong-marker-size" and f"not {given_mm} mm" in said.cause
+    right = Detector(Board())
+    right.detect(picture)
+    assert right.diagnoses == () and right.board == Board()
+
+
+def test_two_equal_boards_are_told() -> None:
+    board = cv2.copyMakeBorder(Board().texture(40), *(4 * [40]), cv2.BORDER_CONSTANT, value=(255,))
+    detector = Detector(Board())
+    assert detector.detect(np.hstack([board, board])).count == 0
+    assert [d.kind for d in detector.diagnoses] == ["two-boards"]
+    assert "take it away" in detector.diagnoses[0].cure
+
+
+def test_swapped_sides_name_both_numbers_of_squares() -> None:
+    said = told(picture_of(Board(12, 8, 0.02, 0.015), CAMERA, POSE))
+    assert "--board.columns 12 --board.rows 8" in said.cure
+    other = replace(Board(12, 8, 0.02, 0.015), dictionary="DICT_4X4_250")
+    assert (
+        "--board.columns 12 --board.rows 8 --board.dictionary DICT_4X4_1000"
+        in told(picture_of(other, CAMERA, POSE)).cure
+    )
