@@ -50,6 +50,7 @@ def opencv_text(record: CameraRecord, extension: str = "yaml") -> str:
         file.write("aruco_dictionary", board.dictionary)
         file.write("board_legacy", int(board.legacy))
         file.write("board_inverted", int(board.inverted))
+        file.write("board_first_id", board.first_id)
     return file.releaseAndGetString()
 
 
@@ -104,6 +105,7 @@ def _board_of(file: cv2.FileStorage) -> Board | None:
             dictionary=dictionary.string(),
             legacy=bool(_number(file, "board_legacy")),
             inverted=bool(_number(file, "board_inverted")),
+            first_id=int(_number(file, "board_first_id") or 0),
         )
     except BoardError:
         return None

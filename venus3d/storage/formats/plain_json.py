@@ -66,7 +66,8 @@ def _board_of(content: Any) -> Board | None:
     lengths = {name: values.number(content[f"{name}_mm"]) / 1000 for name in ("square", "marker")}
     others = ("columns", "rows", "dictionary", "legacy", "inverted")
     try:
-        return Board(**lengths, **{name: content[name] for name in others})
+        first_id = int(content.get("first_id", 0))
+        return Board(**lengths, **{name: content[name] for name in others}, first_id=first_id)
     except BoardError as error:
         raise ValueError("no board") from error
 
