@@ -246,6 +246,80 @@ def test_one_camera_of_several(tmp_path: Path) -> None:
     assert import_camera(place, name="cam1").camera.fx == 500
 
 
+OTHERS: dict[str, tuple[str, list[float]]] = {
+    "cameracalibrator of ROS": (
+        """image_width: 640
+image_height: 480
+camera_name: rgb_Astra_Orbbec
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [526.6908, 0, 312.3333, 0, 525.7542, 246.2279, 0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [0.01864, -0.08079, 6.7e-4, -1e-3, 0]
+""",
+        [526.6908, 525.7542, 312.3333, 246.2279, 0.01864, -0.08079, 6.7e-4, -1e-3, 0],
+    ),
+    "ros2 topic echo": (
+        """header:
+  frame_id: default_cam
+height: 480
+width: 640
+distortion_model: rational_polynomial
+d: [0.17, -0.69, -0.003, -0.005, 0.1, 0.0, 0.0, 0.0]
+k: [500.0, 0.0, 320.5, 0.0, 501.0, 240.5, 0.0, 0.0, 1.0]
+binning_x: 0
+---
+""",
+        [500, 501, 320.5, 240.5, 0.17, -0.69, -0.003, -0.005, 0.1],
+    ),
+    "Kalibr's wiki, under OpenCV's first line": (
+        """%YAML:1.0
+cam0:
+  cam_overlaps: []
+  camera_model: pinhole
+  intrinsics: [461.629, 460.152, 362.680, 246.049]
+  distortion_model: radtan
+  distortion_coeffs: [-0.27695497, 0.06712482, 0.00087538, 0.00011556]
+  T_cam_imu:
+  - [0.01779318, 0.99967549,-0.01822936, 0.07008565]
+  timeshift_cam_imu: -8.121e-05
+  rostopic: /cam0/image_raw
+  resolution: [640, 480]
+""",
+        [461.629, 460.152, 362.68, 246.049, -0.27695497, 0.06712482, 0.00087538, 0.00011556, 0],
+    ),
+    "an old .cameramodel": (
+        """# generated with ...
+{ 'lens_model': 'LENSMODEL_OPENCV5',
+  'intrinsics': [ 1761.18, 1761.25, 365.7, 287.5, -0.01266, 0.0359, -0.00025, 0.00052, 0.0196],
+  'extrinsics': [ 0, 0, 0, -0, -0, -0,],
+  'imagersize': [ 640, 480 ]
+}
+""",
+        [1761.18, 1761.25, 365.7, 287.5, -0.01266, 0.0359, -0.00025, 0.00052, 0.0196],
+    ),
+    "COLMAP's SIMPLE_RADIAL": (
+        "# Camera list\n7 SIMPLE_RADIAL 640 480 559.81 320 240 0.05\n",
+        [559.81, 559.81, 319.5, 239.5, 0.05, 0, 0, 0, 0],
+    ),
+}
+"""As other programs write them; the numbers are shortened."""
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_files_of_others_are_read(case: str, tmp_path: Path) -> None:
+    text, expected = OTHERS[case]
+    place = tmp_path / "file"
+    place.write_text(text)
+    camera = import_camera(place).camera
+    assert camera.image_size == (640, 480)
+    np.testing.assert_allclose(camera.parameters, expected)
+
+
 def opencv_yaml(**changes: str) -> bytes:
     text = encode(CameraRecord(CAMERA), FORMATS["opencv-yaml"]).content.decode()
     for old, new in changes.values():
@@ -265,7 +339,7 @@ BAD: dict[str, tuple[bytes, str]] = {
     "no size": (opencv_yaml(a=("image_width: 1280", "image_width: -5")), "no camera"),
     "huge": (opencv_yaml(a=("image_width: 1280", "image_width: 2000000000")), "no camera"),
     "skew": (b"1 PINHOLE 10 10 nan 5 5 5\n", "not finite"),
-    "deep YAML": (b"%YAML:1.0\n---\na: " + b"[" * 200_000, "no camera"),
+    "deep YAML": (b"%YAML:1.0\n---\na: !!opencv-matrix " + b"[" * 200_000, "no camera"),
     "deep JSON": (b'{"camera_matrix": {"type_id": "opencv-matrix", "a": ' + b"[" * 200_000,
                   "no camera"),
     "deep XML": (b'<?xml version="1.0"?><opencv_storage>' + b"<a>" * 100_000, "no camera"),

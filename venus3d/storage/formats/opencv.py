@@ -22,12 +22,18 @@ from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 
 _IN_MEMORY = cv2.FILE_STORAGE_MEMORY
+_FLAG_OF = {
+    "yaml": cv2.FILE_STORAGE_FORMAT_YAML,
+    "json": cv2.FILE_STORAGE_FORMAT_JSON,
+    "xml": cv2.FILE_STORAGE_FORMAT_XML,
+}
 
 
 def opencv_text(record: CameraRecord, extension: str = "yaml") -> str:
     """The text of such a file. Pixels as in OpenCV; the board's lengths in metres."""
     camera, board = record.camera, record.board
-    file = cv2.FileStorage(f"camera.{extension}", cv2.FILE_STORAGE_WRITE | _IN_MEMORY)
+    flags = cv2.FILE_STORAGE_WRITE | _IN_MEMORY | _FLAG_OF[extension]
+    file = cv2.FileStorage(f"camera.{extension}", flags)
     file.writeComment("Camera calibration by venus3d. Pixel centres have integer coordinates.")
     file.write("calibration_time", datetime.now(timezone.utc).isoformat(timespec="seconds"))
     file.write("image_width", camera.width)
@@ -133,10 +139,6 @@ def _write(extension: str) -> Callable[[CameraRecord], bytes]:
     return lambda record: opencv_text(record, extension).encode()
 
 
-def _is_yaml(content: bytes) -> bool:
-    return content[:6] == b"%YAML:" or b"!!opencv-matrix" in content
-
-
 OPENCV_YAML = CameraFormat(
     "opencv-yaml",
     "OpenCV's YAML",
@@ -144,7 +146,7 @@ OPENCV_YAML = CameraFormat(
     ("camera.yaml", "camera.yml"),
     write=_write("yaml"),
     read=read_opencv,
-    recognises=_is_yaml,
+    recognises=lambda content: b"!!opencv-matrix" in content,
     keeps_sigma=True,
 )
 OPENCV_JSON = CameraFormat(

@@ -7,6 +7,7 @@ as in OpenCV. P is [K | 0]: the rectified picture has the same focal lengths and
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,8 @@ def write(record: CameraRecord) -> bytes:
 
 
 def read(content: bytes, _name: str | None = None) -> CameraRecord:
-    """The camera of a camera_info file. Of `rational_polynomial`, only with k4 = k5 = k6 = 0."""
+    """The camera of a camera_info file, or of the message itself as `rostopic echo` and `ros2 topic
+    echo` print it. Of `rational_polynomial`, only with k4 = k5 = k6 = 0."""
     found = values.yaml_of(content)
     model = found["distortion_model"]
     if model not in ("plumb_bob", "rational_polynomial", ""):
@@ -42,10 +44,15 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
             f"The distortion model {str(model)[:40]!r} is not OpenCV's five-coefficient model "
             "(plumb_bob); calibrate with that."
         )
-    size = values.size(found["image_width"], found["image_height"])
-    matrix = values.numbers(found["camera_matrix"]["data"], 9)
-    distortion = found["distortion_coefficients"]["data"]
-    return CameraRecord(values.camera_of(size, matrix, distortion, model=f"The model {model}"))
+    if "image_width" in found:
+        size = values.size(found["image_width"], found["image_height"])
+        K, D = (found[key]["data"] for key in ("camera_matrix", "distortion_coefficients"))
+    else:
+        size = values.size(found["width"], found["height"])
+        # ROS 2 writes small letters.
+        K, D = (found[key if key in found else key.upper()] for key in ("k", "d"))
+    matrix = values.numbers(K, 9)
+    return CameraRecord(values.camera_of(size, matrix, D, model=f"The model {model}"))
 
 
 def _matrix(matrix: Any) -> dict[str, Any]:
@@ -60,5 +67,8 @@ ROS = CameraFormat(
     ("camera_info.yaml", "camera_info.yml", "*_camera_info.yaml", "*_camera_info.yml"),
     write=write,
     read=read,
-    recognises=lambda content: b"distortion_model" in content and b"camera_matrix" in content,
+    recognises=lambda content: (
+        b"distortion_model:" in content
+        and (b"camera_matrix:" in content or re.search(rb"(?m)^[kK]:", content) is not None)
+    ),
 )

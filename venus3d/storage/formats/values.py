@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -126,11 +127,14 @@ def json_of(content: bytes) -> Mapping[str, Any]:
 
 
 def yaml_of(content: bytes) -> Mapping[str, Any]:
-    """The mapping of a YAML file. Raises `ValueError`."""
+    """The mapping of a YAML file, also under OpenCV's own first line %YAML:1.0, and with the line
+    --- at its end that `ros2 topic echo` leaves. Raises `ValueError`."""
     if len(content) > LARGEST_YAML:
         raise ValueError("too large")
+    text = re.sub(r"\A%YAML:.*", "", text_of(content))
+    text = re.sub(r"\n---\s*\Z", "\n", text)
     try:
-        return mapping(yaml.load(text_of(content), _WithoutMerges))
+        return mapping(yaml.load(text, _WithoutMerges))
     except yaml.YAMLError as error:
         raise ValueError("no YAML") from error
 
