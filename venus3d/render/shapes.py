@@ -38,6 +38,8 @@ class MeshShape:
     """Whether it is shaded (arrows are; boards keep their plain colours)."""
     on_top: bool = False
     """Whether nothing may hide it."""
+    ends: Array | None = None
+    """(2, 3) an arrow's tail and tip, own frame; None for what is no arrow."""
 
 
 @dataclass(frozen=True, eq=False)

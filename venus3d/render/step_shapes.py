@@ -96,7 +96,9 @@ def _move_shapes(board: Board, step: Step, name: str, dark: bool) -> list[Shape]
 
 def _move_arrow(name: str, length: float, shaft: float, pose: Pose, colour: Colour) -> MeshShape:
     arrow = straight_arrow(length, round(shaft, 5))
-    return MeshShape(name, arrow, pose, colour, shaded=True, on_top=True)
+    # Those at the corners stay as they are: they show the way where the one in the middle is bent.
+    ends = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, length]]) if name.endswith("/arrow") else None
+    return MeshShape(name, arrow, pose, colour, shaded=True, on_top=True, ends=ends)
 
 
 def _shaft(board: Board, step: Step) -> float:
@@ -143,7 +145,15 @@ def _turn_shapes(
     # In whole degrees, so that an animation makes few meshes.
     done = sector(angle if sweep >= 1 else float(round(sweep * angle)), radius)
     return [
-        MeshShape(f"{name}/arrow", arrow, place.frame, colour, shaded=True, on_top=True),
+        MeshShape(
+            f"{name}/arrow",
+            arrow,
+            place.frame,
+            colour,
+            shaded=True,
+            on_top=True,
+            ends=np.array([arc_point(end, radius) for end in ends]),
+        ),
         MeshShape(f"{name}/sector", done, place.frame, colour, 0.4),
         LineShape(f"{name}/axis", place.axis_ends[None], Pose.identity(), colour, 2.0, seen),
         LabelShape(f"{name}/axis_label", step.axis.upper(), letter_at, colour, seen),

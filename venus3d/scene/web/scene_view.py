@@ -20,6 +20,7 @@ import viser
 from numpy.typing import NDArray
 
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.render.facing_arrows import facing
 from venus3d.render.palette import ground
 from venus3d.render.shapes import (
     FrustumShape,
@@ -105,6 +106,8 @@ class SceneView:
         view, at_rest = self._drawn_from = self._view_now()
         eye = None if self._plain_labels or view is None or not at_rest else view.position
         moved, self._eye = eye is not self._eye, eye
+        if eye is not None and view is not None:
+            shapes = tuple(facing(shape, view) for shape in shapes)
         with self._host.atomic():
             for shape in shapes:
                 self._draw_one(shape, dark, anew=moved and _is_lifted(shape))
