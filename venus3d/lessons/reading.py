@@ -15,6 +15,7 @@ from typing import Any
 import msgspec
 
 from venus3d.engine.errors import VenusError
+from venus3d.languages import Language
 from venus3d.lessons.lesson import Lesson, LessonFile
 from venus3d.lessons.line_numbers import lines_of
 from venus3d.lessons.mistakes import LessonError, syntax_mistake, value_mistake
@@ -43,17 +44,23 @@ def read_lesson(path: str | Path) -> Lesson:
     return Lesson(file.stem, content.title, content.summary, content.page, content.language)
 
 
-def shipped_lessons() -> tuple[Lesson, ...]:
-    """The lessons shipped with the program, in the order of their files' numbers."""
-    return _read_folder(_shipped_folder())
+def shipped_lessons(language: Language = "en") -> tuple[Lesson, ...]:
+    """The lessons shipped with the program, in the order of their files' numbers; in English where
+    they are not translated."""
+    folder = _shipped_folder()
+    english = _read_folder(folder)
+    if language == "en":
+        return english
+    others = {lesson.name: lesson for lesson in _read_folder(folder / language)}
+    return tuple(others.get(lesson.name, lesson) for lesson in english)
 
 
-def lesson_of(choice: str) -> Lesson:
+def lesson_of(choice: str, language: Language = "en") -> Lesson:
     """The lesson with this name: "" the first, a file (.toml), or a shipped one.
     The number may be omitted: "gimbal-lock". Raises `VenusError` for an unknown one."""
     if choice.lower().endswith(".toml") or "/" in choice or "\\" in choice:
         return read_lesson(choice)
-    names = {lesson.name: lesson for lesson in shipped_lessons()}
+    names = {lesson.name: lesson for lesson in shipped_lessons(language)}
     for name, lesson in names.items():
         if choice.lower() in ("", name, name.split("-", 1)[1], name.split("-", 1)[0]):
             return lesson
@@ -63,7 +70,7 @@ def lesson_of(choice: str) -> Lesson:
     raise VenusError(f"There is no lesson {choice!r}; {cure} A file of your own ends in .toml.")
 
 
-@lru_cache(maxsize=1)
+@lru_cache
 def _read_folder(folder: Path) -> tuple[Lesson, ...]:
     files = sorted(folder.glob("*.toml"), key=lambda path: int(path.name.partition("-")[0]))
     return tuple(read_lesson(path) for path in files)

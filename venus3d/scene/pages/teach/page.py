@@ -62,7 +62,6 @@ class TeachPage:
         ask: Ask,
         view: TabView,
         *,
-        lessons: tuple[Lesson, ...],
         pictures: TeachPictures,
         save: SaveFile | None,
         kinds: tuple[FileKind, ...],
@@ -86,7 +85,7 @@ class TeachPage:
             self._scene = SceneView(client)
             self._rig = CameraRig(client)
             self._make_right()
-            self._make_left(lessons)
+            self._make_left(view.state.lessons)
             self._menu = Menu(client, self._act, kinds, self._rig.command)
         self.show(view)
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack, closing
+from dataclasses import replace
 from functools import lru_cache, partial
 
 from venus3d.engine.geometry.camera import PAPER_CAMERA
+from venus3d.languages import Language, PageLanguage, current_language
 from venus3d.lessons.lesson import Lesson
 from venus3d.lessons.reading import lesson_of, shipped_lessons
 from venus3d.render.offscreen import Offscreen
@@ -43,6 +46,7 @@ def run_teach(options: TeachOptions) -> None:
             offscreen,
             lessons=lessons,
             lesson=chosen,
+            translated=lambda language: _lessons(options.lesson, language)[0],
             follow_me=options.follow_me,
             save=partial(_saved_file, analyse, offscreen),
             kinds=FILE_KINDS,
@@ -66,6 +70,7 @@ class TeachServer(TabServer[Learner]):
         *,
         lessons: tuple[Lesson, ...] = (),
         lesson: int | None = None,
+        translated: Callable[[Language], tuple[Lesson, ...]] | None = None,
         follow_me: bool = False,
         save: SaveFile | None = None,
         kinds: tuple[FileKind, ...] = (),
@@ -76,10 +81,12 @@ class TeachServer(TabServer[Learner]):
         Args:
             analyse: called on the drawing thread; a few milliseconds at most.
             lesson: the number of the lesson open at first; None: free.
+            translated: the same lessons in a tab's language.
             follow_me: whether one tab, on this machine, leads all others.
             save, kinds: makes files, and the available types; called on separate threads.
         """
         self._first = TeachState(dark=dark, lessons=lessons).opened(lesson)
+        self._translated = translated
         self._analyse = lru_cache(maxsize=64)(analyse)
         self._room = Classroom(lambda: set(server.get_clients())) if follow_me else None
         pictures = TeachPictures(offscreen)
@@ -87,12 +94,14 @@ class TeachServer(TabServer[Learner]):
             server,
             texts.ANNOUNCED,
             self._learner,
-            partial(TeachPage, lessons=lessons, pictures=pictures, save=save, kinds=kinds),
+            partial(TeachPage, pictures=pictures, save=save, kinds=kinds),
             wishes=lambda learner: learner.language,
         )
 
     def _learner(self, number: int) -> Learner:
-        client = self.server.get_clients()[number]
+        client, first = self.server.get_clients()[number], self._first
+        if self._translated is not None:
+            first = replace(first, lessons=self._translated(current_language()))
 
         def look() -> Look:
             camera = client.camera
@@ -101,7 +110,7 @@ class TeachServer(TabServer[Learner]):
 
         return Learner(
             self._analyse,
-            self._first,
+            first,
             number=number,
             room=self._room,
             may_lead=self.server.is_on_this_machine(number),
@@ -142,19 +151,20 @@ def export_lesson(
     not, and which poses leave the picture. Raises `VenusError` for whatever the user can fix."""
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     analyse = PoseAnalysis(camera, options.board.board())
-    lesson = lesson_of(options.lesson)
-    with closing(Offscreen()) as offscreen:
+    lesson = lesson_of(options.lesson, options.language or "en")
+    language = PageLanguage(lesson.language or options.language)
+    with closing(Offscreen()) as offscreen, language.spoken():
         notes = (offscreen.note, *notes_on_poses(lesson, analyse))  # a later one is logged
         files = export_files(lesson, kind, analyse, offscreen, dark=options.dark)
         return files, tuple(note for note in notes if note)
 
 
-def _lessons(choice: str) -> tuple[tuple[Lesson, ...], int | None]:
+def _lessons(choice: str, language: Language = "en") -> tuple[tuple[Lesson, ...], int | None]:
     """All lessons, the user's own first, and the number of the chosen one."""
-    shipped = shipped_lessons()
+    shipped = shipped_lessons(language)
     if not choice and not shipped:
         return (), None
-    lesson = lesson_of(choice)
+    lesson = lesson_of(choice, language)
     if lesson in shipped:
         return shipped, shipped.index(lesson)
     return (lesson, *shipped), 0
