@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +99,7 @@ def _result_of(content: Mapping[str, Any]) -> Result:
     free = tuple(bool(value) for value in content["free"])
     if len(free) != len(PARAMETERS):
         raise ValueError("not one flag for each parameter")
-    board, shape_sigma = _board_of(content["board"], content.get("board_shape", _FLAT))
+    board, shape_sigma = _shaped(board_of(content["board"]), content.get("board_shape", _FLAT))
     diagnoses = tuple(
         Diagnosis(d["kind"], d["cause"], d["cure"], tuple(d["views"])) for d in content["diagnoses"]
     )
@@ -129,22 +129,20 @@ def _result_of(content: Mapping[str, Any]) -> Result:
     )
 
 
-def _board_of(
-    content: Mapping[str, Any], shape: Mapping[str, Any]
-) -> tuple[Board, tuple[float, float, float]]:
-    """The board as it was found to be, and the standard deviations of that."""
+def board_of(content: Mapping[str, Any]) -> Board:
+    """The board of a `board_summary`."""
     lengths = {name: content[f"{name}_mm"] / 1000 for name in ("square", "marker")}
     others = ("columns", "rows", "dictionary", "legacy", "inverted")
+    named = {name: content[name] for name in others}
+    return Board(**lengths, **named, first_id=int(content.get("first_id", 0)))
+
+
+def _shaped(board: Board, shape: Mapping[str, Any]) -> tuple[Board, tuple[float, float, float]]:
+    """The board as it was found to be, and the standard deviations of that."""
     across, down = (float(bow) / 1000 for bow in shape["bow_mm"])
-    board = Board(
-        **lengths,
-        **{name: content[name] for name in others},
-        first_id=int(content.get("first_id", 0)),
-        bow=(across, down),
-        stretch=float(shape["stretch"]),
-    )
     bows = [float(sigma) / 1000 for sigma in shape["bow_std_mm"]]
-    return board, (bows[0], bows[1], float(shape["stretch_std"]))
+    shaped = replace(board, bow=(across, down), stretch=float(shape["stretch"]))
+    return shaped, (bows[0], bows[1], float(shape["stretch_std"]))
 
 
 def _view_of(content: Mapping[str, Any], size: tuple[int, int], board: Board) -> View:

@@ -19,13 +19,14 @@ from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.errors import CalibrationError
+from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
 from venus3d.engine.guidance.loop import Calibrated, LoopFigures
 from venus3d.engine.guidance.prompts import Phase, headline_and_prompt, startup_headline_and_prompt
+from venus3d.engine.guidance.record import NoRecorder, Recorder, SessionState
 from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -40,16 +41,25 @@ from venus3d.engine.sentences import Sentence, said_by
 
 _NOT_KEPT = Sentence("The last view was not kept: {error}")
 
+_RETRY_FRAMES = 50
+"""Frames until a view that could not be kept is tried again by itself."""
+
 
 class Session:
     """One guided calibration of one camera with one board. Used by one thread."""
 
     def __init__(
-        self, board: Board, image_size: tuple[int, int], settings: Settings | None = None
+        self,
+        board: Board,
+        image_size: tuple[int, int],
+        settings: Settings | None = None,
+        recorder: Recorder | None = None,
     ) -> None:
-        """A session for images of `image_size` (width, height).
+        """A session for images of `image_size` (width, height), kept by `recorder`.
         Raises `VenusError` for settings whose method, cost and search are incompatible."""
         self.settings = settings or Settings()
+        self._recorder = recorder or NoRecorder()
+        self._not_kept, self._retry_at = "", 0
         self._ending = False
         self._image_size = image_size
         self._board_diagnoses: tuple[Diagnosis, ...] = ()
@@ -99,7 +109,11 @@ class Session:
         self._tracker.observe(observation, self.camera, self._target)
         self._number += 1
         self._watch_taken_back()
-        may_capture = self.settings.auto_capture and self._taken_back is None
+        may_capture = (
+            self.settings.auto_capture
+            and self._taken_back is None
+            and self._number >= self._retry_at
+        )
         if may_capture and self._phase in ("startup", "guiding"):
             ready = self._phase == "guiding" or self._startup.best is not None
             if (
@@ -118,9 +132,18 @@ class Session:
         over = self._phase == "finished" or self._ending
         if tracker.pose is None or over or self._captured.has(tracker.observation):
             return False
-        self._taken_back = None
         at_target = tracker.is_at_target and self._phase == "guiding"
-        self._captured.add(tracker.observation, self._target if at_target else None)
+        view = CapturedView(
+            self._captured.next_number, tracker.observation, self._target if at_target else None
+        )
+        try:
+            self._recorder.captured(view)
+        except VenusError as error:
+            self._not_kept = f"This view was not captured: {error}"
+            self._retry_at = self._number + _RETRY_FRAMES
+            return False
+        self._not_kept, self._taken_back = "", None
+        self._captured.add(view)
         self._keep_going = self._keep_going or self._phase == "converged"
         self._recalibrate()
         return True
@@ -209,6 +232,39 @@ class Session:
         self._ending, self._taken_back = False, None
         self._run += 1
         self._restart(self.board)
+        self._recorder.changed(self.state)
+
+    @property
+    def state(self) -> SessionState:
+        """All that the next target depends on."""
+        return SessionState(
+            board=self.board,
+            views=tuple(self._captured.views),
+            next_view=self._captured.next_number,
+            next_target=self._next_target if self._target is None else self._target.number + 1,
+            history=tuple(p for p in self._history if p.views < len(self._captured.views)),
+            heuristic_state=self._heuristic_state,
+            skipped=self._skipped,
+            start=self._startup.camera,
+            keep_going=self._keep_going,
+            run=self._run,
+            method=self.settings.method,
+            cost=self.settings.cost,
+        )
+
+    def restore(self, state: SessionState) -> None:
+        """Go on from a state with the same views, and search the same target again."""
+        if (state.method, state.cost) != (self.settings.method, self.settings.cost):
+            self.settings = replace(
+                self.settings, method=state.method, cost=state.cost, strategy=None
+            )
+        self._run = state.run
+        self._restart(state.board, CapturedViews(state.views, state.next_view))
+        self._next_target, self._history = state.next_target, state.history
+        self._heuristic_state, self._skipped = state.heuristic_state, state.skipped
+        self._startup.camera, self._keep_going = state.start, state.keep_going
+        if state.views:
+            self._recalibrate()
 
     def note_calibrated(self, work: Work, calibrated: Calibrated) -> None:
         """`work` has calibrated and searches until its outcome comes. From any thread."""
@@ -302,7 +358,7 @@ class Session:
             history=self._history,
             headline=headline,
             instruction=instruction,
-            warnings=self._warnings,
+            warnings=(*([self._not_kept] if self._not_kept else []), *self._warnings),
             diagnoses=worst_first((*self._board_diagnoses, *self._diagnoses)),
             forecast=known and known.forecast,
             method=self.settings.method,
@@ -354,22 +410,24 @@ class Session:
             self._recalibrate()
             return True
         self._restart(self.board, self._captured)  # keeps the numbering
+        self._recorder.changed(self.state)
         return False
 
     def _recalibrate(self) -> None:
-        views = self._captured.views
+        state = self.state
         self.pending = Work(
-            board=self.board,
+            board=state.board,
             settings=self.settings,
-            observations=tuple(view.observation for view in views),
-            numbers=tuple(view.number for view in views),
-            history=tuple(p for p in self._history if p.views < len(views)),
-            heuristic_state=self._heuristic_state,
-            skipped=self._skipped,
-            target_number=self._next_target if self._target is None else self._target.number + 1,
-            start=self._startup.camera,
-            keep_going=self._keep_going,
-            last_target=views[-1].target,
+            observations=tuple(view.observation for view in state.views),
+            numbers=tuple(view.number for view in state.views),
+            history=state.history,
+            heuristic_state=state.heuristic_state,
+            skipped=state.skipped,
+            target_number=state.next_target,
+            start=state.start,
+            keep_going=state.keep_going,
+            last_target=state.views[-1].target,
         )
         self._phase = "captured"
         self._tracker.held_frames = 0
+        self._recorder.changed(state)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from venus3d.engine.calibration.observation import Observation
@@ -21,16 +22,17 @@ class CapturedView:
 class CapturedViews:
     """All views of a session, in order. Used by one thread."""
 
-    def __init__(self) -> None:
-        self.views: list[CapturedView] = []
-        self._next = 1
+    def __init__(self, views: Sequence[CapturedView] = (), next_number: int = 1) -> None:
+        self.views: list[CapturedView] = list(views)
+        self.next_number = next_number
+        """Number of the next view."""
         self._new: CapturedView | None = None
 
-    def add(self, observation: Observation, target: Target | None) -> None:
-        """Add a view. It is stored without its image, which `take_new` returns once."""
-        self._new = CapturedView(self._next, observation, target)
-        self.views.append(replace(self._new, observation=observation.without_image()))
-        self._next += 1
+    def add(self, view: CapturedView) -> None:
+        """Add a view of the next number. Its image is not stored; `take_new` returns it once."""
+        self._new = view
+        self.views.append(replace(view, observation=view.observation.without_image()))
+        self.next_number = view.number + 1
 
     def take_new(self) -> CapturedView | None:
         """The last view added, with its image, returned once; None if it was dropped meanwhile."""

@@ -1,0 +1,58 @@
+"""What a session tells whoever keeps it, and what it can go on from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.guidance.views import CapturedView
+from venus3d.engine.planning.heuristic_poses import HeuristicState
+from venus3d.engine.planning.settings import Cost, Method
+
+
+@dataclass(frozen=True, eq=False)
+class SessionState:
+    """All that the next target depends on, beside the settings that do not change."""
+
+    board: Board
+    views: tuple[CapturedView, ...]
+    next_view: int
+    """Number of the next view."""
+    next_target: int
+    history: tuple[Progress, ...]
+    """The calibrations before the last view."""
+    heuristic_state: HeuristicState
+    skipped: tuple[Pose, ...]
+    start: Camera
+    """The start-up's estimate."""
+    keep_going: bool
+    run: int
+    method: Method
+    cost: Cost | None
+
+
+class Recorder(Protocol):
+    """Keeps a session while it goes on. Called on the session's thread."""
+
+    def captured(self, view: CapturedView) -> None:
+        """Keep a view, with its image, before the session counts it. Raises `VenusError` if it
+        cannot be kept; it is then not captured."""
+        ...
+
+    def changed(self, state: SessionState) -> None:
+        """The views or what is planned with them have changed. Must not raise."""
+        ...
+
+
+class NoRecorder:
+    """Keeps nothing."""
+
+    def captured(self, view: CapturedView) -> None:
+        """Nothing."""
+
+    def changed(self, state: SessionState) -> None:
+        """Nothing."""

@@ -1,0 +1,201 @@
+"""A guided session on disk: what it was started with, every view, and all that has happened.
+
+    session.json     what the session was started with
+    events.jsonl     one line for each event, in order
+    views/007.png    the picture of view 7 as it was captured, lossless
+    camera.yaml, result.json   after every view (`result_folder`)
+
+A view is on the disk, picture and line, before the session counts it, and a file is complete under
+its name or not there. Only the journal's last line can be cut off; it is left out then, and said.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import cv2
+
+from venus3d.engine.errors import StorageError
+from venus3d.engine.guidance.record import SessionState
+from venus3d.engine.guidance.views import CapturedView
+from venus3d.storage.folder import prepare, reason, sync_folder, write_bytes
+from venus3d.storage.session_events import captured_event, state_event, state_of
+
+SCHEMA = 1
+"""Version of session.json and events.jsonl."""
+HEADER, EVENTS, VIEWS = "session.json", "events.jsonl", "views"
+_LOCK = ".lock"
+_FAST = [cv2.IMWRITE_PNG_COMPRESSION, 1]  # a third of the time, a tenth more bytes
+
+
+def is_session(directory: Path) -> bool:
+    """Whether a folder holds a session."""
+    return (directory / HEADER).is_file()
+
+
+class SessionFolder:
+    """The folder of one session, locked while it is open. A `Recorder`."""
+
+    def __init__(
+        self, directory: Path, header: Mapping[str, Any], tell: Callable[[str], None]
+    ) -> None:
+        """Use `create` or `open`."""
+        self.directory, self.header, self._tell = directory, header, tell
+        self._lock = _locked(directory)
+        try:
+            self._events = (directory / EVENTS).open("ab")
+        except OSError as error:
+            self._lock()
+            raise _unwritable(directory, error) from error
+
+    @classmethod
+    def create(
+        cls, directory: Path, header: Mapping[str, Any], tell: Callable[[str], None]
+    ) -> SessionFolder:
+        """A new session; `header` is what it is started with, `tell` receives remarks.
+        Raises `StorageError` if the folder has a session already, or cannot be written."""
+        if is_session(directory):
+            raise StorageError(
+                f"{directory} holds a session already; go on with it by --resume {directory}, or "
+                "choose another folder with --output."
+            )
+        prepare(directory)
+        content = {"schema": SCHEMA, **header}
+        folder = cls(directory, content, tell)
+        write_bytes(directory / HEADER, (json.dumps(content, indent=2) + "\n").encode())
+        return folder
+
+    @classmethod
+    def open(cls, directory: Path, tell: Callable[[str], None]) -> SessionFolder:
+        """An existing session, to go on with it. Raises `StorageError` if there is none, it cannot
+        be read, or another process has it open."""
+        return cls(directory, read_header(directory), tell)
+
+    def close(self) -> None:
+        """Let others open it. May be called twice."""
+        self._events.close()
+        self._lock()
+
+    def state(self) -> SessionState | None:
+        """The session as it was last; None if nothing had been captured.
+        Raises `StorageError` for a journal that cannot be read."""
+        path = self.directory / EVENTS
+        try:
+            content = path.read_bytes()
+        except OSError as error:
+            raise StorageError(f"{path} cannot be read ({reason(error)}).") from error
+        whole = content[: content.rfind(b"\n") + 1]
+        if whole != content:
+            self._tell(f"The last line of {path} was cut off, and is left out.")
+            os.truncate(path, len(whole))
+        try:
+            return state_of([json.loads(line) for line in whole.splitlines()])
+        except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+            raise StorageError(
+                f"{path} is no journal of this version of venus3d, or is damaged; its pictures are "
+                f"in {self.directory / VIEWS}: venus3d calibrate {self.directory}."
+            ) from error
+
+    # -- the recorder ----------------------------------------------------------------------------
+
+    def captured(self, view: CapturedView) -> None:
+        """Write the picture, then the line. Raises `StorageError`; nothing is captured then."""
+        seen, picture = view.observation, None
+        if seen.image is not None:
+            picture = f"{VIEWS}/{view.number:03d}.png"
+            path = self.directory / picture
+            done, encoded = cv2.imencode(".png", seen.image, _FAST)
+            if not done:
+                raise StorageError(f"{path} cannot be encoded.")
+            if path.exists():  # of a view that was taken back
+                path = path.with_name(f"{view.number:03d}-{datetime.now():%H%M%S%f}.png")
+                picture = f"{VIEWS}/{path.name}"
+            write_bytes(path, encoded.tobytes())
+        self._append(captured_event(view, picture))
+
+    def changed(self, state: SessionState) -> None:
+        """Write the state's line; a failure is told, as no view is lost by it."""
+        try:
+            self._append(state_event(state))
+        except StorageError as error:
+            self._tell(str(error))
+
+    def _append(self, event: Mapping[str, Any]) -> None:
+        line = {"at": datetime.now().isoformat(timespec="milliseconds"), **event}
+        start = self._events.tell()
+        try:
+            self._events.write(json.dumps(line, separators=(",", ":")).encode() + b"\n")
+            self._events.flush()
+            os.fsync(self._events.fileno())
+        except OSError as error:
+            self._cut_back(start)
+            raise _unwritable(self.directory, error) from error
+
+    def _cut_back(self, size: int) -> None:
+        """Take back half a line, and what the buffer still holds of it."""
+        path = self.directory / EVENTS
+        with suppress(OSError):
+            self._events.close()
+        os.truncate(path, size)
+        self._events = path.open("ab")
+
+
+def read_header(directory: Path) -> dict[str, Any]:
+    """session.json of a folder. Raises `StorageError`."""
+    path = directory / HEADER
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StorageError(
+            f"{directory} holds no session ({HEADER}: {reason(error)}); give the folder of a guided "
+            "calibration."
+        ) from error
+    except ValueError as error:
+        raise StorageError(f"{path} is damaged: {error}.") from error
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        raise StorageError(f"{path} is not of this version of venus3d (schema {SCHEMA}).")
+    return dict(content)
+
+
+def _unwritable(directory: Path, error: OSError) -> StorageError:
+    return StorageError(
+        f"nothing can be written to {directory} ({reason(error)}); make room there. All views "
+        "captured before are safe."
+    )
+
+
+def _locked(directory: Path) -> Callable[[], None]:
+    """Lock a session for this process, which the system unlocks when it dies; returns the key.
+    Raises `StorageError` if another process has it."""
+    if sys.platform == "win32":
+        return lambda: None
+    import fcntl
+
+    try:
+        handle = os.open(directory / _LOCK, os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError as error:
+        raise _unwritable(directory, error) from error
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(handle)
+        raise StorageError(
+            f"{directory} is open in another venus3d; end that one, or choose another folder."
+        ) from error
+    except OSError:  # some network disks lock nothing
+        pass
+    sync_folder(directory)
+    keys = [handle]
+
+    def unlock() -> None:
+        while keys:
+            os.close(keys.pop())
+
+    return unlock
