@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import traceback
 from contextlib import ExitStack, closing, suppress
-from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
+from venus3d.cli.kept_session import KeptSession, opened_session
 from venus3d.cli.report import deliver, print_note, print_result, write_first
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.engine.sentences import Sentence
@@ -22,12 +21,9 @@ from venus3d.scene.pages.guide.run import GuideResult, run_guide
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.monitor import audience_address
 from venus3d.scene.web.page import announce
-from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of
 from venus3d.storage.result_folder import ResultFolder
 
-RESULT_FOLDER = Path("venus3d-result")
-"""Default output folder of a guided calibration with the viewer."""
 _SAVED = Sentence("Saved: {camera} and {result} in {folder}.")
 
 
@@ -35,13 +31,15 @@ def guide(options: GuideOptions) -> None:
     """Guide, print, write.
     Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C left no result."""
     options.check()  # report mistakes before anything starts
-    if options.output is None and not options.headless:
-        # Ten minutes of holding a board must not be lost for a missing option.
-        options = replace(options, output=RESULT_FOLDER)
-    if options.output is not None:
-        prepare(options.output)
-    files = None if options.output is None else ResultFolder(options.output, print_note)
-    result = _guided(options, files)
+    with ExitStack() as stack:
+        kept = opened_session(options, print_note)
+        stack.callback(kept.close)
+        _guide(kept.options, kept)
+
+
+def _guide(options: GuideOptions, kept: KeptSession) -> None:
+    files = kept.files
+    result = _guided(options, kept)
     snapshot = result.snapshot
     if snapshot.calibration is None:
         _tell_of_nothing(result, options, files)
@@ -52,23 +50,30 @@ def guide(options: GuideOptions) -> None:
     deliver(summary, written, as_json=options.json)
 
 
-def _guided(options: GuideOptions, files: ResultFolder | None) -> GuideResult:
+def _guided(options: GuideOptions, kept: KeptSession) -> GuideResult:
     """Guide; however that ends, save what was captured and print where.
     Raises `VenusError`, also for an internal error, whose traceback is printed."""
+    files = kept.files
 
     def keep(result: GuideResult) -> str:
         return _keep(result, options, files)
 
+    run = partial(
+        run_guide,
+        options,
+        keep,
+        recorder=kept.folder,
+        state=kept.state,
+        pictures=kept.pictures(),
+    )
     try:
         with ExitStack() as stack:
             # Open this first: its port was promised to somebody, while the viewer may take another.
             audience = open_audience(options)
             if audience is None:
-                return run_guide(options, keep)
+                return run()
             stack.enter_context(closing(audience))
-            return run_guide(
-                options, keep, monitors=(audience,), on_viewer=partial(_attach, audience)
-            )
+            return run(monitors=(audience,), on_viewer=partial(_attach, audience))
     except BaseException as error:
         if files is not None and files.is_written:
             _tell_written(files)

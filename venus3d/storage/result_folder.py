@@ -51,6 +51,11 @@ class ResultFolder:
         """Whether this session has written a result."""
         return self._is_written
 
+    def adopt(self) -> None:
+        """Treat the files that are there as this session's own: it is being gone on with."""
+        contents = {path: _content(path) for path in self.paths}
+        self._own = {path: found for path, found in contents.items() if found is not None}
+
     def write(
         self,
         calibration: Calibration,

@@ -14,13 +14,15 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.record import SessionState
@@ -103,6 +105,23 @@ class SessionFolder:
                 f"in {self.directory / VIEWS}: venus3d calibrate {self.directory}."
             ) from error
 
+    def pictures(self, state: SessionState) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+        """Number and picture (BGR) of each of its views, as far as they can be read."""
+        names: dict[int, str] = {}
+        for line in (self.directory / EVENTS).read_bytes().splitlines():
+            event = json.loads(line)
+            if event["event"] == "captured" and event["picture"] is not None:
+                names[event["number"]] = event["picture"]
+        for view in state.views:
+            name = names.get(view.number)
+            if name is None:
+                continue
+            with suppress(OSError, cv2.error):
+                raw = np.frombuffer((self.directory / name).read_bytes(), np.uint8)
+                picture = cv2.imdecode(raw, cv2.IMREAD_COLOR)
+                if picture is not None:
+                    yield view.number, np.asarray(picture, dtype=np.uint8)
+
     # -- the recorder ----------------------------------------------------------------------------
 
     def captured(self, view: CapturedView) -> None:
@@ -119,6 +138,7 @@ class SessionFolder:
                 picture = f"{VIEWS}/{path.name}"
             write_bytes(path, encoded.tobytes())
         self._append(captured_event(view, picture))
+        self._tell(f"View {view.number} is kept{f' as {picture}' if picture else ''}.")
 
     def changed(self, state: SessionState) -> None:
         """Write the state's line; a failure is told, as no view is lost by it."""
@@ -154,8 +174,8 @@ def read_header(directory: Path) -> dict[str, Any]:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise StorageError(
-            f"{directory} holds no session ({HEADER}: {reason(error)}); give the folder of a guided "
-            "calibration."
+            f"{directory} holds no session ({HEADER}: {reason(error)}); give the folder that "
+            "venus3d guide has written."
         ) from error
     except ValueError as error:
         raise StorageError(f"{path} is damaged: {error}.") from error

@@ -27,6 +27,8 @@ def run_headless(
     """
     waited, views = 0, 0
     try:
+        if session.pending is not None:  # a session that is gone on with
+            keep(session.run_pending())
         while session.phase not in ("converged", "finished"):
             if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
                 return terminal_texts.HAND_TOO_FAR

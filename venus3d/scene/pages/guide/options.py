@@ -94,8 +94,13 @@ class GuideOptions:
     audience_sound: Literal["off", "tones", "voice", "both"] = "off"
     """The second page's sounds: tones that quicken near the target, sentences spoken, or both."""
     output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
-    """Folder for camera.yaml and result.json, written after every view, earlier ones kept; with the
-    viewer, venus3d-result if none is named."""
+    """Folder of the session: every view's picture, a journal, camera.yaml and result.json; one with
+    the date in venus3d-sessions if none is named."""
+    record: bool = True
+    """Keep the session in its folder, so that it can be gone on with."""
+    resume: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    """Go on with the session in this folder: its views, its source, board and other options, unless
+    they are given anew."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
 

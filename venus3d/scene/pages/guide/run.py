@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import worst_first
-from venus3d.engine.errors import VenusError
+from venus3d.engine.errors import SourceError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.record import Recorder, SessionState
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -51,6 +55,9 @@ def run_guide(
     *,
     monitors: Sequence[SecondMonitor] = (),
     on_viewer: Callable[[Viewer], None] = lambda _: None,
+    recorder: Recorder | None = None,
+    state: SessionState | None = None,
+    pictures: Iterable[tuple[int, NDArray[np.uint8]]] = (),
 ) -> GuideResult:
     """Run one guided calibration, until it ends (headless) or is stopped (viewer).
 
@@ -60,16 +67,23 @@ def run_guide(
     Args:
         monitors: are shown what the viewer is shown; the caller closes them.
         on_viewer: called with the open viewer, to add to its page.
+        recorder: keeps the session as it goes on.
+        state: of a session to go on with, and the `pictures` of its views by their numbers.
 
     Raises `VenusError` for whatever the user can fix.
     """
-    board = options.board.board()
+    board = options.board.board() if state is None else state.board
     options = _possible(options)
     with ExitStack() as stack:
         source = stack.enter_context(closing(_opened(options, board)))
         truth = source.truth if isinstance(source, Simulation) else None
         tracker = BoardTracker(Detector(board, find_layout=truth is None))
-        session = Session(board, source.image_size, _settings(options, source))
+        session = Session(board, source.image_size, _settings(options, source), recorder)
+        if state is not None:
+            _check_size(state, source)
+            session.restore(state)
+        elif recorder is not None:
+            recorder.changed(session.state)
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
             said = (*source.notes, *tracker.detector.notes, *snapshot.warnings, *notes)
@@ -103,6 +117,8 @@ def run_guide(
                 )
             )
         )
+        for number, picture in pictures:
+            viewer.keep_view(number, picture)
         announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes)
         on_viewer(viewer)
         # What is said from here on is for the page.
@@ -143,6 +159,16 @@ def _opened(options: GuideOptions, board: Board) -> Source:
         flex=options.flex_mm / 1000,
         flip=options.flip,
     )
+
+
+def _check_size(state: SessionState, source: Source) -> None:
+    before, now = state.views[0].observation.image_size, source.image_size
+    if before != now:
+        raise SourceError(
+            f"The views of this session are {before[0]} x {before[1]} px, and the source gives "
+            f"{now[0]} x {now[1]}; ask for --camera-size {before[0]}x{before[1]}, or "
+            "begin a new session."
+        )
 
 
 def _settings(options: GuideOptions, source: Source) -> Settings:

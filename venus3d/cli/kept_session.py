@@ -1,0 +1,105 @@
+"""The folder of a guided calibration: new, named, or that of a session to go on with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields, replace
+from datetime import datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.errors import StorageError
+from venus3d.engine.guidance.record import SessionState
+from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.storage.folder import prepare
+from venus3d.storage.result_folder import ResultFolder
+from venus3d.storage.session_folder import SessionFolder
+
+SESSIONS = Path("venus3d-sessions")
+"""Where sessions are kept for which no folder is named."""
+_PACKAGES = ("venus3d", "numpy", "scipy", "opencv-contrib-python-headless", "viser")
+# What belongs to one run, not to the session.
+_OF_THE_RUN = ("resume", "output", "record")
+
+
+@dataclass(frozen=True, eq=False)
+class KeptSession:
+    """A session's options and folder."""
+
+    options: GuideOptions
+    folder: SessionFolder | None
+    """None if it is not recorded."""
+    files: ResultFolder | None
+    """None if no result is to be written."""
+    state: SessionState | None = None
+    """Where a session is gone on with."""
+
+    def pictures(self) -> Iterable[tuple[int, NDArray[np.uint8]]]:
+        """Numbers and pictures of the views that there are already."""
+        if self.folder is None or self.state is None:
+            return ()
+        return self.folder.pictures(self.state)
+
+    def close(self) -> None:
+        """Let others open the folder."""
+        if self.folder is not None:
+            self.folder.close()
+
+
+def opened_session(options: GuideOptions, tell: Callable[[str], None]) -> KeptSession:
+    """Open the folder that the options ask for. Raises `StorageError` if that cannot be."""
+    if options.resume is not None:
+        return _resumed(options, options.resume, tell)
+    if not options.record:
+        if options.output is None:
+            return KeptSession(options, None, None)
+        return KeptSession(options, None, ResultFolder(prepare(options.output), tell))
+    directory = options.output or SESSIONS / f"{datetime.now():%Y-%m-%d_%H-%M-%S}"
+    folder = SessionFolder.create(directory, _header(options), tell)
+    tell(f"This session is kept in {directory}.")
+    return KeptSession(replace(options, output=directory), folder, ResultFolder(directory, tell))
+
+
+def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]) -> KeptSession:
+    folder = SessionFolder.open(directory, tell)
+    try:
+        try:
+            before = msgspec.convert(folder.header["options"], GuideOptions, dec_hook=_decoded)
+        except (KeyError, msgspec.ValidationError) as error:
+            raise StorageError(
+                f"{directory}/session.json is not of this version of venus3d ({error})."
+            ) from error
+        usual = GuideOptions()
+        anew = {
+            field.name: getattr(options, field.name)
+            for field in fields(options)
+            if getattr(options, field.name) != getattr(usual, field.name)
+        }
+        files = ResultFolder(directory, tell)
+        files.adopt()
+        state = folder.state()
+        count = 0 if state is None else len(state.views)
+        tell(f"Going on with {count} view{'' if count == 1 else 's'} in {directory}.")
+        chosen = replace(before, **{**anew, "output": directory, "resume": directory})
+        return KeptSession(chosen, folder, files, state)
+    except BaseException:
+        folder.close()
+        raise
+
+
+def _header(options: GuideOptions) -> dict[str, Any]:
+    kept = replace(options, **{name: getattr(GuideOptions(), name) for name in _OF_THE_RUN})
+    return {
+        "begun": datetime.now().isoformat(timespec="seconds"),
+        "versions": {name: version(name) for name in _PACKAGES},
+        "options": msgspec.to_builtins(kept, enc_hook=str),
+    }
+
+
+def _decoded(kind: type, value: Any) -> Any:
+    return kind(value)
