@@ -41,6 +41,7 @@ from venus3d.engine.sentences import Sentence, said_by
 
 _NOT_KEPT = Sentence("The last view was not kept: {error}")
 
+_NOT_CAPTURED = Sentence("This view was not captured: {error}")
 _RETRY_FRAMES = 50
 """Frames until a view that could not be kept is tried again by itself."""
 
@@ -139,7 +140,7 @@ class Session:
         try:
             self._recorder.captured(view)
         except VenusError as error:
-            self._not_kept = f"This view was not captured: {error}"
+            self._not_kept = _NOT_CAPTURED.format(error=said_by(error))
             self._retry_at = self._number + _RETRY_FRAMES
             return False
         self._not_kept, self._taken_back = "", None
