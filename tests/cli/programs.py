@@ -114,10 +114,12 @@ class OnATerminal:
 
 
 def kept(folder: Path) -> dict[str, Any]:
-    """The result in a folder, complete and of one piece, and nothing else beside it."""
+    """The result in a folder, complete and of one piece, and only the session beside it."""
     result: dict[str, Any] = json.loads((folder / "result.json").read_text())
     assert len(result["captured"]) == result["views"] == result["history"][-1]["views"]
     camera = read_camera_yaml(folder / "camera.yaml")
     assert [camera.fx, camera.cy] == [result["intrinsics"]["fx"], result["intrinsics"]["cy"]]
-    assert {path.name for path in folder.iterdir()} == {"camera.yaml", "result.json"}
+    of_the_session = {"session.json", "events.jsonl", "views", ".lock"}
+    names = {path.name for path in folder.iterdir()}
+    assert names - of_the_session == {"camera.yaml", "result.json"}
     return result

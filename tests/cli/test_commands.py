@@ -163,7 +163,7 @@ def test_guide_headless(run: Run, tmp_path: Path) -> None:
     for name in ("fx", "fy", "cx", "cy"):
         error = abs(result["intrinsics"][name] - result["truth"][name])
         assert error < 4 * result["std"][name], name
-    assert {path.name for path in tmp_path.iterdir()} == {"camera.yaml", "result.json"}
+    assert {path.name for path in tmp_path.iterdir()} >= {"camera.yaml", "result.json"}
 
 
 @pytest.mark.slow
@@ -181,7 +181,7 @@ def test_interrupt_without_a_screen_keeps_what_was_captured(
     monkeypatch.setattr(Simulation, "read", interrupted)
     ran = run("guide", "--headless", "--autopilot", "--json", "--output", tmp_path)
     assert ran.code == 0 and ran.json["views"] >= 1 and ran.json["converged"] is False
-    assert {path.name for path in tmp_path.iterdir()} == {"camera.yaml", "result.json"}
+    assert {path.name for path in tmp_path.iterdir()} >= {"camera.yaml", "result.json"}
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from importlib.metadata import version
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -59,10 +60,16 @@ def opened_session(options: GuideOptions, tell: Callable[[str], None]) -> KeptSe
         if options.output is None:
             return KeptSession(options, None, None)
         return KeptSession(options, None, ResultFolder(prepare(options.output), tell))
-    directory = options.output or SESSIONS / f"{datetime.now():%Y-%m-%d_%H-%M-%S}"
+    directory = options.output or _unused(SESSIONS / f"{datetime.now():%Y-%m-%d_%H-%M-%S}")
     folder = SessionFolder.create(directory, _header(options), tell)
     tell(f"This session is kept in {directory}.")
     return KeptSession(replace(options, output=directory), folder, ResultFolder(directory, tell))
+
+
+def _unused(directory: Path) -> Path:
+    """This folder, or one with a number behind."""
+    names = (directory.with_name(f"{directory.name}_{n}") for n in count(2))
+    return next(path for path in chain([directory], names) if not path.exists())
 
 
 def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]) -> KeptSession:
@@ -83,8 +90,8 @@ def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]
         files = ResultFolder(directory, tell)
         files.adopt()
         state = folder.state()
-        count = 0 if state is None else len(state.views)
-        tell(f"Going on with {count} view{'' if count == 1 else 's'} in {directory}.")
+        views = 0 if state is None else len(state.views)
+        tell(f"Going on with {views} view{'' if views == 1 else 's'} in {directory}.")
         chosen = replace(before, **{**anew, "output": directory, "resume": directory})
         return KeptSession(chosen, folder, files, state)
     except BaseException:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.views import CapturedView
-from venus3d.storage.folder import prepare, reason, sync_folder, write_bytes
+from venus3d.storage.folder import prepare, reason, replace_files, sync_folder, write_bytes
 from venus3d.storage.session_events import captured_event, state_event, state_of
 
 SCHEMA = 1
@@ -52,6 +52,7 @@ class SessionFolder:
         self.directory, self.header, self._tell = directory, header, tell
         self._lock = _locked(directory)
         try:
+            (directory / VIEWS).mkdir(exist_ok=True)
             self._events = (directory / EVENTS).open("ab")
         except OSError as error:
             self._lock()
@@ -136,7 +137,10 @@ class SessionFolder:
             if path.exists():  # of a view that was taken back
                 path = path.with_name(f"{view.number:03d}-{datetime.now():%H%M%S%f}.png")
                 picture = f"{VIEWS}/{path.name}"
-            write_bytes(path, encoded.tobytes())
+            try:
+                replace_files({path: encoded.tobytes()})
+            except OSError as error:
+                raise _unwritable(self.directory, error) from error
         self._append(captured_event(view, picture))
         self._tell(f"View {view.number} is kept{f' as {picture}' if picture else ''}.")
 
