@@ -11,6 +11,7 @@ import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -19,13 +20,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
+from viser import _messages
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from tests.attacks.crowd import burst, stay
 from tests.ports import free_port
-from tests.scene.raw_client import RawClient, every_message
+from tests.scene.raw_client import AHEAD, RawClient, every_message, instance
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
@@ -38,6 +41,7 @@ PAGES = {
     "teach": "teach --port {port}",
     "practice": "practice --output {folder} --port {port}",
 }
+_FLOOD_S = float(os.environ.get("VENUS3D_FLOOD_S", "3"))
 _TABS_S = float(os.environ.get("VENUS3D_CROWD_S", "3"))
 
 
@@ -93,6 +97,13 @@ class Program:
                 for end in ("max", "min"):
                     tab.send(value(slider["uuid"], slider[end]))
             return bool(tab.window(timeout=30))
+
+    def resources(self) -> tuple[int, int, int]:
+        """Memory in MiB, threads, open handles (Linux)."""
+        at = Path(f"/proc/{self.process.pid}")
+        status = dict(line.split(":", 1) for line in (at / "status").read_text().splitlines())
+        memory = int(status["VmRSS"].split()[0]) // 1024
+        return memory, int(status["Threads"]), len(list((at / "fd").iterdir()))
 
     def end(self) -> str:
         """Ctrl-C; what it said on stderr."""
@@ -250,6 +261,65 @@ def test_another_page_does_not_connect(program: Program) -> None:
             connect(f"ws://127.0.0.1:{program.port}", additional_headers=headers),
         ):
             pass
+
+
+def test_a_flood_of_messages_holds_nobody_up(program: Program) -> None:
+    """Three senders say what is heard and what is not, as fast as they can; the page goes on for
+    the others, and neither memory nor threads nor handles stay taken. Before, another tab was sent
+    less than one message a second meanwhile, and waited up to 6 s."""
+    with RawClient(program.port) as tab:
+        backlog = tab.backlog()
+        tab.look()
+        uuids = [m["uuid"] for m in backlog if m["type"] in ("GuiSliderMessage", "GuiTextMessage")]
+    before = program.resources()
+    end = time.monotonic() + _FLOOD_S
+    senders = [threading.Thread(target=flood, args=(program.port, uuids, end)) for _ in range(3)]
+    for sender in senders:
+        sender.start()
+    begun = time.monotonic()
+    assert program.goes_on()
+    assert time.monotonic() - begun < 20.0
+    for sender in senders:
+        sender.join()
+    assert program.goes_on()
+    memory, threads, _ = program.resources()
+    assert memory - before[0] < 150  # MiB
+    assert threads - before[1] <= 40  # viser answers on up to 32
+    wait_until(lambda: program.resources()[2] - before[2] <= 5, "handles are closed", within_s=60)
+
+
+def flood(port: int, uuids: list[str], end: float) -> None:
+    camera = {**instance(_messages.ViewerCameraMessage, {}), **AHEAD}
+    size = {"image_width": 1280, "image_height": 720}
+    said = [
+        *(msgspec.msgpack.encode(value(uuid, v)) for uuid in uuids for v in (0, 1, 0.5, "x")),
+        *(msgspec.msgpack.encode({**camera, **size, "position": (0, 0, -z)}) for z in (1, 2, 3)),
+        b"",
+        b"x" * 16_000,
+    ]
+    with contextlib.suppress(ConnectionClosed, TimeoutError), RawClient(port) as tab:
+        threading.Thread(target=read_all, args=(tab,), daemon=True).start()
+        while time.monotonic() < end:
+            for raw in said:
+                tab.send_raw(raw)
+
+
+def test_connections_that_say_nothing_are_counted(program: Program) -> None:
+    """Lines that never finish a request leave the program handles enough for its files."""
+    before = program.resources()[2]
+    lines = list[socket.socket]()
+    try:
+        for _ in range(900):
+            line = socket.create_connection(("127.0.0.1", program.port), timeout=10)
+            line.send(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n")
+            lines.append(line)
+        time.sleep(1.0)
+        assert program.resources()[2] - before <= 450
+    finally:
+        for line in lines:
+            line.close()
+    wait_until(lambda: program.resources()[2] - before <= 5, "handles are closed", within_s=30)
+    assert program.goes_on()
 
 
 def test_a_crowd_is_served(program: Program) -> None:

@@ -152,3 +152,26 @@ def test_a_lesson_is_chosen_by_name_number_or_file(written) -> None:
     assert lesson_of(str(written(GOOD))).title == "A lesson"
     with pytest.raises(VenusError, match="did you mean 'what-a-pose-is'"):
         lesson_of("what-a-pose")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("x = " + "[" * 90_000 + "]" * 90_000, "nested too deeply"),
+        ("a = " + "{a=" * 5000 + "1" + "}" * 5000, "nested too deeply"),
+        ("a" + ".a" * 50_000 + " = 1", "nested too deeply"),
+        ('"a"' + ' . "a"' * 10_000 + " = 1", "nested too deeply"),
+        ("".join(f"[a{'.b' * depth}]\n" for depth in range(400)), "nested too deeply"),
+        ("title = " + "9" * 100_000, "too many digits"),
+        ("a" * 190_000, "lesson.toml, line 1"),
+        (GOOD.replace("600]", "9" * 400 + "]"), "line 9"),
+        (GOOD + "# " + "x" * 200_000, "has 200"),
+        ("title = '\0'", "line 1"),
+    ],
+    ids=lambda text: text[:12],
+)
+def test_a_file_of_any_depth_or_number_ends_in_one_sentence(written, text: str, said: str) -> None:
+    """Some ended in a traceback, others were read for minutes."""
+    with pytest.raises(VenusError, match=said) as raised:
+        read_lesson(written(text))
+    assert "\n" not in str(raised.value) and len(str(raised.value)) < 600

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from venus3d.engine.errors import StorageError
-from venus3d.storage.exercise import COLUMNS, ExerciseFile, ExerciseRow
+from venus3d.storage.exercise import COLUMNS, ExerciseFile, ExerciseRow, name_of
 
 ROW = ExerciseRow(
     participant="Anna, 3b",
@@ -60,3 +60,32 @@ def test_another_programs_file_is_refused_and_left_alone(tmp_path: Path) -> None
     with pytest.raises(StorageError, match=r"no file of practice times.*--output"):
         ExerciseFile(path, "practice")
     assert path.read_text() == "time,x\n1,2\n"
+
+
+HOSTILE = {
+    "=1+1": "1+1",
+    "\uff1d1+1": "1+1",
+    "\uff20SUM(A1)": "SUM(A1)",
+    "\u22122": "2",
+    "\0=cmd|x": "cmd|x",
+    " \t+ -@x": "x",
+    "a\0b\x1b[31mc": "ab[31mc",
+    "a\u202eb\ud800": "ab",
+    "=": "",
+    "x" * 90: "x" * 40,
+}
+
+
+@pytest.mark.parametrize("typed", HOSTILE, ids=ascii)
+def test_a_name_is_no_formula_and_has_nothing_unseen(typed: str, tmp_path: Path) -> None:
+    assert name_of(typed) == HOSTILE[typed]
+    assert name_of("Zoë O'Hara-Łuk (3b)") == "Zoë O'Hara-Łuk (3b)"
+    file = ExerciseFile(tmp_path / "practice.csv", "practice")
+    file.append(replace(ROW, participant=typed, source=typed))  # by whatever way it came there
+    file.close()
+    raw = file.path.read_bytes()
+    assert b"\0" not in raw and b"\x1b" not in raw
+    with file.path.open(newline="", encoding="utf-8") as text:
+        (row,) = csv.DictReader(text)
+    for cell in (row["participant"], row["source"]):
+        assert cell == "" or cell[0].isalnum()

@@ -29,6 +29,7 @@ from venus3d.cli.options import (
 )
 from venus3d.cli.study import StudyOptions
 from venus3d.engine.errors import VenusError
+from venus3d.engine.printable import printable
 from venus3d.scene.pages.exercise.options import PracticeOptions, TrialOptions
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.teach.options import TeachOptions
@@ -103,11 +104,12 @@ def _run(given: list[str]) -> int:
         with on_stop_signal(_interrupt, ctrl_c=False):
             _command_of(options)(options)
     except VenusError as error:
-        print(f"venus3d: {error}", file=sys.stderr)
+        print(printable(f"venus3d: {error}"), file=sys.stderr)
         return MISTAKE
     except KeyboardInterrupt as stop:
         # A study says where it stopped; Ctrl-C itself has no message.
-        print("venus3d: " + ": ".join(["stopped", *map(str, stop.args)]) + ".", file=sys.stderr)
+        stopped = ": ".join(["stopped", *map(str, stop.args)])
+        print(printable(f"venus3d: {stopped}."), file=sys.stderr)
         return INTERRUPTED
     return OK
 

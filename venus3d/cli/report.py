@@ -14,6 +14,7 @@ from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
+from venus3d.engine.printable import printable
 from venus3d.storage.result import to_json
 from venus3d.storage.result_folder import ResultFolder
 
@@ -73,9 +74,9 @@ def print_result(
         f"of {width} x {height} px{_left_out(calibration)}"
     )
     for warning in warnings:
-        print(f"Mind: {warning}")
+        print(printable(f"Mind: {warning}"))
     for diagnosis in diagnoses:
-        print(f"Diagnosis: {diagnosis.cause}\n     Cure: {diagnosis.cure}")
+        print(printable(f"Diagnosis: {diagnosis.cause}\n     Cure: {diagnosis.cure}"))
 
 
 Written = tuple[Path, ...] | StorageError
@@ -103,7 +104,7 @@ def deliver(summary: Mapping[str, Any], written: Written, *, as_json: bool) -> N
     """Print where the files are, and the JSON line if requested.
     Raises the `StorageError` of unwritten files after printing."""
     for path in () if isinstance(written, StorageError) else written:
-        print(f"Written: {path}")
+        print(printable(f"Written: {path}"))
     if as_json:
         print(to_json(summary))
     if isinstance(written, StorageError):
@@ -113,4 +114,4 @@ def deliver(summary: Mapping[str, Any], written: Written, *, as_json: bool) -> N
 def print_note(text: str) -> None:
     """Print a progress remark to stderr, as stdout holds results only."""
     with suppress(OSError):  # a closed terminal stops no work
-        print(text, file=sys.stderr, flush=True)
+        print(printable(text), file=sys.stderr, flush=True)

@@ -49,11 +49,17 @@ _SYNTAX_CURES = (
 )
 
 
+_LONGEST = 400
+"""Characters of a sentence; a value that is quoted in it may be of any length."""
+
+
 class LessonError(VenusError):
     """A mistake in a lesson file: "lesson.toml, line 12: ..."."""
 
     def __init__(self, file: str, line: int, sentence: str) -> None:
         """The mistake in `sentence` on this line, counted from 1."""
+        if len(sentence) > _LONGEST:
+            sentence = f"{sentence[:_LONGEST]}..."
         super().__init__(f"{file}, line {line}: {sentence}{'' if sentence[-1] in '.?' else '.'}")
 
 

@@ -20,11 +20,28 @@ from venus3d.lessons.lesson import Lesson, LessonFile
 from venus3d.lessons.line_numbers import lines_of
 from venus3d.lessons.mistakes import LessonError, syntax_mistake, value_mistake
 
+_LARGEST_BYTES = 200_000
+"""A hundred times a lesson that ships; beyond that, reading and drawing take minutes."""
+_MANY_KEYS = re.compile(r"""(?<!["'\w-])(?:["'\w-]+[ \t]*\.[ \t]*){20}""")
+"""A key of twenty parts, which the TOML reader takes minutes for."""
+_TOO_DEEP = "lists or tables are nested too deeply in it; a lesson needs no more than two levels"
+
 
 def read_lesson(path: str | Path) -> Lesson:
     """The lesson of a file. Raises `LessonError`, with file and line, for any mistake."""
     file = Path(path)
     text = _text_of(file)
+    if _MANY_KEYS.search(text):
+        raise LessonError(file.name, 1, _TOO_DEEP)
+    try:
+        return _lesson(file, text)
+    except RecursionError:
+        raise LessonError(file.name, 1, _TOO_DEEP) from None
+    except ValueError:  # Python's own limit of 4300 digits
+        raise LessonError(file.name, 1, "a number in it has too many digits") from None
+
+
+def _lesson(file: Path, text: str) -> Lesson:
     raw: Any = None
     try:
         raw = _stripped(msgspec.toml.decode(text))
@@ -90,6 +107,11 @@ def _text_of(file: Path) -> str:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise VenusError(f"The lesson {file} cannot be read ({reason}).") from None
+    if len(content) > _LARGEST_BYTES:
+        raise VenusError(
+            f"The lesson {file} has {len(content)} bytes; one has at most {_LARGEST_BYTES}, so "
+            "make several of it."
+        )
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -17,6 +17,7 @@ from typing import Literal, TextIO, TypedDict, get_type_hints
 
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.printable import is_seen
 from venus3d.engine.sentences import Sentence
 
 ExerciseKind = Literal["practice", "trial"]
@@ -91,6 +92,11 @@ class ExerciseRow:
 
 
 COLUMNS = tuple(field.name for field in fields(ExerciseRow))
+_LONGEST_NAME = 40
+_FORMULA = "=+-@|%\uff1d\uff0b\uff0d\uff20\u2212 "
+"""What a formula begins with, fullwidth signs and the minus sign too."""
+_FREE = ("participant", "source")
+"""Columns with a person's words."""
 _TYPES = get_type_hints(ExerciseRow)
 _NOT_WRITTEN: dict[ExerciseKind, Sentence] = {
     "practice": Sentence(
@@ -102,6 +108,19 @@ _NOT_WRITTEN: dict[ExerciseKind, Sentence] = {
         "with the same --participant."
     ),
 }
+
+
+def name_of(text: str) -> str:
+    """A person's name as the file holds it: on one line, at most 40 characters that can be seen,
+    and nothing that a spreadsheet reads as a formula."""
+    return harmless(" ".join(text.split()))[:_LONGEST_NAME].rstrip()
+
+
+def harmless(text: str) -> str:
+    """The text without what nobody sees, and without signs in front that begin a formula."""
+    seen = "".join(one for one in text if is_seen(one) or one == "\n")
+    bare = seen.lstrip()
+    return bare.lstrip(_FORMULA) if bare.startswith(tuple(_FORMULA.strip())) else seen
 
 
 class ExerciseFile:
@@ -143,6 +162,7 @@ class ExerciseFile:
             name: f"{value:.3f}" if isinstance(value, float) else value
             for name, value in asdict(row).items()
         }
+        values |= {n: harmless(v) for n, v in values.items() if isinstance(v, str) and n in _FREE}
         line = StringIO(newline="")
         csv.DictWriter(line, COLUMNS, lineterminator="\n").writerow(values)
         self._write(line.getvalue())

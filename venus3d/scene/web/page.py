@@ -29,6 +29,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Generic, TypeVar
 
+from venus3d.engine.printable import printable
 from venus3d.languages import PageLanguage
 from venus3d.scene.web import terminal_texts
 from venus3d.scene.web.drawing import DrawingThreads, tell_of_failure
@@ -193,7 +194,7 @@ def announce(*lines: str) -> None:
     """Print these lines without empty ones; a closed terminal is ignored."""
     with suppress(OSError):
         for line in filter(None, lines):
-            print(line, flush=True)
+            print(printable(line), flush=True)
 
 
 def announce_page(title: str, server: LocalServer, *notes: str) -> None:

@@ -17,6 +17,7 @@ from venus3d.options import (
     check_range,
     image_size_of,
 )
+from venus3d.storage.exercise import harmless
 
 
 @dataclass(frozen=True)
@@ -114,6 +115,11 @@ class TrialOptions:
             )
         if self.participant is not None and not self.participant.strip():
             raise VenusError("The participant's name is empty; leave --participant out for P1, P2.")
+        if self.participant is not None and harmless(self.participant) != self.participant:
+            raise VenusError(
+                "A participant's name has visible characters only, and none of = + - @ | % in "
+                f"front, not {self.participant[:60]!r}."
+            )
 
     @property
     def image_size(self) -> tuple[int, int] | None:

@@ -42,11 +42,10 @@ from venus3d.scene.pages.exercise.view_model import (
     Stage,
 )
 from venus3d.scene.web.board_keys import KeyMoves
-from venus3d.storage.exercise import REACHED, ExerciseRow, Outcome, target_columns
+from venus3d.storage.exercise import REACHED, ExerciseRow, Outcome, name_of, target_columns
 
 REACHED_FOR_NEXT_LEVEL = 2
 """Poses to reach in a row for the next level."""
-_LONGEST_NAME = 40
 _UNITS = (1, 1, 1, 1000, 1000, 1000)  # degrees and millimetres
 
 
@@ -196,8 +195,7 @@ class Practice(Exercise[PracticeViewModel]):
         self._aim()
 
     def _rename(self, name: str) -> None:
-        # A spreadsheet would read a name that starts like this as a formula.
-        name = " ".join(name.split())[:_LONGEST_NAME].lstrip("=+-@ ")
+        name = name_of(name)
         self.name = name or self._guest
         mine = [row for row in self._known if row.participant == name]
         if not name or not mine:

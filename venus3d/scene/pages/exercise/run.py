@@ -19,6 +19,7 @@ from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.limits import Limits
+from venus3d.engine.printable import printable
 from venus3d.languages import translated_error
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
@@ -69,7 +70,7 @@ def run_practice(options: PracticeOptions) -> None:
             practice.run()
     if len(file.rows) == before:
         raise KeyboardInterrupt
-    print(say.WRITTEN.format(path=path))
+    print(printable(say.WRITTEN.format(path=path)))
 
 
 class PracticeServer(TabServer[Practice]):
@@ -106,7 +107,7 @@ class PracticeServer(TabServer[Practice]):
     def _written(self, future: Future[None]) -> None:
         error = future.exception()
         if isinstance(error, StorageError):
-            print(f"venus3d: {error}", file=sys.stderr, flush=True)
+            print(printable(f"venus3d: {error}"), file=sys.stderr, flush=True)
             for tab in self.tabs:
                 with tab.language.spoken():
                     tab.page.warn(translated_error(error))
