@@ -397,3 +397,28 @@ def test_a_trainees_page_that_breaks_is_drawn_anew_and_leaves_the_others_alone(
 @pytest.fixture(autouse=True)
 def _told(caplog: pytest.LogCaptureFixture) -> None:  # pyright: ignore[reportUnusedFunction]
     caplog.set_level(logging.ERROR, logger="venus3d")
+
+
+def test_a_click_that_raises_is_logged_once_and_its_tab_is_told(
+    fault: Fault, caplog: pytest.LogCaptureFixture
+) -> None:
+    """viser printed each traceback, and nobody at the page knew."""
+    server, _ = start_server("127.0.0.1", free_port())
+    try:
+        button = server.gui.add_button("b")
+        button.on_click(fault)
+        fault.due = 2
+        with RawClient(server.get_port()) as tab:
+            tab.backlog()
+            tab.look()
+            wait_until(server.get_clients)
+            for _ in range(3):
+                click = {"uuid": button._impl.uuid, "updates": {"value": True}}
+                tab.send({"type": "GuiUpdateMessage", **click})
+            came = ""
+            while came.count(common.ACTION_FAILED) < 2:
+                came += str(tab.window(timeout=20))
+        assert "RuntimeError" in came and fault.raised == 2
+        assert len(logged(caplog)) == 1
+    finally:
+        server.stop()

@@ -13,7 +13,7 @@ import viser
 from venus3d.scene.web import texts
 from venus3d.scene.web.scene_view import Host
 from venus3d.scene.web.theme import Theme
-from venus3d.scene.web.viser_private import connection_of, panel_in, server_of, sockets_of
+from venus3d.scene.web.viser_private import headers_of, panel_in, server_of, sockets_of
 
 _HEIGHT_COOKIE = "venus3d-window-height"
 
@@ -67,8 +67,8 @@ def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
 def _window_height(client: viser.ClientHandle) -> int:
     """As the browser told it in a cookie (window.js). Its camera tells the scene's height in pixels
     of the device, of which viser takes fewer when drawing is slow."""
-    request = connection_of(sockets_of(server_of(client)), client.client_id).request
-    for line in request.headers.get_all("cookie"):
+    headers = headers_of(sockets_of(server_of(client)), client.client_id)
+    for line in headers.get_all("cookie"):
         with suppress(CookieError):
             height = SimpleCookie(line).get(_HEIGHT_COOKIE)
             if height is not None and height.value.isdecimal() and len(height.value) < 6:

@@ -19,6 +19,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from venus3d.languages import Language, PageLanguage, language_from
+from venus3d.scene.web import terminal_texts, texts
 from venus3d.scene.web.addresses import (
     AddressError,
     check_port,
@@ -28,15 +29,16 @@ from venus3d.scene.web.addresses import (
     is_loopback,
 )
 from venus3d.scene.web.connection import LARGEST_MESSAGE_BYTES, Connection, Connections
+from venus3d.scene.web.drawing import Failures
 from venus3d.scene.web.handshake import RefusedError, came_from_here, check
 from venus3d.scene.web.incoming import is_heard, is_point_of_view
 from venus3d.scene.web.page_script import as_page
-from venus3d.scene.web.terminal_texts import PORT_TAKEN
 from venus3d.scene.web.token import Token
 from venus3d.scene.web.viser_private import (
     allow_late_message,
     call_within,
     connection_of,
+    headers_of,
     loop_of,
     missing,
     sockets_of,
@@ -103,7 +105,8 @@ class LocalServer(viser.ViserServer):
         loop, self._sockets_thread = loop_of(self._sockets)
         self._make_safe(self._sockets.get_message_buffer())
         self._sockets.on_client_connect(self._welcome)
-        call_within(self, lambda number: self._spoken_with(number).spoken())
+        self._failures = Failures()
+        call_within(self, lambda n: self._spoken_with(n).spoken(), self._callback_failed)
         loop.call_soon_threadsafe(self._complete.set)
 
     @property
@@ -123,6 +126,8 @@ class LocalServer(viser.ViserServer):
 
     def is_on_this_machine(self, client_id: int) -> bool:
         """Whether this tab's browser runs on this machine and has not come through a proxy."""
+        if client_id not in self.get_clients():
+            return False
         connection = connection_of(self._sockets, client_id)
         return came_from_here(connection.request.headers, connection.remote_address[0])
 
@@ -130,7 +135,7 @@ class LocalServer(viser.ViserServer):
         """The language of a page for this tab alone: the chosen one, or its browser's."""
         if not self.language.is_open:
             return self.language.code
-        headers = connection_of(self._sockets, client_id).request.headers
+        headers = headers_of(self._sockets, client_id)
         return language_from(headers.get("accept-language", ""))
 
     def _spoken_with(self, client_id: int | None) -> PageLanguage:
@@ -173,6 +178,16 @@ class LocalServer(viser.ViserServer):
     def _welcome(self, client: Any) -> None:
         self._make_safe(client.get_message_buffer())
         connection_of(self._sockets, client.client_id).client_id = client.client_id
+
+    def _callback_failed(self, error: Exception, client_id: int | None) -> None:
+        """Log once what a click or another message led to, and tell its tab."""
+        tab = None if client_id is None else self.get_clients().get(client_id)
+        if tab is None and client_id is not None:
+            return  # the tab has gone meanwhile
+        self._failures.tell(error, terminal_texts.CALLBACK_FAILED)
+        if tab is not None:
+            cause = texts.ACTION_FAILED_WHY.format(cause=type(error).__name__)
+            tab.add_notification(texts.ACTION_FAILED, cause, color="yellow")
 
     def _make_safe(self, buffer: Any) -> None:
         """Let any thread push messages: viser sets its event outside the event's own thread, which
@@ -293,7 +308,7 @@ def start_server(
     token = _token(host, candidate, asks_token)
     server = _quietly(LocalServer, host, candidate, PageLanguage(language), token)
     taken = server.get_port()
-    note = "" if taken == port else PORT_TAKEN.format(port=port, taken=taken)
+    note = "" if taken == port else terminal_texts.PORT_TAKEN.format(port=port, taken=taken)
     return server, note
 
 

@@ -2,6 +2,7 @@
 
 PORT_TAKEN = "Port {port} is taken; using {taken}."
 FAILED_ONCE = "venus3d: %s; if it happens again, this is not repeated."
+CALLBACK_FAILED = "what was asked for on a page could not be done"
 DRAWING_FAILED = "drawing a page failed, so it is reloaded"
 DRAWING_ANEW_FAILED = "a page could not be reloaded; it is tried again"
 TAB_STOPPED = "a tab's page could not be redrawn; it has stopped until it is reloaded"

@@ -47,6 +47,11 @@ DRAWN_ANEW_WHY = (
     "Drawing it failed ({cause}). Nothing is lost, and it continues where it was. The terminal has "
     "the details."
 )
+ACTION_FAILED = "That did not work"
+ACTION_FAILED_WHY = (
+    "It failed inside the program ({cause}). Nothing is lost, and all else goes on. The terminal "
+    "has the details."
+)
 TAB_BROKEN = "This page has stopped after an error. Reload it to continue."
 SWITCHED_ON = "✓ {label}"
 """Label of a button whose option is on."""

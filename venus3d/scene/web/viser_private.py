@@ -25,11 +25,13 @@ import viser
 
 # What a browser sends; viser has no public name for it.
 from viser import _messages as messages  # pyright: ignore[reportPrivateUsage]
+from websockets import Headers
 
 __all__ = [
     "allow_late_message",
     "call_within",
     "connection_of",
+    "headers_of",
     "loop_of",
     "messages",
     "missing",
@@ -86,6 +88,12 @@ def connection_of(sockets: Any, client_id: int) -> Any:
     return sockets._live_connections[client_id]
 
 
+def headers_of(sockets: Any, client_id: int) -> Headers:
+    """The headers with which a client came; none if it has gone."""
+    connection = sockets._live_connections.get(client_id)
+    return Headers() if connection is None else connection.request.headers
+
+
 def server_of(client: viser.ClientHandle) -> viser.ViserServer:
     """The server of a connected tab."""
     return vars(client)["_viser_server"]
@@ -97,19 +105,26 @@ def allow_late_message(buffer: Any) -> None:
 
 
 def call_within(
-    server: viser.ViserServer, context: Callable[[int | None], AbstractContextManager[None]]
+    server: viser.ViserServer,
+    context: Callable[[int | None], AbstractContextManager[None]],
+    failed: Callable[[Exception, int | None], None],
 ) -> None:
-    """Run each callback within the context of the client that it is about, by its number."""
+    """Run each callback within the context of the client that it is about, by its number; what it
+    raises goes to `failed`, and no further."""
     executor = vars(server)["_thread_executor"]
     submit = executor.submit
 
     def submit_within(call: Callable[..., Any], *given: Any, **more: Any) -> Any:
         clients = [getattr(one, "client", one) for one in given]
         numbers = [one.client_id for one in clients if isinstance(one, viser.ClientHandle)]
+        number = numbers[0] if numbers else None
 
         def run() -> Any:
-            with context(numbers[0] if numbers else None):
-                return call(*given, **more)
+            with context(number):
+                try:
+                    return call(*given, **more)
+                except Exception as error:
+                    failed(error, number)
 
         return submit(run)
 
