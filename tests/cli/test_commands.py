@@ -109,7 +109,7 @@ def test_calibrate_real_pictures(run: Run, shared_data: Path) -> None:
 
 @pytest.mark.slow
 def test_calibrate_real_video(run: Run, shared_data: Path) -> None:
-    """The chosen frames give what OpenCV gives on every 8th frame, 2104 px, and so do those frames.
+    """The chosen frames give what OpenCV gives on every 8th frame, 2104 px.
 
     The board hardly tilts in it, so each figure has a sigma of about 50 px: that they agree to
     12 px holds the choice of frames down, not the truth. The result has to be called weak.
@@ -121,8 +121,10 @@ def test_calibrate_real_video(run: Run, shared_data: Path) -> None:
     assert chosen["std"]["fx"] > 24
     assert any("the focal length is weak" in warning for warning in chosen["warnings"])
     every_8th = run("calibrate", video, *WPILIB, "--every", 8, "--json").json
-    assert every_8th["views"] == 21 and every_8th["rms_px"] < 0.55
-    assert every_8th["intrinsics"]["fx"] == pytest.approx(2104, abs=12)
+    # Of these 21 frames 12 repeat others, as the camera rests for seconds.
+    assert every_8th["views"] == 9 and every_8th["rms_px"] < 0.56
+    assert abs(every_8th["intrinsics"]["fx"] - 2104) < every_8th["std"]["fx"]
+    assert any("Of 21 views 9 are different" in warning for warning in every_8th["warnings"])
 
 
 def test_decompose_tells_and_draws(run: Run, tmp_path: Path) -> None:
@@ -210,8 +212,8 @@ def test_ctrl_c_with_the_viewer_is_no_error(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_headless_without_a_hand_takes_the_autopilot(run: Run) -> None:
     """Nobody could drag the board: without this it never ended."""
-    ran = run("guide", "--headless", "--max-views", "1", "--json")
-    assert ran.code == 0 and ran.json["views"] == 1
+    ran = run("guide", "--headless", "--max-views", "3", "--json")
+    assert ran.code == 0 and ran.json["views"] == 3
 
 
 def test_headless_cannot_wait_for_a_key(run: Run) -> None:

@@ -93,8 +93,8 @@ def test_two_images_only(run: Run, tmp_path: Path, tilted_pictures: Path) -> Non
     for name in ("01.png", "02.png"):
         shutil.copy(tilted_pictures / name, tmp_path / name)
     assert run("calibrate", tmp_path).sentence == (
-        "Only 2 pictures show the board, and a calibration needs at least 3, better 10 with the "
-        "board tilted in different directions."
+        "Only 2 pictures show the board, and a calibration needs at least 3 different views, "
+        "better 10 with the board tilted in different directions."
     )
 
 

@@ -294,3 +294,17 @@ def test_a_reader_never_meets_half_a_file_nor_none(tmp_path: Path, write: Write)
     stop.set()
     reader.join()
     assert not wrong and len(looks) > 5
+
+
+def test_a_withdrawn_result_leaves_what_others_wrote(tmp_path: Path, write: Write) -> None:
+    earlier(tmp_path, camera="theirs", result="{}")
+    files = ResultFolder(tmp_path)
+    write(files)
+    files.withdraw()
+    assert not files.is_written and set(contents(tmp_path)) == set(KEPT)
+    files.withdraw()
+    write(files)
+    assert files.is_written and len(contents(tmp_path)) == 4
+    (tmp_path / "camera.yaml").write_text("edited")
+    files.withdraw()
+    assert set(contents(tmp_path)) == {*KEPT, "camera.yaml"}

@@ -5,8 +5,9 @@ from __future__ import annotations
 from venus3d.cli.options import CalibrateOptions
 from venus3d.cli.progress import search_progress
 from venus3d.cli.report import deliver, print_note, print_result, write_first
+from venus3d.engine.calibration.refusals import FEWEST_VIEWS
 from venus3d.engine.errors import VenusError
-from venus3d.sources.images_calibration import FEWEST_VIEWS, calibrate_recording
+from venus3d.sources.images_calibration import calibrate_recording
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of
 from venus3d.storage.result_folder import ResultFolder

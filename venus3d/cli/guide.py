@@ -9,7 +9,12 @@ from typing import Any
 
 from venus3d.cli.kept_session import KeptSession, opened_session
 from venus3d.cli.report import deliver, print_note, print_result, write_first
+from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.other_cameras import OTHER_CAMERAS
+from venus3d.engine.calibration.refusals import OtherCameraError, calibrate_or_refuse
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.sentences import Sentence
 from venus3d.scene.pages.audience.audience import Audience
 from venus3d.scene.pages.audience.controls import AudienceControls
@@ -41,7 +46,7 @@ def _guide(options: GuideOptions, kept: KeptSession) -> None:
     files = kept.files
     result = _guided(options, kept)
     snapshot = result.snapshot
-    if snapshot.calibration is None:
+    if snapshot.calibration is None or not _is_result(snapshot):
         _tell_of_nothing(result, options, files)
         return
     summary = _summary(result)
@@ -109,16 +114,27 @@ def _attach(audience: Audience, viewer: Viewer) -> None:
     announce(announcement(audience))
 
 
+def _is_other_camera(snapshot: Snapshot) -> bool:
+    return any(diagnosis.kind in OTHER_CAMERAS for diagnosis in snapshot.diagnoses)
+
+
+def _is_result(snapshot: Snapshot) -> bool:
+    """Whether there is a calibration, and not only a start to guide with or another camera's."""
+    known = snapshot.calibration
+    return known is not None and all(known.free) and not _is_other_camera(snapshot)
+
+
 def _keep(result: GuideResult, options: GuideOptions, files: ResultFolder | None) -> str:
     """Write a result during guidance, so that nothing is lost if the program is killed.
     Returns the sentence for the page. Raises `StorageError`, which is printed as well."""
     snapshot = result.snapshot
-    if files is None or snapshot.calibration is None:
+    known = snapshot.calibration
+    if files is None or known is None or not _is_result(snapshot):
+        if files is not None and files.is_written and _is_other_camera(snapshot):
+            files.withdraw()
         return ""
     try:
-        camera, complete = files.write(
-            snapshot.calibration, _summary(result), snapshot.history, snapshot.run
-        )
+        camera, complete = files.write(known, _summary(result), snapshot.history, snapshot.run)
     except StorageError as error:
         print_note(f"Not saved: {error}")
         raise
@@ -136,6 +152,9 @@ def _tell_of_nothing(
     result: GuideResult, options: GuideOptions, files: ResultFolder | None
 ) -> None:
     """Print that there is no result, or raise it where it is a mistake."""
+    known = result.snapshot.calibration
+    if known is not None:
+        raise _refusal(result.snapshot.board, known, files)
     if files is not None and files.is_written:
         print(f"No view is left; {files.directory} holds the last calibration that there was.")
         return
@@ -148,6 +167,23 @@ def _tell_of_nothing(
         )
     print("No view was captured, so there is no result.")
     raise KeyboardInterrupt  # ended by Ctrl-C, nothing was saved
+
+
+def _refusal(board: Board, known: Calibration, files: ResultFolder | None) -> CalibrationError:
+    """Why the captured views give no calibration."""
+    left_out = [one.observation for one in known.left_out]
+    cause = "The views determine no camera; add views tilted by 20-45° in different directions."
+    try:
+        calibrate_or_refuse(board, [*(view.observation for view in known.views), *left_out])
+    except OtherCameraError as error:
+        if files is not None and files.is_written:
+            files.withdraw()
+        return error
+    except CalibrationError as error:
+        cause = str(error)
+    if files is not None and files.is_written:
+        cause += f" {files.directory} holds the calibration of fewer views."
+    return CalibrationError(cause)
 
 
 def _summary(result: GuideResult) -> dict[str, Any]:

@@ -6,19 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.refusals import FEWEST_VIEWS, calibrate_or_refuse
 from venus3d.engine.calibration.view_selection import select_views
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.sentences import listed
 from venus3d.sources.recording import Images, OnCount, Recording, observe_recording
-
-FEWEST_VIEWS = 3
-"""Two views determine nine parameters in theory only; three can contradict each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +54,13 @@ def calibrate_images(
 
     Raises:
         SourceError: images that cannot be read.
-        CalibrationError: fewer than three images show the board, or they do not determine the
-            camera; or the observations are of another board.
+        CalibrationError: fewer than three different views of the board, or views that do not
+            determine the camera; or the observations are of another board.
     """
     listed = images if isinstance(images, Sequence) and not isinstance(images, str) else ()
     observations = [image for image in listed if isinstance(image, Observation)]
     if observations:
-        return calibrate(_board_of(observations, board), [o for o in observations if o.count])
+        return calibrate_or_refuse(_board_of(observations, board), observations)
     recorded = cast(Images, images)
     return calibrate_recording(
         recorded, board, max_frames=max_frames, every=every, flip=flip
@@ -95,14 +93,18 @@ def calibrate_recording(
             f"Of {len(recording.observations)} frames {len(seen)} show the board; {len(chosen)} "
             "are taken."
         )
-        seen = [seen[index] for index in chosen]
+        if len(chosen) >= FEWEST_VIEWS:  # else all of them tell why
+            seen = [seen[index] for index in chosen]
     else:
         missed = [o.name for o in recording.observations if not o.count]
         if missed and seen:
             warnings.append(f"The board was not found in {listed(missed, most=5)}.")
     diagnoses = _board_diagnoses(detector, recording)
-    _check_count(seen, diagnoses)
-    calibration = calibrate(detector.board, seen)
+    # How small the board is, the pictures that show it tell as well, with how many there are.
+    another = [d for d in diagnoses if not (seen and d.kind == "small-board")]
+    if len(seen) < FEWEST_VIEWS and another:
+        raise CalibrationError(str(another[0]))
+    calibration = calibrate_or_refuse(detector.board, seen, len(recording.observations))
     found = worst_first(dict.fromkeys((*diagnoses, *diagnose(calibration))))
     return ImagesCalibration(calibration, tuple(warnings), found)
 
@@ -127,14 +129,3 @@ def _board_of(observations: Sequence[Observation], board: Board) -> Board:
 
 def _board_diagnoses(detector: Detector, recording: Recording) -> tuple[Diagnosis, ...]:
     return tuple(dict.fromkeys((*recording.instead, *detector.diagnoses)))
-
-
-def _check_count(seen: Sequence[Observation], diagnoses: Sequence[Diagnosis]) -> None:
-    if len(seen) < FEWEST_VIEWS and diagnoses:
-        raise CalibrationError(str(diagnoses[0]))
-    if 0 < len(seen) < FEWEST_VIEWS:
-        pictures = "picture shows" if len(seen) == 1 else "pictures show"
-        raise CalibrationError(
-            f"Only {len(seen)} {pictures} the board, and a calibration needs at least "
-            f"{FEWEST_VIEWS}, better 10 with the board tilted in different directions."
-        )

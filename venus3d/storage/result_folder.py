@@ -94,6 +94,22 @@ class ResultFolder:
                 )
         return self.paths
 
+    def withdraw(self) -> None:
+        """Remove what this session has written: it was a mistake. An earlier result stays under
+        the name that it was given. Raises `StorageError`."""
+        try:
+            with locked(self.directory):
+                self._follow()
+                for path, content in self._own.items():
+                    if _content(path) == content:
+                        path.unlink()
+        except OSError as error:
+            raise StorageError(
+                f"{self.directory} holds a wrong result that cannot be removed ({reason(error)}); "
+                "remove it."
+            ) from error
+        self._own, self._is_written = {}, False
+
     def _paths(self, tail: str) -> tuple[Path, Path]:
         return self.directory / f"camera{tail}.yaml", self.directory / f"result{tail}.json"
 

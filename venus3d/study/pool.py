@@ -12,7 +12,7 @@ from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.view_selection import shift_px
+from venus3d.engine.calibration.repeats import SAME, shift_px
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
@@ -28,9 +28,6 @@ views depends too much on each."""
 _COMPLETE = 0.5  # share of the board's corners required in a view
 _MORE_DEG, _FARTHER = 5.0, 1.15  # beyond the recording's range
 _SHARP = 0.7  # of the median sharpness; below it a frame is blurred
-SAME = 0.0025
-"""A frame whose corners are nearer than this to a kept view's, as a share of the image's width, is
-a duplicate. The same as for `calibrate` (`select_views`)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -271,10 +271,12 @@ def test_a_real_video_that_hardly_tilts_says_how_little_it_knows(shared_data: Pa
         seen.append(detector.detect(frame, name=str(len(seen))))
     assert [o.count for o in seen] == 161 * [77]
     every_8th = calibrate(board, seen[::8])
-    assert every_8th.camera.fx == pytest.approx(2104, abs=12)
-    assert every_8th.rms_px < 0.545
-    assert 30 < every_8th.sigma_noise_only[0] < 60
-    assert 100 < every_8th.sigma[0] < 250
+    # The camera rests for seconds: 12 of the 21 frames repeat others.
+    assert len(every_8th.views) == 9 and {o.reason for o in every_8th.left_out} == {"repeat"}
+    assert abs(every_8th.camera.fx - 2104) < every_8th.sigma[0]
+    assert every_8th.rms_px < 0.56
+    assert 30 < every_8th.sigma_noise_only[0] < 90
+    assert 100 < every_8th.sigma[0] < 350
     assert "The views differ by only 1° in tilt" in diagnose(every_8th)[0].cause
     for limit in (10, 20, 40):
         found = calibrate(board, [seen[i] for i in select_views(board, seen, limit=limit)])

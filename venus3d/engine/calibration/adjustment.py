@@ -26,6 +26,7 @@ from venus3d.engine.calibration.observation import (
     rms_distance,
 )
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
+from venus3d.engine.calibration.repeats import repeated
 from venus3d.engine.calibration.robust_fit import (
     RobustFit,
     from_several_starts,
@@ -39,7 +40,7 @@ from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.sentences import Sentence, listed, said_by
 
-LeftOutReason = Literal["undetermined", "misfit"]
+LeftOutReason = Literal["undetermined", "misfit", "repeat"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +50,8 @@ class LeftOut:
     number: int
     observation: Observation
     reason: LeftOutReason
-    """"undetermined": its corners fix no pose; "misfit": they fit no pose of this board."""
+    """"undetermined": its corners fix no pose; "misfit": they fit no pose of this board; "repeat":
+    they are where another view's are, and count once (see `repeats`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,9 +181,10 @@ def calibrate(
         calibration = _calibration(board, [usable[i] for i in fit.kept], fit, model)
         _check_result(calibration)
     except CalibrationError as error:
-        if not left_out:
+        unread = [one for one in left_out if one.reason != "repeat"]
+        if not unread:
             raise
-        said = _WITH_THE_REST.format(error=said_by(error), left_out=_named(left_out))
+        said = _WITH_THE_REST.format(error=said_by(error), left_out=_named(unread))
         raise CalibrationError(said) from error
     left_out += [
         LeftOut(number, seen, "misfit")
@@ -207,6 +210,9 @@ def _usable(
             fixed.append(view)
         else:
             left_out.append(LeftOut(*view, "undetermined"))
+    again = repeated([seen for _, seen in fixed])
+    left_out += [LeftOut(*fixed[index], "repeat") for index in again]
+    fixed = [view for index, view in enumerate(fixed) if index not in again]
     if not fixed:
         return [], None, left_out
     points = [board.points_of(seen.ids) for _, seen in fixed]

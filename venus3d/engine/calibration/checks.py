@@ -17,6 +17,7 @@ from venus3d.engine.calibration import fit_checks
 from venus3d.engine.calibration.adjustment import Calibration, largest_angle_deg
 from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
+from venus3d.engine.calibration.other_cameras import other_cameras
 from venus3d.engine.geometry.camera import PARAMETERS, planning_camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.sentences import Sentence, listed
@@ -325,7 +326,9 @@ _CHECKS = (
     _Check(1, 1, _impossible, needs_full=False),
     _Check(5, 2, _parallel_or_weak),
     _Check(5, 3, _folding),
+    _Check(2, 2, other_cameras),
     _Check(2, 2, fit_checks.left_out),
+    _Check(2, 2, fit_checks.repeats),
     _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.shape),
     _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.pattern),
     _Check(4, 4, _outlying),

@@ -34,6 +34,7 @@ from venus3d.engine.calibration.refinement import (
     refine_corners,
     refinement_windows,
 )
+from venus3d.engine.calibration.small_boards import small_board
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
@@ -149,7 +150,10 @@ class Detector:
         is read from now on: detect in all images again if `board` has changed."""
         finding = best_finding(self._board, [*self._first_missed, *self._missed])
         if finding is None:
-            return ()
+            small = small_board(
+                self._board, [*self._first_missed, *self._missed], self.copy().detect
+            )
+            return () if small is None else (small,)
         if finding.board is not None and self._find_layout:
             self._adopt(finding.board)
         return (finding.diagnosis,)

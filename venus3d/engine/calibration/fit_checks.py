@@ -104,6 +104,16 @@ _ALIKE = Sentence(
 )
 
 
+_REPEATED = Sentence(
+    "Of {every} views {different} are different: views {views} repeat others and do not count, as "
+    "what repeats brings nothing new."
+)
+_REPEATED_ONE = Sentence(
+    "Of {every} views {different} are different: view {views} repeats another one and does not "
+    "count, as what repeats brings nothing new."
+)
+
+
 def shape(calibration: Calibration) -> Iterator[Diagnosis]:
     """A bow of the board and a stretch of its print that the calibration found."""
     board, (across, down, stretch) = calibration.board, calibration.shape_sigma
@@ -164,6 +174,24 @@ def left_out(calibration: Calibration) -> Iterator[Diagnosis]:
             ),
             worst,
         )
+
+
+def repeats(calibration: Calibration) -> Iterator[Diagnosis]:
+    """Views that count once with another one."""
+    ones = [one for one in calibration.left_out if one.reason == "repeat"]
+    if not ones:
+        return
+    different = len(calibration.views)
+    yield Diagnosis(
+        "repeated-views",
+        (_REPEATED if len(ones) > 1 else _REPEATED_ONE).format(
+            every=different + len(ones),
+            different=different,
+            views=listed([_name(o) for o in ones], _MOST_NAMED),
+        ),
+        Sentence("Move and tilt the board between views."),
+        tuple(one.number for one in ones),
+    )
 
 
 def pattern(calibration: Calibration) -> Iterator[Diagnosis]:

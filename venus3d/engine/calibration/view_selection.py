@@ -20,6 +20,7 @@ from venus3d.engine.calibration.observation import (
     reprojection_errors,
     rms_distance,
 )
+from venus3d.engine.calibration.repeats import SAME, shift_px
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -40,7 +41,7 @@ class _Candidate:
 
 
 def select_views(
-    board: Board, observations: Sequence[Observation], *, limit: int = 40, same: float = 0.0025
+    board: Board, observations: Sequence[Observation], *, limit: int = 40, same: float = SAME
 ) -> list[int]:
     """Indices of the observations to calibrate from, ascending; empty if none is usable.
 
@@ -50,8 +51,7 @@ def select_views(
             those whose corners do not fit the board are ignored.
         limit: the maximum number to take.
         same: a view is a duplicate if its corners are on average nearer to a chosen view's than
-            this share of the image's width. Repeating a view averages its noise, but not what is
-            the same in both: a bent board, a lens that the model does not fit.
+            this share of the image's width (see `repeats`).
     """
     usable = [
         i for i, o in enumerate(observations) if determines_homography(board.points_of(o.ids))
@@ -104,12 +104,3 @@ def _candidates(
         return []
     worst = _FITS * float(np.median([c.rms_px for c in found])) + 1e-9
     return [c for c in found if c.rms_px <= worst]
-
-
-def shift_px(one: Observation, other: Observation) -> float:
-    """Mean distance of the corners common to both, pixels; inf if they share fewer than half."""
-    _, mine, theirs = np.intersect1d(one.ids, other.ids, assume_unique=True, return_indices=True)
-    if 2 * mine.size < max(one.count, other.count):
-        return float("inf")
-    apart = np.linalg.norm(one.corners[mine] - other.corners[theirs], axis=1)
-    return float(apart.mean())

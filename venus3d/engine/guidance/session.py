@@ -19,6 +19,7 @@ from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.repeats import repeats
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
@@ -393,6 +394,9 @@ class Session:
         """Whether the view lowers the uncertainty by `useful_drop`, at the target or not."""
         drop, tracker = self.settings.useful_drop, self._tracker
         if drop is None or tracker.pose is None or not tracker.is_still:
+            return False
+        taken = [view.observation for view in self._captured.views]
+        if any(repeats(tracker.observation, other) for other in taken):
             return False
         if self._outcome is None:
             return True  # the first view of a recording: nothing to compare with

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.amounts import whole
+from venus3d.engine.calibration.refusals import legible_square_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import AXES, Array, rotations_of
@@ -29,11 +30,6 @@ RULES: tuple[Rule, ...] = get_args(Rule)
 """angle: of the pose vector; tilt: of the board to the line of sight; behind: the lens, or beyond
 the lens model; near, far, depth: the corners' distances and their ratio; outside: the image;
 small: the squares in it."""
-
-CELL_PX = 2.4
-"""Pixels that a marker's cell needs on its short side. On 110 valid poses of the simulated camera
-with its noise and blur, 41 % of the default board's corners are found where the smallest square is
-18-21 px wide (2.1 px a cell), 73 % at 21-25 px, 96 % at 25-30 px, all above."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +55,8 @@ class Limits:
     def for_board(board: Board, camera: Camera) -> Limits:
         """The default limits, adapted where they do not suit the board.
 
-        A square is at least the default's 12 px, and large enough for `CELL_PX` per marker cell,
-        with a border of one cell around the dictionary's bits.
+        A square is at least the default's 12 px, and large enough for its marker to be read
+        (`legible_square_px`).
 
         `z_fill` is the distance at which the frontal board fills the image, `z_small` the one at
         which its squares become too small. The default 0.2 ... 1.2 m stays if it leaves room
@@ -68,9 +64,7 @@ class Limits:
         distances become the multiples 0.75 and 4.5 of `z_fill`, as for the default board and a
         usual webcam.
         """
-        cells = int(board.cv_dictionary.markerSize) + 2
-        legible = CELL_PX * cells * board.square / board.marker
-        limits = Limits(min_square_px=max(Limits.min_square_px, legible))
+        limits = Limits(min_square_px=max(Limits.min_square_px, legible_square_px(board)))
         room = 1 - 2 * limits.margin
         height_px = camera.height - 2 * limits.margin * camera.width
         z_fill = max(

@@ -1,0 +1,116 @@
+"""Recordings that give no calibration: the true cause, by every way to it, and never a result.
+
+`shared/data/cases` has each with what is right. Once a guess of 60° was written as the camera.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from venus3d.cli import main
+from venus3d.engine.calibration.checks import diagnose
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.other_cameras import explained
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.sources.images_calibration import calibrate_images, calibrate_recording
+from venus3d.sources.recording import observe_recording
+
+FISHEYE = "This is a fisheye lens, 147° across: its model fits all corners with rms 0.0"
+CROPPED = "The principal point lies outside the picture, at ("
+
+
+def refusal(case: Path) -> str:
+    with pytest.raises(CalibrationError) as caught:
+        calibrate_images(case, Board())
+    return str(caught.value)
+
+
+def test_a_fisheye_is_named(shared_data: Path) -> None:
+    """The views are tilted by up to 40°: to ask for tilt was wrong."""
+    told = refusal(shared_data / "cases" / "fisheye-147deg")
+    assert told.startswith(FISHEYE) and "px, a pinhole 1.18 px; calibrate it with a program" in told
+    assert "tilt" not in told
+
+
+def test_a_crop_is_named(shared_data: Path) -> None:
+    told = refusal(shared_data / "cases" / "principal-point-outside")
+    assert re.match(r"The principal point .* at \((-299|-300), 360\) px, and explains all", told)
+
+
+def test_a_board_that_is_too_small_is_named(shared_data: Path) -> None:
+    case = shared_data / "cases" / "board-too-small"
+    assert refusal(case) == (
+        "Only 2 of 12 pictures show the board, and its squares are only 16 px wide there, where "
+        "22 px are needed to read it reliably; bring it nearer, or take pictures with more pixels."
+    )
+    with pytest.raises(CalibrationError, match=r"too small to be read: its squares are 1[2-8] px"):
+        calibrate_images([case / "00.jpg", case / "01.jpg", case / "09.jpg"], Board())
+
+
+def test_a_board_that_does_not_move_is_named(shared_data: Path) -> None:
+    assert refusal(shared_data / "cases" / "still-board" / "static.mp4") == (
+        "40 of 40 pictures show the board, but all are alike: they make 1 view, and a calibration "
+        "needs at least 3 different views, better 10 with the board tilted in different "
+        "directions; move the board or the camera in between."
+    )
+
+
+@pytest.fixture(scope="module")
+def thirty(shared_data: Path) -> tuple[Board, tuple[Observation, ...]]:
+    detector = Detector(Board())
+    case = shared_data / "cases" / "three-poses-ten-times"
+    return detector.board, observe_recording(case, detector).observations
+
+
+def test_repeats_count_once(
+    shared_data: Path, thirty: tuple[Board, tuple[Observation, ...]]
+) -> None:
+    """As thirty views, cy was promised to 0.19 px and off by 0.79 px: 4.1 sigma."""
+    board, observations = thirty
+    found = calibrate_recording(shared_data / "cases" / "three-poses-ten-times", board)
+    of_observations = calibrate_images(observations, board)
+    alone = calibrate_images([observations[index] for index in (0, 10, 20)], board)
+    for calibration in (found.calibration, of_observations):
+        assert len(calibration.views) == 3 and len(calibration.left_out) == 27
+        assert calibration.sigma[3] == pytest.approx(alone.sigma[3], rel=0.1)
+        truth = np.array([1000, 1000, 645, 352, -0.25])
+        assert (abs(calibration.camera.parameters[:5] - truth) < 2 * calibration.sigma[:5]).all()
+    told = next(d for d in found.diagnoses if d.kind == "repeated-views")
+    assert told.cause.startswith("Of 30 views 3 are different: views 1 (00.jpg), 2 (01.jpg), ")
+    with pytest.raises(CalibrationError, match="There are 10 views of the board, but all are ali"):
+        calibrate_images(observations[:10], board)
+
+
+def test_what_is_no_fisheye_and_no_crop_is_not_called_one(
+    thirty: tuple[Board, tuple[Observation, ...]], shared_data: Path
+) -> None:
+    board, observations = thirty
+    assert explained(board, observations, 0.06) is None
+    bent = calibrate_recording(shared_data / "cases" / "bent-3mm", Board())
+    assert not {"fisheye-lens", "cropped-pictures"} & {d.kind for d in bent.diagnoses}
+    stills = Board(8, 8, 0.0254, 0.01905, "DICT_4X4_1000")
+    real = calibrate_images(shared_data / "lifecam-charuco-8x8", stills)
+    assert not {"fisheye-lens", "cropped-pictures"} & {d.kind for d in diagnose(real)}
+
+
+@pytest.mark.parametrize(
+    ("case", "told"),
+    [
+        pytest.param("fisheye-147deg", "a fisheye lens", marks=pytest.mark.slow),
+        ("principal-point-outside", CROPPED),
+    ],
+)
+def test_guide_writes_no_camera_of_it(
+    shared_data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], case: str, told: str
+) -> None:
+    """The fisheye's first views, near the centre, make a good pinhole: it is written meanwhile."""
+    source = str(shared_data / "cases" / case)
+    assert main(["guide", source, "--headless", "--output", str(tmp_path)]) == 2
+    assert told in capsys.readouterr().err
+    assert not [*tmp_path.glob("camera*"), *tmp_path.glob("result*")]

@@ -1,0 +1,121 @@
+"""Why observations give no calibration: the true cause, in one sentence with its cure.
+
+A fit that fails knows only that it failed. What is looked at instead, in this order: how many
+pictures show the board and how large, how many of them are different, and which camera the corners
+fit: a fisheye lens, or a picture that was cut out of a larger one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.observation import Observation, determines_homography
+from venus3d.engine.calibration.other_cameras import explained, other_cameras
+from venus3d.engine.calibration.refinement import local_scales
+from venus3d.engine.calibration.repeats import repeated
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+
+FEWEST_VIEWS = 3
+"""Two views determine nine parameters in theory only; three can contradict each other."""
+CELL_PX = 2.4
+"""Pixels that a marker's cell needs on its short side. On 110 valid poses of the simulated camera
+with its noise and blur, 41 % of the default board's corners are found where the smallest square is
+18-21 px wide (2.1 px a cell), 73 % at 21-25 px, 96 % at 25-30 px, all above."""
+
+
+class OtherCameraError(CalibrationError):
+    """The views are from a camera that the model does not describe, however few of them fit it."""
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What a refusal counts."""
+
+    looked: int | None
+    """Pictures looked at; None: the observations were chosen by a person or a program."""
+    seen: tuple[Observation, ...]
+    different: int
+
+
+def calibrate_or_refuse(
+    board: Board, observations: Sequence[Observation], looked: int | None = None
+) -> Calibration:
+    """`calibrate` all nine parameters from at least three different views.
+
+    Args:
+        board, observations: see `calibrate`; observations without a board are not used.
+        looked: the number of pictures in which the board was looked for.
+
+    Raises:
+        CalibrationError: with the cause that the observations themselves show.
+    """
+    seen = tuple(o for o in observations if o.count)
+    kept = _Kept(looked, seen, len(seen) - len(repeated(seen)))
+    if seen and kept.different < FEWEST_VIEWS:
+        raise CalibrationError(_too_few(board, kept))
+    try:
+        calibration = calibrate(board, seen)
+    except CalibrationError as error:
+        cause = explained(board, seen, float("inf"))
+        raise error if cause is None else OtherCameraError(str(cause)) from error
+    for cause in other_cameras(calibration):
+        raise OtherCameraError(str(cause))
+    return calibration
+
+
+def legible_square_px(board: Board) -> float:
+    """The least side of a square in the picture for its markers to be read, pixels: a marker has
+    its dictionary's cells and a border of one cell around them."""
+    cells = int(board.cv_dictionary.markerSize) + 2
+    return CELL_PX * cells * board.square / board.marker
+
+
+def square_px(board: Board, seen: Observation) -> float:
+    """The narrow side of an observation's squares, pixels: the median over its corners."""
+    scales = local_scales(board, seen.ids, seen.corners)
+    return float(np.median(np.linalg.norm(scales, axis=1).min(axis=1)) * board.square)
+
+
+def _too_few(board: Board, kept: _Kept) -> str:
+    count = len(kept.seen)
+    needed = (
+        f"a calibration needs at least {FEWEST_VIEWS} different views, better 10 with the "
+        "board tilted in different directions"
+    )
+    if count > kept.different:
+        views = "1 view" if kept.different == 1 else f"{kept.different} different views"
+        alike = "all are alike" if kept.different == 1 else "most are alike"
+        return (
+            f"{_counted(kept)}, but {alike}: they make {views}, and {needed}; move the board or "
+            "the camera in between."
+        )
+    small, legible = _smallest(board, kept.seen), legible_square_px(board)
+    if small < legible:
+        return (
+            f"{_counted(kept, few=True)}, and its squares are only {small:.0f} px wide there, "
+            f"where {legible:.0f} px are needed to read it reliably; bring it nearer, or take "
+            "pictures with more pixels."
+        )
+    return f"{_counted(kept, few=True)}, and {needed}."
+
+
+def _counted(kept: _Kept, *, few: bool = False) -> str:
+    count = len(kept.seen)
+    if kept.looked is None:
+        there = "There is" if count == 1 else "There are"
+        return (
+            f"{there} {'only ' if few else ''}{count} view{'' if count == 1 else 's'} of the board"
+        )
+    of = "" if few and kept.looked == count else f" of {kept.looked}"
+    shows = "picture shows" if count == 1 else "pictures show"
+    return f"{'Only ' if few else ''}{count}{of} {shows} the board"
+
+
+def _smallest(board: Board, seen: Sequence[Observation]) -> float:
+    fixed = [o for o in seen if determines_homography(board.points_of(o.ids))]
+    return min((square_px(board, o) for o in fixed), default=float("inf"))
