@@ -171,6 +171,7 @@ def test_a_view_that_cannot_be_kept_is_not_captured(
     snapshot = session.snapshot()
     assert len(snapshot.views) == 2 and "not captured" in snapshot.warnings[0]
     views.unlink()
+    views.mkdir()
     assert session.capture()
     assert not any("not captured" in said for said in session.snapshot().warnings)
     session.run_pending()

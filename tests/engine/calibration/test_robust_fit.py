@@ -284,7 +284,7 @@ def seen_in(folder: Path, board: Board, pattern: str = "*") -> list[Observation]
 def test_one_row_or_one_bad_view_spoils_nothing(shared_data: Path, default_board: Board) -> None:
     for case, fx, truth in (("one-row", 799.8, 800), ("one-bad-view", 1000.3, 1000)):
         found = calibrate(default_board, seen_in(shared_data / "cases" / case, default_board))
-        assert found.camera.fx == pytest.approx(fx, abs=0.2)
+        assert found.camera.fx == pytest.approx(fx, abs=0.4)
         assert abs(found.camera.fx - truth) < 3 * found.sigma[0]
 
 

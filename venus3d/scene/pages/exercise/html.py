@@ -189,8 +189,8 @@ def keys_html() -> str:
 
 def practice_legend_html(legend: str, *, two: bool) -> str:
     """The legend below the picture; `two`: another picture follows."""
-    marks = "v-under v-two-pictures" if two else "v-under"
-    return f"<div class='v-progress {marks}'><div class='v-legend'>{escape(legend)}</div></div>"
+    marks = " ".join(["v-progress", "v-under", *(["v-two-pictures"] if two else [])])
+    return f"<div class='{marks}'><div class='v-legend'>{escape(legend)}</div></div>"
 
 
 def title_html(title: str) -> str:
