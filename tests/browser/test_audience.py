@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -305,7 +304,7 @@ def test_tones_close_in_and_the_page_asks_for_the_click_that_browsers_want(
 
 
 def test_it_goes_on_by_itself_after_the_program_was_started_again(
-    chromium: Any, start: Callable[..., Program], tmp_path: Path
+    chromium: Any, start: Callable[..., Program]
 ) -> None:
     """The program dies: that is said large. On the same port again: the page shows its moment."""
     port = free_port()
