@@ -225,6 +225,31 @@ def test_a_view_that_stands_out_is_named(
     assert "outlying-view" not in by_kind(rest)
 
 
+def test_a_view_with_a_small_error_does_not_stand_out(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """Corners good to 0.02 px, and one view with 0.06: three times as much, and harmless."""
+    seen = [observe(paper_camera, default_board, v, rng, 0.02) for v in GOOD]
+    seen[2] = observe(paper_camera, default_board, GOOD[2], rng, 0.06)
+    assert "outlying-view" not in by_kind(diagnose(calibrate(default_board, seen)))
+
+
+def test_a_small_board_may_be_near(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """Squares of 12 mm, at 44 mm and more."""
+    small = replace(default_board, square=0.012, marker=0.009)
+    wide = Camera(1280, 720, 500, 500, 640, 360)
+    vectors = [
+        [tilt, turn, 0, 0, 0, 0.065] for tilt, turn in ((25, 0), (-25, 5), (0, 25), (5, -25))
+    ]
+    seen = [observe(wide, small, v, rng, NOISE_PX) for v in vectors]
+    found = calibrate(small, seen)
+    nearest = min(v.pose.apply(small.corners)[:, 2].min() for v in found.views)
+    assert 0.04 < nearest < 0.05
+    assert "impossible-distance" not in by_kind(diagnose(found))
+
+
 @pytest.mark.parametrize(("factor", "said"), [(0.1, "mm from the lens"), (100, "m away")])
 def test_a_square_size_that_cannot_be(
     paper_camera: Camera,

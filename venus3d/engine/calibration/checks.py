@@ -34,7 +34,7 @@ SAME_DEPTH = 1.25
 """Farthest over nearest board corner of all views; below it depth was not varied."""
 OUTLYING_RATIO, OUTLYING_SPREADS = 1.75, 5.0
 """An outlying view's rms: this many medians, and this many robust spreads above the median."""
-LEAST_OUTLYING_PX = 0.1
+LEAST_OUTLYING_PX = 0.2
 """No view is called outlying below this rms."""
 CORRELATED = 0.99
 """Parameters with a larger |correlation| are not separately determined, except for these:"""
@@ -42,8 +42,9 @@ CORRELATED_FOCAL = 0.9985
 """fx and fy share one scale; at this value it is known 36 times worse than their ratio."""
 CORRELATED_RADIAL = 0.995
 """k1, k2 and k3 are terms of one series: 0.97 to 0.99 in good sets."""
-NEAREST_M, FARTHEST_M = 0.05, 20.0
-"""Distances from the lens, metres; no board is used nearer or farther."""
+NEAREST_M, FARTHEST_M = 0.04, 20.0
+"""Distances from the lens, metres; no board is used nearer or farther. One with squares of 12 mm
+fits into a wide picture at 44 mm."""
 
 _TILT = Sentence("Add views tilted by 20-45° in different directions.")
 _GROUPS = ("f", "f", "cx", "cy", "k", "k", "p1", "p2", "k")
