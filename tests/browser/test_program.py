@@ -202,7 +202,7 @@ def test_the_operator_is_told_of_what_cannot_be_saved(
     folder = tmp_path / "out"
     program = start(
         *("guide", "sim", "--autopilot", "--speed", "3", "--port", str(free_port()), "--no-tour"),
-        *("--max-views", "4", "--output", str(folder)),
+        *("--max-views", "4", "--output", str(folder), "--no-record"),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.set_default_timeout(_PATIENCE_MS)
