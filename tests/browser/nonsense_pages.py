@@ -127,6 +127,7 @@ GUIDE_ROWS = (
     ("follow", "strip", "theme"),
     ("words", "built"),
     ("pause", "autopilot"),
+    ("explain",),
 )
 
 
