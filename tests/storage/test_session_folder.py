@@ -140,7 +140,16 @@ def test_a_session_is_never_overwritten(folder: SessionFolder) -> None:
     assert read_header(folder.directory)["options"] == {}
 
 
-def test_two_processes_do_not_share_a_session(folder: SessionFolder) -> None:
+def test_a_session_without_a_view_does_not_take_its_name(tmp_path: Path) -> None:
+    for _ in range(2):
+        SessionFolder.create(tmp_path / "new", {}, lambda _: None).close()
+        assert not (tmp_path / "new").exists()
+
+
+def test_two_processes_do_not_share_a_session(
+    session: Session, folder: SessionFolder, paper_camera: Camera, rng: np.random.Generator
+) -> None:
+    run(session, paper_camera, rng, GOOD[:1])
     code = (
         "import sys; from pathlib import Path\n"
         "from venus3d.storage.session_folder import SessionFolder\n"

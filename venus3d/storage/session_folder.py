@@ -50,6 +50,7 @@ class SessionFolder:
     ) -> None:
         """Use `create` or `open`."""
         self.directory, self.header, self._tell = directory, header, tell
+        self._is_new = False  # begun here, and no view yet
         self._lock = _locked(directory)
         try:
             (directory / VIEWS).mkdir(exist_ok=True)
@@ -73,6 +74,7 @@ class SessionFolder:
         content = {"schema": SCHEMA, **header}
         folder = cls(directory, content, tell)
         write_bytes(directory / HEADER, (json.dumps(content, indent=2) + "\n").encode())
+        folder._is_new = True
         return folder
 
     @classmethod
@@ -82,8 +84,16 @@ class SessionFolder:
         return cls(directory, read_header(directory), tell)
 
     def close(self) -> None:
-        """Let others open it. May be called twice."""
+        """Let others open it; one begun here without a view goes, so that a mistyped source does
+        not take its name. May be called twice."""
         self._events.close()
+        if self._is_new:
+            self._is_new = False
+            for name in (HEADER, EVENTS, _LOCK):
+                (self.directory / name).unlink(missing_ok=True)
+            for folder in (self.directory / VIEWS, self.directory):
+                with suppress(OSError):  # not empty: somebody else's files stay
+                    folder.rmdir()
         self._lock()
 
     def state(self) -> SessionState | None:
@@ -142,6 +152,7 @@ class SessionFolder:
             except OSError as error:
                 raise _unwritable(self.directory, error) from error
         self._append(captured_event(view, picture))
+        self._is_new = False
         self._tell(f"View {view.number} is kept{f' as {picture}' if picture else ''}.")
 
     def changed(self, state: SessionState) -> None:
