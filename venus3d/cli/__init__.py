@@ -25,7 +25,9 @@ from venus3d.cli.options import (
     DecomposeOptions,
     ExportOptions,
     ImportOptions,
+    ReportOptions,
     UndistortOptions,
+    VerifyOptions,
 )
 from venus3d.cli.study import StudyOptions
 from venus3d.engine.errors import VenusError
@@ -51,6 +53,8 @@ _COMMANDS: dict[str, tuple[type, str]] = {
     "board": (BoardCommand, "venus3d.cli.board:board_command"),
     "export": (ExportOptions, "venus3d.cli.export:export_command"),
     "import": (ImportOptions, "venus3d.cli.import_:import_command"),
+    "verify": (VerifyOptions, "venus3d.cli.verify:verify_command"),
+    "report": (ReportOptions, "venus3d.cli.make_report:report_command"),
     "undistort": (UndistortOptions, "venus3d.cli.undistort:undistort_command"),
     "study": (StudyOptions, "venus3d.cli.study:study"),
 }
@@ -102,7 +106,7 @@ def _run(given: list[str]) -> int:
         )
         # On a kill or a closed terminal the captured views are kept, as with Ctrl-C.
         with on_stop_signal(_interrupt, ctrl_c=False):
-            _command_of(options)(options)
+            code = _command_of(options)(options)
     except VenusError as error:
         print(printable(f"venus3d: {error}"), file=sys.stderr)
         return MISTAKE
@@ -111,7 +115,7 @@ def _run(given: list[str]) -> int:
         stopped = ": ".join(["stopped", *map(str, stop.args)])
         print(printable(f"venus3d: {stopped}."), file=sys.stderr)
         return INTERRUPTED
-    return OK
+    return code if isinstance(code, int) else OK
 
 
 def _interrupt() -> None:

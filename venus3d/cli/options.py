@@ -145,3 +145,41 @@ class UndistortOptions:
         float | None, arg(metavar="0..1", help_behavior_hint="(usual: the same camera matrix)")
     ] = None
     """0: zoomed so that no pixel is black; 1: so that every pixel of the source is kept."""
+
+
+@dataclass(frozen=True)
+class ReportOptions:
+    """Write a calibration's report: one HTML file to read, print and send."""
+
+    source: Annotated[Positional[Path], arg(metavar="SOURCE")]
+    """The folder of a session or of a calibration, or its result.json."""
+    output: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(usual: beside it)")] = (
+        None
+    )
+    """The file to write."""
+
+
+@dataclass(frozen=True)
+class VerifyOptions:
+    """Check with fresh views whether an existing calibration still holds."""
+
+    file: Annotated[Positional[Path], arg(metavar="FILE")]
+    """The calibration: a result.json, a camera.yaml, any other camera file, or their folder."""
+    source: Annotated[Positional[str], arg(metavar="SOURCE")]
+    """Fresh views of the board: a folder of pictures, a pattern, a video; or a camera's number or a
+    stream, with the guide's page to take them."""
+    board: BoardOptions = field(default_factory=BoardOptions)
+    limit: Annotated[float, arg(metavar="PX")] = 1.0
+    """Largest mean change over the picture that does no harm, pixels."""
+    max_frames: int = 40
+    """Maximum number of frames from a video."""
+    flip: Switch = False
+    """Exchange left and right: for pictures that are mirrored."""
+    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    """Folder for verification.html and verification.json."""
+    json: Switch = False
+    """Print the verification as one JSON object on the last line."""
+    format: _FormatOption = None
+    """Format of FILE."""
+    name: _NameOption = None
+    """Which camera of FILE: cam1 of Kalibr's chain, an id of cameras.txt."""

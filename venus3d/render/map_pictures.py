@@ -38,6 +38,14 @@ def uncertainty_picture(
     return _heat(np.log(np.maximum(uncertainty_px, 1e-12)), low, high, size, dark)
 
 
+def difference_picture(
+    diff_px: Array, high_px: float, size: tuple[int, int], *, dark: bool
+) -> Picture:
+    """Projection difference of two cameras (rows, columns), pixels, over the image, coloured from 0
+    to `high_px`. NaN is hatched."""
+    return _heat(diff_px, 0.0, high_px, size, dark)
+
+
 def coverage(views: Sequence[View], image_size: tuple[int, int]) -> NDArray[np.intp]:
     """(rows, columns) number of captured corners in each of the `CELLS`."""
     counts = np.zeros(CELLS[::-1], np.intp)

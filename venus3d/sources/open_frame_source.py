@@ -43,6 +43,13 @@ def open_frame_source(
     return source
 
 
+def is_live(spec: str) -> bool:
+    """Whether what the user typed is a camera, or the address of a stream, by its form."""
+    spec = spec.strip()
+    address = _ADDRESS.match(spec) and not spec.startswith("file://")
+    return spec.isdecimal() or spec.startswith("/dev/") or bool(address)
+
+
 def _opened(spec: str, size: tuple[int, int] | None, realtime: bool) -> OpenedSource:
     spec = spec.removeprefix("file://").strip()
     if not spec:

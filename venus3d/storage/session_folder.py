@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -118,20 +118,7 @@ class SessionFolder:
 
     def pictures(self, state: SessionState) -> Iterator[tuple[int, NDArray[np.uint8]]]:
         """Number and picture (BGR) of each of its views, as far as they can be read."""
-        names: dict[int, str] = {}
-        for line in (self.directory / EVENTS).read_bytes().splitlines():
-            event = json.loads(line)
-            if event["event"] == "captured" and event["picture"] is not None:
-                names[event["number"]] = event["picture"]
-        for view in state.views:
-            name = names.get(view.number)
-            if name is None:
-                continue
-            with suppress(OSError, cv2.error):
-                raw = np.frombuffer((self.directory / name).read_bytes(), np.uint8)
-                picture = cv2.imdecode(raw, cv2.IMREAD_COLOR)
-                if picture is not None:
-                    yield view.number, np.asarray(picture, dtype=np.uint8)
+        return kept_pictures(self.directory, [view.number for view in state.views])
 
     # -- the recorder ----------------------------------------------------------------------------
 
@@ -180,6 +167,27 @@ class SessionFolder:
             self._events.close()
         os.truncate(path, size)
         self._events = path.open("ab")
+
+
+def kept_pictures(
+    directory: Path, numbers: Sequence[int]
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Number and picture (BGR) of each of a session's views, as far as they were kept and can be
+    read; another process may be writing the session."""
+    names: dict[int, str] = {}
+    for line in (directory / EVENTS).read_bytes().splitlines():
+        with suppress(ValueError):  # half a line, that is being written
+            event = json.loads(line)
+            if event["event"] == "captured" and event["picture"] is not None:
+                names[event["number"]] = event["picture"]
+    for number in numbers:
+        if (name := names.get(number)) is None:
+            continue
+        with suppress(OSError, cv2.error):
+            raw = np.frombuffer((directory / name).read_bytes(), np.uint8)
+            picture = cv2.imdecode(raw, cv2.IMREAD_COLOR)
+            if picture is not None:
+                yield number, np.asarray(picture, dtype=np.uint8)
 
 
 def read_header(directory: Path) -> dict[str, Any]:

@@ -82,17 +82,37 @@ def projection_diff_px(true: Camera, estimate: Camera, grid: tuple[int, int] = G
     The rays are those of a `grid` (across, down) of the true camera's image.
     Raises `CalibrationError` if the cameras have different image sizes.
     """
+    _, rays = _rays(true, grid_pixels(true.image_size, grid))
+    moved = _projection_diff(true, estimate, rays, _common_rotation(true, estimate, rays))
+    return float(np.sqrt((moved**2).sum(axis=1).mean()))
+
+
+def projection_diff_map(true: Camera, estimate: Camera, grid: tuple[int, int]) -> Array:
+    """(down, across) distance, pixels, of two cameras' projections at the centres of a `grid` of
+    equal cells of the true camera's image; NaN where no ray reaches the pixel. The rotation removed
+    is that of `projection_diff_px`. Raises `CalibrationError` likewise."""
+    turn = _common_rotation(true, estimate, _rays(true, grid_pixels(true.image_size))[1])
+    at, rays = _rays(true, grid_pixels(true.image_size, grid))
+    found = np.full(grid[0] * grid[1], np.nan)
+    found[at] = np.linalg.norm(_projection_diff(true, estimate, rays, turn), axis=1)
+    return found.reshape(grid[1], grid[0])
+
+
+def _common_rotation(true: Camera, estimate: Camera, rays: Array) -> Array:
+    """Rotation vector (3,) of the estimate that brings its projections of rays (n, 3) nearest."""
     if true.image_size != estimate.image_size:
         raise CalibrationError("Two cameras can be compared only on images of the same size.")
-    _, rays = _rays(true, grid_pixels(true.image_size, grid))
-    pixels = _unlimited_pixels(true, rays)
 
     def residuals(rotvec: Array) -> Array:
-        turned = np.asarray(Rotation.from_rotvec(rotvec).apply(rays))
-        return (_unlimited_pixels(estimate, turned) - pixels).ravel()
+        return _projection_diff(true, estimate, rays, rotvec).ravel()
 
-    best = least_squares(residuals, np.zeros(3), xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    return float(np.sqrt(2 * best.cost / len(rays)))
+    return np.asarray(least_squares(residuals, np.zeros(3), xtol=1e-12, ftol=1e-12, gtol=1e-12).x)
+
+
+def _projection_diff(true: Camera, estimate: Camera, rays: Array, rotvec: Array) -> Array:
+    """(n, 2) how far the rotated estimate's projections of rays (n, 3) are from the true ones."""
+    turned = np.asarray(Rotation.from_rotvec(rotvec).apply(rays))
+    return _unlimited_pixels(estimate, turned) - _unlimited_pixels(true, rays)
 
 
 def grid_pixels(image_size: tuple[int, int], grid: tuple[int, int] = GRID) -> Array:

@@ -1,0 +1,123 @@
+"""Whether an existing camera still holds: false alarms and misses over seeded draws, and the level
+of chance against Monte Carlo."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.projection_uncertainty import (
+    GRID,
+    projection_diff_map,
+    projection_diff_px,
+)
+from venus3d.engine.calibration.verification import CHANCE, verify
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.pose import Pose
+
+BOARD = Board()
+NOISE_PX = 0.05
+
+
+def calibrated(seed: int, camera: Camera = PAPER_CAMERA, views: int = 10) -> Calibration:
+    """From tilted views all over the picture."""
+    rng = np.random.default_rng(seed)
+    seen: list[Observation] = []
+    while len(seen) < views:
+        pose = Pose.from_vector(
+            [*rng.uniform(-45, 45, 2), rng.uniform(-180, 180), *rng.uniform(-0.15, 0.15, 2), 0.45]
+        )
+        pixels = camera.project(pose.apply(BOARD.corners)) + rng.normal(0, NOISE_PX, (40, 2))
+        inside = ((pixels > 0) & (pixels < [1279, 719])).all(axis=1)
+        if inside.sum() >= 25:
+            seen.append(Observation(np.flatnonzero(inside), pixels[inside], camera.image_size))
+    return calibrate(BOARD, seen)
+
+
+@pytest.fixture(scope="module")
+def calibrations() -> list[Calibration]:
+    """Forty of one camera."""
+    return [calibrated(seed) for seed in range(40)]
+
+
+def test_an_unchanged_camera_is_hardly_ever_called_changed(
+    calibrations: list[Calibration],
+) -> None:
+    pairs = zip(calibrations[::2], calibrations[1::2], strict=True)
+    found = [verify(old.camera, old.covariance, new) for old, new in pairs]
+    beyond = sum(one.diff_px > one.chance_px for one in found)
+    assert beyond <= 2, "1 in 100 by chance, twenty checks"
+    # Neither is the level so high that nothing could be seen.
+    assert np.median([one.chance_px / one.diff_px for one in found]) < 4
+    assert {one.verdict for one in found} <= {"good", "unclear"}
+
+
+def test_chance_is_the_quantile_of_what_two_calibrations_differ_by(
+    calibrations: list[Calibration],
+) -> None:
+    old, new = calibrations[:2]
+    found = verify(old.camera, old.covariance, new)
+    drawn = np.random.default_rng(0).multivariate_normal(
+        new.camera.parameters, old.covariance + new.covariance, 1000
+    )
+    differences = [
+        projection_diff_px(new.camera, Camera.from_parameters(p, new.camera.image_size))
+        for p in drawn[:300]
+    ]
+    beyond = np.mean(np.array(differences) > found.chance_px)
+    assert abs(beyond - CHANCE) < 0.02
+    assert found.chance_px == pytest.approx(np.quantile(differences, 1 - CHANCE), rel=0.25)
+
+
+def test_a_change_is_told_by_its_size(calibrations: list[Calibration]) -> None:
+    moved = {
+        "degraded": replace(PAPER_CAMERA, fx=1068 * 1.012, fy=1073 * 1.012),
+        "other-camera": replace(PAPER_CAMERA, fx=1068 * 1.1, fy=1073 * 1.1),
+    }
+    old = calibrations[0]
+    for verdict, camera in moved.items():
+        fresh = calibrated(100, camera)
+        found = verify(old.camera, old.covariance, fresh)
+        assert found.verdict == verdict
+        assert found.diff_px == pytest.approx(projection_diff_px(PAPER_CAMERA, camera), rel=0.35)
+        assert found.changes[0] > 3
+        assert found.rms_px > found.fresh.rms_px
+    assert verify(old.camera, old.covariance, calibrated(101), limit_px=1e-3).verdict == "unclear"
+
+
+def test_a_small_change_within_the_limit_is_no_harm() -> None:
+    fresh = calibrated(7, views=20)
+    moved = replace(fresh.camera, cx=fresh.camera.cx + 8 * fresh.sigma[2])
+    found = verify(moved, None, fresh, limit_px=20)
+    assert found.verdict == "good"
+    assert found.changes[2] == pytest.approx(-8)
+
+
+def test_the_difference_in_millimetres_is_that_at_the_boards_distance() -> None:
+    fresh = calibrated(1)
+    found = verify(replace(fresh.camera, fx=fresh.camera.fx * 1.05), None, fresh)
+    assert found.distance_m == pytest.approx(0.48, abs=0.05)
+    focal = np.sqrt(found.camera.fx * found.camera.fy)
+    assert found.diff_mm == pytest.approx(found.diff_px / focal * found.distance_m * 1000)
+
+
+def test_the_maps_mean_square_is_the_difference() -> None:
+    other = replace(PAPER_CAMERA, fx=1075, cx=640, k1=0.01)
+    found = projection_diff_map(PAPER_CAMERA, other, GRID)
+    mean = float(np.sqrt(np.mean(found**2)))
+    assert mean == pytest.approx(projection_diff_px(PAPER_CAMERA, other), rel=1e-9)
+
+
+def test_what_cannot_be_compared_is_refused() -> None:
+    fresh = calibrated(1)
+    with pytest.raises(CalibrationError, match="640 x 360"):
+        verify(PAPER_CAMERA.scaled((640, 360)), None, fresh)
+    start = calibrate(BOARD, [view.observation for view in fresh.views], model="startup")
+    with pytest.raises(CalibrationError, match="nine parameters"):
+        verify(PAPER_CAMERA, None, start)

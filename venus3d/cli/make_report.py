@@ -1,0 +1,49 @@
+"""`venus3d report`: a calibration's report as one HTML file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from venus3d.cli.options import ReportOptions
+from venus3d.engine.errors import StorageError
+from venus3d.report.calibration_report import ReportInput, calibration_report
+from venus3d.storage.folder import write_bytes
+from venus3d.storage.result_reader import read_result
+from venus3d.storage.session_folder import is_session, kept_pictures, read_header
+
+_RESULT = "result.json"
+# Of a session's options: what says how it was made, by its name on the command line.
+_SAID = ("source", "method", "cost", "search", "seed", "max_views", "wanted_error", "convergence")
+
+
+def report_command(options: ReportOptions) -> None:
+    """Read, write, print where. Raises `VenusError` for a user's mistake."""
+    file = options.source / _RESULT if options.source.is_dir() else options.source
+    if options.source.is_dir() and not file.exists():
+        raise StorageError(
+            f"{options.source} holds no {_RESULT}; give the folder of a calibration that is done, "
+            "or the file itself."
+        )
+    result = read_result(file)
+    folder, numbers = file.parent, [view.number for view in result.calibration.views]
+    told = ReportInput(
+        result.calibration,
+        [*result.warnings, *map(str, result.diagnoses)],
+        dict(kept_pictures(folder, numbers)) if is_session(folder) else {},
+        _made_with(folder),
+    )
+    place = folder / "report.html" if options.output is None else options.output
+    if place.is_dir():
+        place /= "report.html"
+    print(f"Written: {write_bytes(place, calibration_report(told).encode())}")
+
+
+def _made_with(folder: Path) -> Mapping[str, Any]:
+    if not is_session(folder):
+        return {}
+    header = read_header(folder)
+    chosen = header.get("options", {})
+    options = {name.replace("_", " "): chosen[name] for name in _SAID if name in chosen}
+    return {"begun": header.get("begun", ""), **options, **header.get("versions", {})}

@@ -1,0 +1,129 @@
+"""`venus3d verify`: whether an existing calibration still holds, by fresh views."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from venus3d.cli.options import VerifyOptions
+from venus3d.cli.progress import search_progress
+from venus3d.cli.report import print_note
+from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.verification import CHANCE, Verdict, Verification, verify
+from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.printable import printable
+from venus3d.report.verification_report import (
+    CHANGES_HEAD,
+    changes_of,
+    cure,
+    figures_of,
+    method_sentence,
+    verdict_sentence,
+    verification_report,
+)
+from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.guide.run import run_guide
+from venus3d.sources.images_calibration import calibrate_recording
+from venus3d.sources.open_frame_source import is_live
+from venus3d.storage.folder import prepare, write_bytes
+from venus3d.storage.formats import record_in
+from venus3d.storage.result import SCHEMA, to_json
+
+_CODES: dict[Verdict, int] = {"good": 0, "degraded": 1, "other-camera": 1, "unclear": 3}
+
+
+def verify_command(options: VerifyOptions) -> int:
+    """Compare, print, write; the exit code is 0 for good, 1 for changed, 3 for unclear.
+    Raises `VenusError` for a user's mistake."""
+    if not options.limit > 0:
+        raise VenusError("--limit must be more than 0 px.")
+    record = record_in(options.file, options.format, options.name)
+    if options.output is not None:
+        prepare(options.output)
+    fresh = _guided(options) if options.source == "sim" or is_live(options.source) else _found(options)
+    found = verify(record.camera, record.covariance, fresh, options.limit)
+    notes = [] if record.covariance is not None else [_UNCERTAIN.format(name=options.file.name)]
+    _print(found, notes)
+    if options.output is not None:
+        report = verification_report(found, options.file.name).encode()
+        print(f"Written: {write_bytes(options.output / 'verification.html', report)}")
+        content = (to_json(_json(found), indent=2) + "\n").encode()
+        print(f"Written: {write_bytes(options.output / 'verification.json', content)}")
+    if options.json:
+        print(to_json(_json(found)))
+    return _CODES[found.verdict]
+
+
+_UNCERTAIN = (
+    "{name} does not say how well the camera was known, so all of its uncertainty is missing in "
+    "the test; a result.json has it."
+)
+
+
+def _found(options: VerifyOptions) -> Calibration:
+    with search_progress() as on_count:
+        found = calibrate_recording(
+            options.source,
+            options.board.board(),
+            max_frames=options.max_frames,
+            flip=options.flip,
+            on_progress=print_note,
+            on_count=on_count,
+        )
+    for warning in (*found.warnings, *map(str, found.diagnoses)):
+        print_note(f"Mind: {warning}")
+    return found.calibration
+
+
+def _guided(options: VerifyOptions) -> Calibration:
+    """Fresh views from a live camera, guided on the page until Ctrl-C."""
+    print_note("Take fresh views as the page asks; Ctrl-C when it says that the camera is known.")
+    chosen = GuideOptions(source=options.source, board=options.board, flip=options.flip)
+    known = run_guide(chosen).snapshot.calibration
+    if known is None:
+        raise CalibrationError("No view was captured, so nothing is verified.")
+    return known
+
+
+def _print(found: Verification, notes: list[str]) -> None:
+    print(printable(verdict_sentence(found)))
+    if cure(found):
+        print(printable(cure(found)))
+    print()
+    rows = figures_of(found)
+    width = max(len(name) for name, _ in rows)
+    for name, value in rows:
+        print(printable(f"{name:{width}}  {value}"))
+    print()
+    for cells in [CHANGES_HEAD, *changes_of(found)]:
+        name, before, now, change, mark = cells
+        print(f"{name:4}{before:>14}{now:>14}{change:>12}  {mark}".rstrip())
+    print(f"\n{method_sentence(found)}")
+    for note in notes:
+        print(printable(f"Mind: {note}"))
+
+
+def _json(found: Verification) -> dict[str, Any]:
+    fresh = found.fresh
+    return {
+        "schema": SCHEMA,
+        "verdict": found.verdict,
+        "limit_px": found.limit_px,
+        "projection_diff_px": found.diff_px,
+        "projection_diff_mm": found.diff_mm,
+        "distance_mm": 1000 * found.distance_m,
+        "chance_px": found.chance_px,
+        "chance": CHANCE,
+        "projection_diff_map_px": found.diff_map.tolist(),
+        "rms_px": found.rms_px,
+        "fresh_rms_px": fresh.rms_px,
+        "views": len(fresh.views),
+        "image_size": list(found.camera.image_size),
+        "intrinsics": _named(found.camera.parameters.tolist()),
+        "fresh_intrinsics": _named(fresh.camera.parameters.tolist()),
+        "changes_sigma": _named(found.changes.tolist()),
+    }
+
+
+def _named(values: list[float]) -> dict[str, float]:
+    return dict(zip(PARAMETERS, values, strict=True))

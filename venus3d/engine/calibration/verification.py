@@ -1,0 +1,151 @@
+"""Whether an existing calibration still holds: it is compared with fresh views of the board.
+
+The fresh views give a calibration of their own, and D, the projection difference of the two cameras
+(rms over the picture, best common rotation removed), says how far apart they are in pixels. Two
+calibrations of one unchanged camera differ as well. To first order their D^2 is d^T W d, where d is
+Gaussian with the sum C of both covariances and W is `projection_weight`: a sum of squares with the
+eigenvalues of W C as weights, whose quantiles are those of a scaled chi-square with the same mean
+and variance (Satterthwaite 1946). So `chance_px`, exceeded by chance once in a hundred checks, is
+what separates a change from the uncertainty of the check itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.stats import chi2
+
+from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.observation import View, reprojection_errors, rms_distance
+from venus3d.engine.calibration.projection_uncertainty import (
+    projection_diff_map,
+    projection_diff_px,
+    projection_weight,
+)
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array
+
+Verdict = Literal["good", "degraded", "other-camera", "unclear"]
+"""good: no change beyond the limit; degraded: a change beyond it that chance does not explain;
+other-camera: so large a change that another camera, zoom, focus or resolution is more likely;
+unclear: the fresh views could not have shown a change of the limit's size."""
+CHANCE = 0.01
+"""Share of checks of an unchanged camera in which the difference exceeds `chance_px`."""
+LIMIT_PX = 1.0
+"""Usual limit for the projection difference."""
+ANOTHER = 0.05
+"""A focal length that differs by more than this share, or a principal point by more than this share
+of the picture's width, is no drift."""
+MAP = (36, 24)
+"""Cells of `Verification.diff_map` across and down."""
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """An existing camera beside a calibration from fresh views."""
+
+    camera: Camera
+    fresh: Calibration
+    verdict: Verdict
+    limit_px: float
+    diff_px: float
+    """Projection difference of the two, pixels: rms over the picture."""
+    chance_px: float
+    """The difference that two calibrations of one camera exceed in `CHANCE` of checks, pixels."""
+    diff_map: Array
+    """(rows, columns) the difference at the centres of equal cells, pixels; NaN where no ray is."""
+    rms_px: float
+    """Rms reprojection distance of the fresh corners under the existing camera, each view with its
+    best pose, pixels; NaN if there is no such pose. `fresh.rms_px` is that of the fresh camera."""
+    distance_m: float
+    """Median distance of the board in the fresh views, metres."""
+    changes: Array
+    """(9,) fresh minus existing `PARAMETERS` in standard deviations of the difference; NaN where
+    neither is uncertain."""
+
+    @property
+    def diff_mm(self) -> float:
+        """The difference at the board's distance, across the line of sight, millimetres."""
+        focal = float(np.sqrt(self.camera.fx * self.camera.fy))
+        return 1000 * self.diff_px * self.distance_m / focal
+
+
+def verify(
+    camera: Camera, covariance: Array | None, fresh: Calibration, limit_px: float = LIMIT_PX
+) -> Verification:
+    """Compare an existing camera with a calibration from fresh views.
+
+    Args:
+        camera: the existing calibration.
+        covariance: (9, 9) of its `PARAMETERS`; None: taken as exactly known.
+        fresh: of the same picture size, with all nine parameters estimated.
+        limit_px: the largest projection difference that does no harm, pixels.
+
+    Raises:
+        CalibrationError: different picture sizes, or the fresh views leave parameters open.
+    """
+    if not all(fresh.free):
+        raise CalibrationError("The fresh views do not determine all nine parameters; take more.")
+    if camera.image_size != fresh.camera.image_size:
+        (w, h), (other_w, other_h) = camera.image_size, fresh.camera.image_size
+        raise CalibrationError(
+            f"The camera file is for pictures of {w} x {h} px, these are {other_w} x {other_h} px; "
+            "verify with pictures of its size, or convert it with venus3d export --size."
+        )
+    joint = fresh.covariance if covariance is None else fresh.covariance + covariance
+    diff_px, chance_px = projection_diff_px(camera, fresh.camera), _chance_px(fresh.camera, joint)
+    sigma = np.sqrt(np.diag(joint))
+    moved = fresh.camera.parameters - camera.parameters
+    return Verification(
+        camera=camera,
+        fresh=fresh,
+        verdict=_verdict(camera, fresh.camera, diff_px, chance_px, limit_px),
+        limit_px=limit_px,
+        diff_px=diff_px,
+        chance_px=chance_px,
+        diff_map=projection_diff_map(camera, fresh.camera, MAP),
+        rms_px=_rms_px(camera, fresh, fresh.views),
+        distance_m=float(np.median([np.linalg.norm(view.pose.t) for view in fresh.views])),
+        changes=np.divide(moved, sigma, out=np.full(9, np.nan), where=sigma > 0),
+    )
+
+
+def _chance_px(camera: Camera, covariance: Array) -> float:
+    weighted = projection_weight(camera) @ covariance
+    mean, mean_square = float(np.trace(weighted)), float(np.trace(weighted @ weighted))
+    scale, freedom = mean_square / mean, mean**2 / mean_square
+    return float(np.sqrt(scale * chi2.ppf(1 - CHANCE, freedom)))
+
+
+def _verdict(
+    camera: Camera, fresh: Camera, diff_px: float, chance_px: float, limit_px: float
+) -> Verdict:
+    changed = diff_px > chance_px
+    if changed and _is_another(camera, fresh):
+        return "other-camera"
+    if changed:
+        return "degraded" if diff_px > limit_px else "good"
+    return "good" if chance_px <= limit_px else "unclear"
+
+
+def _is_another(camera: Camera, fresh: Camera) -> bool:
+    focal = np.array([fresh.fx / camera.fx, fresh.fy / camera.fy]) - 1
+    centre = np.array([fresh.cx - camera.cx, fresh.cy - camera.cy]) / camera.width
+    return bool(np.abs([*focal, *centre]).max() > ANOTHER)
+
+
+def _rms_px(camera: Camera, fresh: Calibration, views: Sequence[View]) -> float:
+    squares = 0.0
+    for view in views:
+        seen = view.observation
+        pose = estimate_pose(camera, fresh.board, seen, view.pose)
+        if pose is None:
+            return float("nan")
+        errors = reprojection_errors(camera, fresh.board, seen, pose)
+        squares += seen.count * rms_distance(errors) ** 2
+    return float(np.sqrt(squares / sum(view.observation.count for view in views)))
