@@ -40,7 +40,8 @@ def verify_command(options: VerifyOptions) -> int:
     record = record_in(options.file, options.format, options.name)
     if options.output is not None:
         prepare(options.output)
-    fresh = _guided(options) if options.source == "sim" or is_live(options.source) else _found(options)
+    live = options.source == "sim" or is_live(options.source)
+    fresh = _guided(options) if live else _found(options)
     found = verify(record.camera, record.covariance, fresh, options.limit)
     notes = [] if record.covariance is not None else [_UNCERTAIN.format(name=options.file.name)]
     _print(found, notes)
