@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import http.server
 import threading
-from collections.abc import Iterator
+import time
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.waiting import wait_until
 from venus3d.engine.errors import SourceError
-from venus3d.sources import live
-from venus3d.sources.live import Live
+from venus3d.sources import stream
+from venus3d.sources.frame import Frame
+from venus3d.sources.live import Live, OtherSize
 from venus3d.sources.open_frame_source import open_frame_source
 
 
@@ -58,7 +58,7 @@ def wait_until_read(source: Live, capture: ScriptedCapture, number: int) -> None
 
 def test_the_newest_frame_wins(capture: ScriptedCapture):
     capture.allowed.release()
-    source = Live(capture, "Camera 0", timeout_s=30)
+    source = Live(lambda: capture, "Camera 0", timeout_s=30)
     assert source.is_live and source.image_size == (64, 48)
     first = source.read()
     assert first is not None and first.image[0, 0, 0] == 1, "the first frame is not lost"
@@ -73,37 +73,77 @@ def test_the_newest_frame_wins(capture: ScriptedCapture):
     assert source.read() is None and capture.released
 
 
-def test_a_camera_that_breaks_says_so(capture: ScriptedCapture):
-    capture.allowed.release()
-    source = Live(capture, "Camera 0", timeout_s=30)
-    assert source.read() is not None
-    capture.broken = True
-    with pytest.raises(SourceError) as caught:
-        source.read()
-    assert str(caught.value) == (
-        "Camera 0 sends no more pictures; check its cable or its sender, then start again."
-    )
+def test_a_camera_that_is_pulled_out_is_opened_again(capture: ScriptedCapture):
+    """Ended for good, it took the session with it."""
+    pulled, again = capture, ScriptedCapture()
+    captures = iter([pulled, again])
+    pulled.allowed.release()
+    source = Live(lambda: next(captures), "Camera 0", timeout_s=30)
+    news: list[object] = []
+    source.on_trouble = news.append
+    assert source.read() is not None and source.trouble is None
+    again.allowed.release()
+    pulled.broken = True
+    frame = source.read()
+    assert frame is not None and frame.image[0, 0, 0] == 1 and again.given == 1
+    assert pulled.released, "two captures would keep the device busy"
+    assert [getattr(trouble, "tries", None) for trouble in news] == [0, 1, None]
+    again.broken = True
     source.close()
-    assert capture.released
+
+
+def test_a_read_that_never_returns_does_not_hold_up_the_end(capture: ScriptedCapture):
+    capture.allowed.release()
+    source = Live(lambda: capture, "Camera 0", timeout_s=30)
+    assert source.read() is not None
+    waiting = threading.Thread(target=source.read, daemon=True)
+    waiting.start()
+    began = time.monotonic()
+    source.close()
+    waiting.join(5)
+    assert not waiting.is_alive() and time.monotonic() - began < 4
+    capture.broken = True
 
 
 def test_a_camera_that_never_sends(capture: ScriptedCapture):
     capture.broken = True
     with pytest.raises(SourceError, match="Camera 0 opens but sends no picture"):
-        Live(capture, "Camera 0", timeout_s=30)
+        Live(lambda: capture, "Camera 0", timeout_s=30)
     assert capture.released
 
 
 def test_a_picture_that_changes_its_size(capture: ScriptedCapture):
-    capture.allowed.release()
-    source = Live(capture, "Camera 0", timeout_s=30)
-    assert source.read() is not None
+    """Refused until it is set back, or until a new session takes the new size."""
+    for _ in range(2):
+        capture.allowed.release()
+    source = Live(lambda: capture, "Camera 0", timeout_s=30)
+    frames: list[Frame] = []
+
+    def read() -> None:
+        while (frame := source.read()) is not None:
+            frames.append(frame)
+
+    reading = threading.Thread(target=read, daemon=True)
+    reading.start()
+    wait_until(lambda: frames)
     capture.size = (32, 24)
     capture.allowed.release()
-    with pytest.raises(SourceError, match="from 64 x 48 to 32 x 24 px"):
-        source.read()
+    wait_until(lambda: source.trouble is not None)
+    assert source.trouble == OtherSize((64, 48), (32, 24)) and source.image_size == (64, 48)
+    capture.size = (64, 48)
+    capture.allowed.release()
+    wait_until(lambda: source.trouble is None)
+    capture.size = (32, 24)
+    capture.allowed.release()
+    wait_until(lambda: source.trouble is not None)
+    assert {frame.image_size for frame in frames} == {(64, 48)}
+    assert source.accept_size() == (32, 24)
+    capture.allowed.release()
+    wait_until(lambda: source.trouble is None and frames[-1].image_size == (32, 24))
     capture.broken = True
     source.close()
+    reading.join(5)
+    assert not reading.is_alive()
 
 
 def test_cameras_that_are_not_there(capfd: pytest.CaptureFixture[str]):
@@ -114,55 +154,11 @@ def test_cameras_that_are_not_there(capfd: pytest.CaptureFixture[str]):
     assert capfd.readouterr().err == ""
 
 
-class MjpegServer(http.server.BaseHTTPRequestHandler):
-    """Sends frames as network cameras do, over and over; or one picture after another of a file."""
-
-    def do_GET(self) -> None:
-        self.send_response(200)
-        self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
-        self.end_headers()
-        jpeg = cv2.imencode(".jpg", np.full((48, 64, 3), 120, np.uint8))[1].tobytes()
-        head = f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
-        try:
-            while not self.server.quitting.wait(0.01):  # type: ignore[attr-defined]
-                self.wfile.write(head.encode() + jpeg + b"\r\n")
-        except OSError:
-            pass  # the reader hung up
-
-    def log_message(self, format: str, *args: object) -> None:
-        pass
-
-
-@pytest.fixture
-def server() -> Iterator[http.server.ThreadingHTTPServer]:
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), MjpegServer)
-    server.quitting = threading.Event()  # type: ignore[attr-defined]
-    thread = threading.Thread(target=server.serve_forever, daemon=True)
-    thread.start()
-    yield server
-    server.quitting.set()  # type: ignore[attr-defined]
-    server.shutdown()
-    server.server_close()
-    thread.join(timeout=10)
-
-
-def test_a_network_camera_from_opening_to_breaking(server: http.server.ThreadingHTTPServer):
-    source = open_frame_source(f"http://127.0.0.1:{server.server_port}/stream.mjpg")
-    assert isinstance(source, Live) and source.image_size == (64, 48)
-    frames = [source.read() for _ in range(3)]
-    assert all(f is not None and abs(f.image.mean() - 120) < 2 for f in frames)
-    server.quitting.set()  # type: ignore[attr-defined]
-    with pytest.raises(SourceError, match="sends no more pictures"):
-        while source.read() is not None:
-            pass
-    source.close()
-
-
 @pytest.mark.parametrize("address", ["rtsp://127.0.0.1:1/x", "http://127.0.0.1:1/x", "foo://x"])
 def test_streams_that_do_not_answer(
     address: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(live, "OPEN_TIMEOUT_S", 1.0)
+    monkeypatch.setattr(stream, "OPEN_TIMEOUT_S", 1.0)
     with pytest.raises(SourceError) as caught:
         open_frame_source(address)
     assert str(caught.value) == (

@@ -32,6 +32,8 @@ class BoardTracker:
         """
         began = time.perf_counter()
         region, before = None, 0
+        if self._last is not None and self._last.image_size != frame.image_size:
+            self._last = None
         if self._last is not None and self.detector.settled:
             region, before = search_region(self._last, frame.image_size), self._last.count
         self._quick_from_px = max(QUICK_FROM_PX, _FADING * self._quick_from_px)

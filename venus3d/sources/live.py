@@ -1,36 +1,51 @@
-"""Cameras and streams: a thread reads continuously, `read()` gives the newest frame."""
+"""Live sources: a thread reads continuously, `read()` gives the newest frame. A source that is gone
+is opened again, for ever (`reconnection.py`)."""
 
 from __future__ import annotations
 
-import glob
-import os
-import sys
 import threading
 import time
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, Protocol
 
-import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from venus3d.engine.errors import SourceError
+from venus3d.engine.sentences import said_by
 from venus3d.sources.frame import Frame
-from venus3d.sources.opencv_log import silence_opencv
+from venus3d.sources.reconnection import Outage, Reconnection
+from venus3d.sources.stream import OPEN_TIMEOUT_S, READ_TIMEOUT_S, StreamCapture
 from venus3d.threads.latest import Latest
 
-OPEN_TIMEOUT_S = 8.0
-READ_TIMEOUT_S = 5.0
 _FAILURES_ALLOWED = 30  # consecutive reads: a starting camera drops a few frames
+_LOOK_S = 0.1
+_MOST_READERS = 3
+"""Connections that may hang in a read that does not return; no further one is made meanwhile."""
 
 
 class CaptureDevice(Protocol):
-    """The part of `cv2.VideoCapture` used here."""
+    """An opened camera or stream: the part of `cv2.VideoCapture` used here."""
 
     def read(self) -> tuple[bool, Any]:
-        """Whether there was a frame, and the frame."""
+        """Whether there was a frame, and the frame. May raise `SourceError` at the end."""
         ...
 
     def release(self) -> None:
         """Release the device."""
         ...
+
+
+@dataclass(frozen=True)
+class OtherSize:
+    """A live source whose pictures have another size than the session's: they are not used."""
+
+    was: tuple[int, int]
+    now: tuple[int, int]
+
+
+Trouble = Outage | OtherSize
 
 
 class Live:
@@ -41,17 +56,37 @@ class Live:
     """Whether left and right are exchanged: for mirrored pictures."""
 
     def __init__(
-        self, capture: CaptureDevice, name: str, *, timeout_s: float = READ_TIMEOUT_S
+        self,
+        opening: Callable[[], CaptureDevice],
+        name: str,
+        *,
+        opened: CaptureDevice | None = None,
+        timeout_s: float = READ_TIMEOUT_S,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Start reading an opened `capture`, called `name` in messages.
-        Raises `SourceError` if no frame comes within `timeout_s`."""
-        self._capture, self._name, self._timeout_s = capture, name, timeout_s
+        """Open the source and start reading.
+
+        Args:
+            opening: opens it, also later when it is gone; raises `SourceError` if that fails.
+            name: for messages.
+            opened: what `opening` would give now, if it has been called already.
+            timeout_s: without a picture for so long, it is opened again.
+            clock: seconds, for when that is done.
+
+        Raises `SourceError` if it cannot be opened, or if no frame comes within `timeout_s`.
+        """
+        self._opening, self.name = opening, name
+        self.notes: tuple[str, ...] = ()
+        self.on_trouble: Callable[[Trouble | None], None] = lambda trouble: None
+        """Called by `read` with the trouble as it begins, changes and ends."""
+        self._told: tuple[type, int] | None = None
         self._box: Latest[Frame] = Latest()
         self._stop = threading.Event()
-        self.notes: tuple[str, ...] = ()
-        self._thread = threading.Thread(target=self._watch, name=f"read {name}", daemon=True)
-        self._thread.start()
-        first = self._box.take(timeout_s)
+        self._began_s = time.monotonic()
+        self.received = 0
+        """Number of pictures that have come, read or not."""
+        self._readers = [_Reader(name, opening, self._receive, opened or opening())]
+        first = self._first_frame(timeout_s)
         if first is None:
             self.close()
             raise SourceError(
@@ -60,123 +95,147 @@ class Live:
             )
         self._size = first.image_size
         self._first: Frame | None = first
+        self._refused: tuple[int, int] | None = None
+        self._connection = Reconnection(timeout_s, OPEN_TIMEOUT_S + timeout_s, clock)
 
     @property
     def image_size(self) -> tuple[int, int]:
         """(width, height) of the frames."""
         return self._size
 
+    @property
+    def trouble(self) -> Trouble | None:
+        """What keeps frames from coming; None if they come."""
+        if self._refused is not None and self._connection.outage is None:
+            return OtherSize(self._size, self._refused)
+        return self._connection.outage
+
+    @property
+    def damaged(self) -> int:
+        """Number of pictures of this connection that came damaged and were left out."""
+        return self._readers[-1].damaged
+
     def read(self) -> Frame | None:
-        """The newest unread frame; waits for one. None after `close()`.
-        Raises `SourceError` if none comes within the timeout, or if the frame size changes."""
-        if self._stop.is_set():
-            return None
-        frame = self._box.take(0 if self._first is not None else self._timeout_s) or self._first
-        self._first = None
-        if frame is None:
-            if self._stop.is_set():
-                return None
-            raise SourceError(
-                f"{self._name} sends no more pictures; check its cable or its sender, then start "
-                "again."
-            )
-        if frame.image_size != self._size:
-            raise SourceError(
-                f"{self._name} changed its picture size from {self._size[0]} x {self._size[1]} to "
-                f"{frame.image_size[0]} x {frame.image_size[1]} px; start again with one size."
-            )
-        return frame.flipped(self.flip)
+        """The newest unread frame; waits for one, however long it takes. None after `close()`."""
+        while not self._stop.is_set():
+            frame = self._box.take(0 if self._first is not None else _LOOK_S) or self._first
+            self._first = None
+            self._look_after(frame is not None)
+            if frame is not None:
+                self._refused = None if frame.image_size == self._size else frame.image_size
+            self._tell()
+            if frame is not None and self._refused is None:
+                return frame.flipped(self.flip)
+        return None
+
+    def accept_size(self) -> tuple[int, int]:
+        """Go on with the size that the pictures have now, which is returned: for a new session.
+        From any thread."""
+        self._size = self._refused or self._size
+        return self._size
+
+    def resume(self) -> None:
+        """Nothing was read for a while, on purpose. From the reading thread."""
+        self._connection.resume()
 
     def close(self) -> None:
-        """Stop reading and release the device. May be called twice."""
+        """Stop reading and release the device; from any thread. May be called twice."""
         self._stop.set()
         self._box.close()
-        if threading.current_thread() is not self._thread:
-            self._thread.join(timeout=2.0)
+        for reader in self._readers:
+            reader.leave()
+        # A device that hangs in a read does not hold up the program's end.
+        self._readers[-1].join(timeout_s=2.0)
 
-    def _watch(self) -> None:
-        # Only this thread uses and releases the device: OpenCV's captures are not thread-safe.
-        start, number, failures = time.monotonic(), 0, 0
+    # -- within ------------------------------------------------------------------------------------
+
+    def _first_frame(self, timeout_s: float) -> Frame | None:
+        end_s = time.monotonic() + timeout_s
+        while time.monotonic() < end_s and self._readers[0].is_alive:
+            if (frame := self._box.take(_LOOK_S)) is not None:
+                return frame
+        return self._box.take(0)
+
+    def _receive(self, image: NDArray[np.uint8]) -> None:
+        self.received += 1
+        time_s = time.monotonic() - self._began_s
+        self._box.put(Frame(image, time_s, f"frame {self.received}"))
+
+    def _look_after(self, came: bool) -> None:
+        """Open the source again if that is due."""
+        reader = self._readers[-1]
+        alive, reason = reader.is_alive, reader.reason
+        if not self._connection.observe(picture=came, alive=alive, reason=reason):
+            return
+        reader.leave()
+        hanging = [reader for reader in self._readers if reader.is_alive]
+        if len(hanging) < _MOST_READERS and not self._stop.is_set():
+            self._readers = [*hanging, _Reader(self.name, self._opening, self._receive)]
+
+    def _tell(self) -> None:
+        trouble = self.trouble
+        tries = trouble.tries if isinstance(trouble, Outage) else 0
+        now = None if trouble is None else (type(trouble), tries)
+        if now != self._told:
+            self._told = now
+            self.on_trouble(trouble)
+
+
+class _Reader:
+    """One connection: a thread that opens the source and reads until that fails or it is left."""
+
+    def __init__(
+        self,
+        name: str,
+        opening: Callable[[], CaptureDevice],
+        receive: Callable[[NDArray[np.uint8]], None],
+        opened: CaptureDevice | None = None,
+    ) -> None:
+        self._opening, self._receive, self._capture = opening, receive, opened
+        self._left = threading.Event()
+        self.reason = ""
+        self._thread = threading.Thread(target=self._run, name=f"read {name}", daemon=True)
+        self._thread.start()
+
+    @property
+    def is_alive(self) -> bool:
+        return self._thread.is_alive()
+
+    @property
+    def damaged(self) -> int:
+        return self._capture.damaged if isinstance(self._capture, StreamCapture) else 0
+
+    def leave(self) -> None:
+        """End as soon as the device lets us; nothing more is received."""
+        self._left.set()
+
+    def join(self, timeout_s: float) -> None:
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout_s)
+
+    def _run(self) -> None:
+        # Only this thread uses and releases the device: captures are not thread-safe.
         try:
-            while not self._stop.is_set() and failures < _FAILURES_ALLOWED:
-                good, image = self._capture.read()
-                if not good:
-                    failures += 1
-                    self._stop.wait(0.05)
-                    continue
-                failures, number = 0, number + 1
-                self._box.put(Frame(image, time.monotonic() - start, f"frame {number}"))
+            self._capture = self._capture or self._opening()
+        except Exception as error:
+            self.reason = said_by(error)
+            return
+        try:
+            self._read(self._capture)
+        except Exception as error:  # whatever a driver raises
+            self.reason = said_by(error)
         finally:
-            self._box.close()
             self._capture.release()
 
-
-def open_camera(device: str, size: tuple[int, int] | None = None) -> Live:
-    """The camera with a number ("0") or device ("/dev/video0").
-
-    `size` (width, height) is requested; without it the camera chooses. Raises `SourceError` if the
-    camera does not exist, is not accessible, or does not offer this size.
-    """
-    silence_opencv()
-    name = f"Camera {device}"
-    _check_device(device)
-    capture = cv2.VideoCapture(int(device) if device.isdecimal() else device)
-    if not capture.isOpened():
-        raise SourceError(
-            f"{name} cannot be opened; close the program that uses it, or choose another "
-            f"({_present()})."
-        )
-    if size is not None:
-        # USB 2 reaches the full rate at this size with compressed images only; a camera without
-        # compression is unaffected.
-        capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
-        capture.set(cv2.CAP_PROP_FRAME_WIDTH, size[0])
-        capture.set(cv2.CAP_PROP_FRAME_HEIGHT, size[1])
-    capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
-    live = Live(capture, name)
-    if size is not None and live.image_size != size:
-        live.close()
-        raise SourceError(
-            f"{name} gives {live.image_size[0]} x {live.image_size[1]} px, not {size[0]} x "
-            f"{size[1]}; ask for a size that it has, or for none."
-        )
-    return live
-
-
-def stream_capture(address: str) -> cv2.VideoCapture:
-    """An opened capture of a stream's address. Raises `SourceError` if nothing answers in time."""
-    silence_opencv()
-    timeouts = [
-        cv2.CAP_PROP_OPEN_TIMEOUT_MSEC,
-        int(OPEN_TIMEOUT_S * 1000),
-        cv2.CAP_PROP_READ_TIMEOUT_MSEC,
-        int(READ_TIMEOUT_S * 1000),
-    ]
-    capture = cv2.VideoCapture(address, cv2.CAP_FFMPEG, timeouts)
-    if not capture.isOpened():
-        raise SourceError(
-            f"No stream can be opened at {address}; check the address, and that the sender runs "
-            "and can be reached from this machine."
-        )
-    return capture
-
-
-def _present() -> str:
-    found = ", ".join(sorted(glob.glob("/dev/video*")))
-    return f"there is {found}" if found else "this machine shows none"
-
-
-def _check_device(device: str) -> None:
-    """Raise for a camera that does not exist; only Linux shows cameras as files."""
-    if not sys.platform.startswith("linux"):
-        return
-    path = f"/dev/video{device}" if device.isdecimal() else device
-    if not os.path.exists(path):
-        raise SourceError(
-            f"There is no camera {device}; plug it in, or choose another ({_present()})."
-        )
-    if not os.access(path, os.R_OK | os.W_OK):
-        raise SourceError(
-            f"Camera {device} may not be used by you; join the group that owns {path} "
-            "(mostly: video) and log in again."
-        )
+    def _read(self, capture: CaptureDevice) -> None:
+        failures = 0
+        while not self._left.is_set() and failures < _FAILURES_ALLOWED:
+            good, image = capture.read()
+            if self._left.is_set():
+                return
+            if not good:
+                failures += 1
+                self._left.wait(0.05)
+                continue
+            failures = 0
+            self._receive(image)

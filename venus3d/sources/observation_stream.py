@@ -20,6 +20,7 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
+from venus3d.sources.live import Live
 from venus3d.sources.video import Video
 from venus3d.threads.latency import low_latency
 from venus3d.threads.latest import Latest
@@ -106,6 +107,8 @@ class ObservationStream:
             self._frames.close()
             self._observations.close()
             at_end()
+            if isinstance(self.source, Live):  # its reader may wait for pictures for ever
+                self.source.close()
             for thread in threads:
                 thread.join(timeout=2)
             self.source.close()
@@ -129,7 +132,7 @@ class ObservationStream:
         if not self._running.is_set():
             self._running.wait()
             self._read_s = time.monotonic()
-            if isinstance(self.source, Video):
+            if isinstance(self.source, (Video, Live)):
                 self.source.resume()
         frame = self.source.read()
         if frame is None:

@@ -6,12 +6,12 @@ import os
 import re
 from pathlib import Path
 
-import cv2
-
 from venus3d.engine.errors import SourceError
+from venus3d.sources.camera_device import open_camera, open_pipeline
 from venus3d.sources.folder import Folder
 from venus3d.sources.images import UNREAD_PICTURES, is_image, shown
-from venus3d.sources.live import Live, open_camera, stream_capture
+from venus3d.sources.live import Live
+from venus3d.sources.stream import StreamCapture
 from venus3d.sources.video import Video
 
 OpenedSource = Folder | Live | Video
@@ -27,8 +27,9 @@ def open_frame_source(
 ) -> OpenedSource:
     """Open what `spec` names.
 
-    A number or /dev/video... is a camera; something:// a stream (or a video on a server); a
-    directory or a pattern with * ? [ ] images; a file an image or a video.
+    A number or /dev/... is a camera; something:// a stream (or a video on a server); what has a !
+    between spaces a GStreamer pipeline; a directory or a pattern with * ? [ ] images; a file an
+    image or a video.
 
     Args:
         spec: what the user typed.
@@ -56,6 +57,8 @@ def _opened(spec: str, size: tuple[int, int] | None, realtime: bool) -> OpenedSo
         raise SourceError("The source is empty; name a camera, a video, a folder, or sim.")
     if spec.isdecimal() or spec.startswith("/dev/"):
         return open_camera(spec, size)
+    if " ! " in spec:
+        return open_pipeline(spec)
     if _ADDRESS.match(spec):
         return _open_address(spec, realtime)
     path = Path(os.path.expanduser(spec))
@@ -74,11 +77,11 @@ def _opened(spec: str, size: tuple[int, int] | None, realtime: bool) -> OpenedSo
 
 
 def _open_address(address: str, realtime: bool) -> Live | Video:
-    capture = stream_capture(address)
-    if capture.get(cv2.CAP_PROP_FRAME_COUNT) > 0:  # it has an end: a video on a server
+    capture = StreamCapture(address)
+    if capture.has_end:
         capture.release()
         return Video(address, realtime=realtime)
-    return Live(capture, address)
+    return Live(lambda: StreamCapture(address), address, opened=capture)
 
 
 def _open_file(path: Path, realtime: bool) -> Folder | Video:

@@ -229,9 +229,16 @@ class Session:
         self._go_on()
         return True
 
-    def restart(self) -> None:
-        """Begin anew with the same camera and board, without any view."""
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """(width, height) of the images."""
+        return self._image_size
+
+    def restart(self, image_size: tuple[int, int] | None = None) -> None:
+        """Begin anew with the same board, without any view, for images of `image_size` (width,
+        height) if their size has changed."""
         self._ending, self._taken_back = False, None
+        self._image_size = image_size or self._image_size
         self._run += 1
         self._restart(self.board)
         self._recorder.changed(self.state)

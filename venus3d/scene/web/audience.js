@@ -3,7 +3,7 @@
    a parking sensor. What is switched on stays in this browser and is sent nowhere. */
 (() => {
   const GAP_MS = 4100, FAR_MS = 1200, NEAR_MS = 110, NEVER = -1e9;
-  const NOTES = { reached: [784], captured: [784, 1175] };
+  const NOTES = { reached: [784], captured: [784, 1175], alarm: [523, 392, 523, 392] };
   const on = { tones: false, voice: false };
   let operator = "", audio = null, spoken = NEVER, waiting = 0, beeped = NEVER, lost = "";
   const played = { cue: null, speech: null };

@@ -18,7 +18,7 @@ from venus3d.languages import Language
 from venus3d.render.annotated_picture import LivePicture, annotate, small_picture
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.lens import LensOverlay, plain_plane, undistortion
-from venus3d.scene.pages.audience.sound import Speaker
+from venus3d.scene.pages.audience.sound import Alarm, Speaker
 from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view import AudienceView
 from venus3d.scene.pages.audience.view_model import (
@@ -67,7 +67,7 @@ class Audience(Page[AudienceState]):
         self._achieved: tuple[Cue, AudienceViewModel] | None = None
         self._praise: tuple[AudienceViewModel, float] | None = None  # the message, until when
         self._paused, self._silent_since = False, ""
-        self._shown, self._speaker = view_model_of(None), Speaker()
+        self._shown, self._speaker, self._alarm = view_model_of(None), Speaker(), Alarm()
         self._overlay = LensOverlay()
         self._pictures = PictureFeed(self._draw_picture, lambda: self._paced(PICTURE_PERIOD_S))
         self._open(audience_picture=self._pictures.loop)
@@ -143,6 +143,8 @@ class Audience(Page[AudienceState]):
                 self._shown = self._praise[0] if self._praise else now
                 self._view.show(self._shown, snapshot, dark=not choices.light)
                 self._scene.draw(self._overlay.shapes(snapshot, choices), dark=True)
+            if self._alarm.due(bool(self._silent_since), time.monotonic()):
+                self._view.play("alarm")
             if sentence := self._speaker.due(self._shown, time.monotonic()):
                 self._view.speak(sentence)
         self._view.fit()

@@ -22,6 +22,28 @@ _PROGRESS = 0.04
 """Fall of the remaining distance (0 ... 1, as on the dial) that is progress."""
 
 
+ALARM_S = 30.0
+"""Seconds without pictures until tones tell of it, and between two such alarms."""
+
+
+class Alarm:
+    """When tones tell that no pictures come. Used by one thread."""
+
+    def __init__(self) -> None:
+        self._due_s = math.inf
+
+    def due(self, silent: bool, now_s: float) -> bool:
+        """Whether to sound it now, `now_s` on a monotonic clock; `silent`: no pictures come."""
+        if not silent:
+            self._due_s = math.inf
+            return False
+        if now_s < self._due_s < math.inf:
+            return False
+        sounds = self._due_s < math.inf
+        self._due_s = now_s + ALARM_S
+        return sounds
+
+
 class Speaker:
     """Chooses the sentences to be spoken. Used by one thread."""
 
@@ -62,7 +84,7 @@ def speech_html(sentence: str, number: int) -> str:
 
 
 def cue_html(cue: Cue | None, number: int) -> str:
-    """The newest achievement, and how many there were."""
+    """The newest achievement or alarm, and how many there were."""
     return f"<div class='v-cue' data-cue='{cue or ''}' data-number='{number}'></div>"
 
 

@@ -75,7 +75,7 @@ class AudienceView:
         self._glance.content = glance_html(moment, snapshot, dark=dark)
 
     def play(self, cue: Cue | None) -> None:
-        """Play the tones of an achievement in browsers with tones on."""
+        """Play the tones of an achievement or an alarm in browsers with tones on."""
         self._played += cue is not None
         self._cue.content = cue_html(cue, self._played)
 

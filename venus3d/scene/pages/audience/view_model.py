@@ -15,8 +15,8 @@ from venus3d.scene.web.diagnoses import another_board, doubt
 
 Kind = Literal["wait", "warning", "unseen", "step", "good"]
 """Nothing to do; something is wrong; something is missing; a step to do; something is done."""
-Cue = Literal["reached", "captured"]
-"""Achievements: a step is right; a view is captured."""
+Cue = Literal["reached", "captured", "alarm"]
+"""What tones tell: a step is right; a view is captured; pictures have stopped for long."""
 
 
 @dataclass(frozen=True)

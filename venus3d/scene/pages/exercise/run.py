@@ -33,6 +33,7 @@ from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import Plan, plan_of, targets_of
 from venus3d.scene.web.page import announce_page
 from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.source_news import tell_of_trouble
 from venus3d.scene.web.tabs import TabServer
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
@@ -148,6 +149,7 @@ def run_trial(options: TrialOptions) -> TrialResult:
             speed=options.speed,
         )
         stack.enter_context(closing(source))
+        tell_of_trouble(source)
         simulation = source if isinstance(source, Simulation) else None
         if simulation is None and not source.is_live:
             raise VenusError(

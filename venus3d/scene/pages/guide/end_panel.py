@@ -42,7 +42,10 @@ class EndButtons:
 
     def show(self, state: ViewState, phase: Phase) -> None:
         """Show those that mean something now."""
-        self._row.show(_end_labels(asked=state.asked_to_end, over=phase in OVER))
+        if state.other_size:
+            self._row.show({NewSession(): say.NEW_SESSION})
+        else:
+            self._row.show(_end_labels(asked=state.asked_to_end, over=phase in OVER))
 
 
 def _end_labels(*, asked: bool, over: bool) -> dict[Intent, str]:

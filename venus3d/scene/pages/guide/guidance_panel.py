@@ -22,7 +22,8 @@ from venus3d.scene.web.theme import Theme
 def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, note: Note) -> str:
     """The whole text for this snapshot."""
     if state.no_pictures:
-        return guide_card(theme.info, "!", say.NO_PICTURES, state.no_pictures, note=note)
+        title = say.OTHER_SIZE if state.other_size else say.NO_PICTURES
+        return guide_card(theme.info, "!", title, state.no_pictures, note=note)
     if snapshot is None:
         return guide_card(theme.quiet, "…", say.STARTING, say.STARTING_SENTENCE, note=note)
     if state.asked_to_end:

@@ -9,6 +9,7 @@ for the computations.
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -28,7 +29,9 @@ from venus3d.scene.web.board_keys import KeyMoves
 from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame, Source
+from venus3d.sources.live import Live, OtherSize, Trouble
 from venus3d.sources.observation_stream import ObservationStream
+from venus3d.sources.reconnection import Outage
 from venus3d.sources.sim import Simulation
 
 _SILENT_S = 2.0
@@ -57,7 +60,7 @@ class LiveGuide:
         self._stream = ObservationStream(
             source, tracker, on_picture=self._show_picture, reopen=again
         )
-        self._silent_since = ""
+        self._silent_since = self._said = ""
         self._by_keys = KeyMoves()
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
@@ -82,14 +85,19 @@ class LiveGuide:
         return snapshot
 
     def _tell_of_silence(self) -> None:
-        """Say that pictures have stopped, or come again."""
-        silent_s = self._stream.silent_s
+        """Say that pictures have stopped and what is done, that they cannot be used, or nothing
+        once they come again."""
+        silent_s, source = self._stream.silent_s, self._stream.source
+        trouble = source.trouble if isinstance(source, Live) else None
         since = ""
-        if silent_s > _SILENT_S:
+        if silent_s > _SILENT_S or isinstance(trouble, OtherSize):
             since = self._silent_since or f"{datetime.now() - timedelta(seconds=silent_s):%H:%M:%S}"
+        said = _silence_text(trouble, since)
+        if said != self._said:
+            self._said = said
+            self._viewer.no_pictures(said, other_size=isinstance(trouble, OtherSize))
         if since != self._silent_since:
             self._silent_since = since
-            self._viewer.no_pictures(since and texts.NO_PICTURES_YET.format(since=since))
             for monitor in self._monitors:
                 monitor.no_pictures(since)
 
@@ -124,7 +132,8 @@ class LiveGuide:
         asked = self._viewer.drain_intents()
         for intent in asked:
             self._obey(intent)
-        if observation is not None:
+        # One that was on its way may be of the size before.
+        if observation is not None and observation.image_size == session.image_size:
             session.observe(observation)
         self._keep_picture()
         if asked or observation is not None:
@@ -198,7 +207,7 @@ class LiveGuide:
             case intents.GoOn():
                 session.resume()
             case intents.NewSession():
-                session.restart()
+                session.restart(source.accept_size() if isinstance(source, Live) else None)
             case intents.Toggle("paused"):
                 self._stream.pause(self._viewer.state.paused)
                 for monitor in self._monitors:
@@ -223,3 +232,18 @@ class LiveGuide:
             self._viewer.say(
                 texts.NO_OTHER_POSE if self._session.phase == "guiding" else texts.NO_POSE_TO_CHOOSE
             )
+
+
+def _silence_text(trouble: Trouble | None, since: str) -> str:
+    """What is said of pictures that have not come since then; nothing if they come."""
+    if not since:
+        return ""
+    match trouble:
+        case OtherSize(was, now):
+            was_px, now_px = (f"{width} x {height}" for width, height in (was, now))
+            return texts.OTHER_SIZE_SENTENCE.format(was=was_px, now=now_px)
+        case Outage(_, tries, next_try_s):
+            wait_s = math.ceil(next_try_s)
+            return texts.NO_PICTURES_AGAIN.format(since=since, tries=tries, wait=wait_s)
+        case None:
+            return texts.NO_PICTURES_YET.format(since=since)

@@ -29,6 +29,7 @@ from venus3d.scene.pages.guide.result_saver import ResultSaver
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.scene.web.page import announce_page
+from venus3d.scene.web.source_news import tell_of_trouble
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
@@ -76,6 +77,7 @@ def run_guide(
     options = _possible(options)
     with ExitStack() as stack:
         source = stack.enter_context(closing(_opened(options, board)))
+        tell_of_trouble(source)
         truth = source.truth if isinstance(source, Simulation) else None
         tracker = BoardTracker(Detector(board, find_layout=truth is None))
         session = Session(board, source.image_size, _settings(options, source), recorder)

@@ -47,7 +47,9 @@ class ViewState:
     target: int = 0
     """Number of the step's target."""
     no_pictures: str = ""
-    """What is said while no pictures come; empty while they do."""
+    """What is said while no pictures come, or none that can be used; empty while they do."""
+    other_size: bool = False
+    """Whether they come in another size than the session's."""
     camera_words: bool = False
     """Whether the page speaks of the camera's left and right, not of the holder's."""
     built: bool = False

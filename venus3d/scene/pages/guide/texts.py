@@ -23,8 +23,19 @@ DOUBTED_NEXT = "The reason stands below. Go on asks for more views."
 PAUSED, PAUSED_SENTENCE = "Paused", "Press Pause again, or the space bar, to go on."
 NO_PICTURES = "No new pictures"
 NO_PICTURES_YET = (
-    "None since {since}. The program waits a few seconds for the next one and then ends; what was "
-    "captured is kept. Look at the camera's cable, or at what sends the stream."
+    "None since {since}. The program waits for the next one; what was captured is kept. Look at "
+    "the camera's cable, or at what sends the stream."
+)
+NO_PICTURES_AGAIN = (
+    "None since {since}. The source is opened again until it answers, then this goes on by itself. "
+    "Tries so far: {tries}; the next one in {wait} s. What was captured is kept. Look at the "
+    "camera's cable, or at what sends the stream."
+)
+OTHER_SIZE = "Another picture size"
+OTHER_SIZE_SENTENCE = (
+    "The pictures are now {now} px, not {was}: for a calibration that is another camera. Set the "
+    "source back and this goes on by itself, or begin a new session with the new size. The views "
+    "so far are kept."
 )
 NO_PICTURES_END = (
     "None since {since}, so the program has ended; what was captured is kept. Start it again on "

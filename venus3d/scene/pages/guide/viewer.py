@@ -167,9 +167,10 @@ class Viewer(Page[ViewState]):
         """Show for some seconds that something went wrong."""
         self._tell(Note(text, warns=True), _NOTE_SECONDS)
 
-    def no_pictures(self, text: str) -> None:
-        """Say instead of an instruction that no pictures come; empty: they come again."""
-        self.change(lambda state: replace(state, no_pictures=text))
+    def no_pictures(self, text: str, *, other_size: bool = False) -> None:
+        """Say instead of an instruction that no pictures come, or that they have another size;
+        empty: they come again."""
+        self.change(lambda state: replace(state, no_pictures=text, other_size=other_size))
 
     def saved(self, text: str) -> None:
         """Show where the result is, as long as the calibration has ended."""

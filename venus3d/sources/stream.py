@@ -1,0 +1,100 @@
+"""A network stream's pictures, by FFmpeg through PyAV.
+
+PyAV and not OpenCV's `VideoCapture`, since that one rescales pictures of another size to the first
+one's without a word, and gives no sign of a damaged picture.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import av
+import av.error
+import numpy as np
+from av.container import InputContainer
+from av.video.frame import VideoFrame
+from numpy.typing import NDArray
+
+from venus3d.engine.errors import SourceError
+
+OPEN_TIMEOUT_S = 8.0
+READ_TIMEOUT_S = 5.0
+_OPTIONS = {
+    # UDP would lose packets, and with them parts of pictures.
+    "rtsp_transport": "tcp",
+    # A picture is shown when it has come, not when a buffer is full.
+    "fflags": "nobuffer",
+    "analyzeduration": "1000000",
+}
+
+
+class StreamCapture:
+    """An opened stream. Used by one thread."""
+
+    def __init__(self, address: str) -> None:
+        """Connect to `address`. Raises `SourceError` if nothing answers in time."""
+        self._address = address
+        try:
+            self._container = _opened(address)
+            self._stream = self._container.streams.video[0]
+        except (av.error.FFmpegError, IndexError, ValueError, OSError) as error:
+            raise SourceError(
+                f"No stream can be opened at {address}; check the address, and that the sender "
+                "runs and can be reached from this machine."
+            ) from error
+        # Threads that each decode a frame of their own would hold some back.
+        self._stream.thread_type = "SLICE"
+        # A picture that does not arrive whole is refused instead of being painted over.
+        self._stream.codec_context.options = {"err_detect": "explode", "flags": "low_delay"}
+        self._frames = self._decoded()
+        self.damaged = 0
+        """Number of pictures that came damaged and were left out."""
+
+    @property
+    def has_end(self) -> bool:
+        """Whether it is a file on a server."""
+        return bool(self._container.duration)
+
+    def read(self) -> tuple[bool, NDArray[np.uint8]]:
+        """The next whole picture (H, W, 3) BGR. Raises `SourceError` at the end, and if none comes
+        for `READ_TIMEOUT_S`."""
+        try:
+            frame = next(self._frames, None)
+        except (av.error.FFmpegError, OSError) as error:
+            raise SourceError(f"{self._address} broke off ({_cause(error)}).") from error
+        if frame is None:
+            raise SourceError(f"{self._address} has ended.")
+        return True, frame.to_ndarray(format="bgr24").astype(np.uint8, copy=False)
+
+    def release(self) -> None:
+        """Disconnect."""
+        self._container.close()
+
+    def _decoded(self) -> Iterator[VideoFrame]:
+        for packet in self._container.demux(self._stream):
+            try:
+                frames = packet.decode()
+            except av.error.InvalidDataError:
+                self.damaged += 1
+                continue
+            for frame in frames:
+                if packet.is_corrupt or frame.is_corrupt:
+                    self.damaged += 1
+                    continue
+                yield frame
+
+
+def _opened(address: str) -> InputContainer:
+    options = dict(_OPTIONS)
+    # What OpenCV would read: "key;value|key;value".
+    for pair in filter(None, os.environ.get("OPENCV_FFMPEG_CAPTURE_OPTIONS", "").split("|")):
+        key, _, value = pair.partition(";")
+        options[key] = value
+    return av.open(address, options=options, timeout=(OPEN_TIMEOUT_S, READ_TIMEOUT_S))
+
+
+def _cause(error: BaseException) -> str:
+    if isinstance(error, av.error.ExitError):
+        return f"nothing came for {READ_TIMEOUT_S:g} s"
+    return getattr(error, "strerror", None) or type(error).__name__
