@@ -22,8 +22,13 @@ from venus3d.scene.web.theme import Theme
 def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, note: Note) -> str:
     """The whole text for this snapshot."""
     if state.no_pictures:
-        title = say.OTHER_SIZE if state.other_size else say.NO_PICTURES
-        return guide_card(theme.info, "!", title, state.no_pictures, note=note)
+        title, cure = (
+            (say.OTHER_SIZE, say.OTHER_SIZE_CURE)
+            if state.other_size
+            else (say.NO_PICTURES, say.NO_PICTURES_CURE)
+        )
+        below = second_line(cure)
+        return guide_card(theme.info, "!", title, state.no_pictures, below=below, note=note)
     if snapshot is None:
         return guide_card(theme.quiet, "…", say.STARTING, say.STARTING_SENTENCE, note=note)
     if state.asked_to_end:

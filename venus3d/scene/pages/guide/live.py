@@ -244,6 +244,8 @@ def _silence_text(trouble: Trouble | None, since: str) -> str:
             return texts.OTHER_SIZE_SENTENCE.format(was=was_px, now=now_px)
         case Outage(_, tries, next_try_s):
             wait_s = math.ceil(next_try_s)
-            return texts.NO_PICTURES_AGAIN.format(since=since, tries=tries, wait=wait_s)
+            if wait_s == 0:
+                return texts.NO_PICTURES_TRY.format(since=since, number=tries)
+            return texts.NO_PICTURES_WAIT.format(since=since, number=tries + 1, wait=wait_s)
         case None:
             return texts.NO_PICTURES_YET.format(since=since)

@@ -22,24 +22,21 @@ DOUBTFUL = "Settled, but do not trust it yet"
 DOUBTED_NEXT = "The reason stands below. Go on asks for more views."
 PAUSED, PAUSED_SENTENCE = "Paused", "Press Pause again, or the space bar, to go on."
 NO_PICTURES = "No new pictures"
-NO_PICTURES_YET = (
-    "None since {since}. The program waits for the next one; what was captured is kept. Look at "
-    "the camera's cable, or at what sends the stream."
+NO_PICTURES_YET = "None since {since}. The program waits for the next one."
+NO_PICTURES_WAIT = "None since {since}. The source is opened again in {wait} s (try {number})."
+NO_PICTURES_TRY = "None since {since}. The source is being opened again (try {number})."
+NO_PICTURES_END = (
+    "None since {since}, so the program has ended. Start it again on this port, and this page goes "
+    "on by itself."
 )
-NO_PICTURES_AGAIN = (
-    "None since {since}. The source is opened again until it answers, then this goes on by itself. "
-    "Tries so far: {tries}; the next one in {wait} s. What was captured is kept. Look at the "
-    "camera's cable, or at what sends the stream."
+NO_PICTURES_CURE = (
+    "What was captured is kept. Look at the camera's cable, or at what sends the stream."
 )
 OTHER_SIZE = "Another picture size"
-OTHER_SIZE_SENTENCE = (
-    "The pictures are now {now} px, not {was}: for a calibration that is another camera. Set the "
-    "source back and this goes on by itself, or begin a new session with the new size. The views "
-    "so far are kept."
-)
-NO_PICTURES_END = (
-    "None since {since}, so the program has ended; what was captured is kept. Start it again on "
-    "this port, and this page goes on by itself."
+OTHER_SIZE_SENTENCE = "The pictures are now {now} px, not {was}."
+OTHER_SIZE_CURE = (
+    "That is another camera to calibrate. Set the source back and this goes on by itself, or begin "
+    "a new session. The views so far are kept."
 )
 ANOTHER_BOARD = "This is another board"
 LOOKING_ELSEWHERE = (
