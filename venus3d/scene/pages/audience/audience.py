@@ -16,8 +16,9 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.languages import Language
 from venus3d.render.annotated_picture import LivePicture, annotate, small_picture
+from venus3d.render.picture_plane import plain_plane, undistortion
 from venus3d.scene.pages.audience import texts
-from venus3d.scene.pages.audience.lens import LensOverlay, plain_plane, undistortion
+from venus3d.scene.pages.audience.lens import LensOverlay
 from venus3d.scene.pages.audience.sound import Alarm, Speaker
 from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view import AudienceView
