@@ -34,6 +34,7 @@ from venus3d.engine.errors import VenusError
 from venus3d.engine.printable import printable
 from venus3d.scene.pages.exercise.options import PracticeOptions, TrialOptions
 from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.scene.pages.measure.options import MeasureOptions
 from venus3d.scene.pages.teach.options import TeachOptions
 from venus3d.threads.signals import on_stop_signal
 
@@ -54,6 +55,7 @@ _COMMANDS: dict[str, tuple[type, str]] = {
     "export": (ExportOptions, "venus3d.cli.export:export_command"),
     "import": (ImportOptions, "venus3d.cli.import_:import_command"),
     "verify": (VerifyOptions, "venus3d.cli.verify:verify_command"),
+    "measure": (MeasureOptions, "venus3d.scene.pages.measure.run:run_measure"),
     "report": (ReportOptions, "venus3d.cli.make_report:report_command"),
     "undistort": (UndistortOptions, "venus3d.cli.undistort:undistort_command"),
     "study": (StudyOptions, "venus3d.cli.study:study"),

@@ -119,7 +119,8 @@ def _result(calibration: Calibration) -> str:
     )
     return section(
         "The camera",
-        f"<p class='lead'>{known}The corners fit within {figure(calibration.rms_px)} px rms.</p>",
+        f"<p class='v-report-lead'>{known}The corners fit within {figure(calibration.rms_px)} px "
+        "rms.</p>",
         table(["", "value", "standard deviation", ""], rows, numbers=(1, 2)),
         paragraph(
             f"Field of view: {across:.1f}° across, {down:.1f}° down, {diagonal:.1f}° from corner "
@@ -147,7 +148,9 @@ def _fields_of_view(camera: Camera) -> tuple[float, float, float]:
 def _doubts(doubts: Sequence[str]) -> str:
     if not doubts:
         return section("Doubts", paragraph("None was found."))
-    items = "".join(f"<p class='lead doubtful'>{_text(doubt)}</p>" for doubt in doubts)
+    items = "".join(
+        f"<p class='v-report-lead v-report-doubtful'>{_text(doubt)}</p>" for doubt in doubts
+    )
     return section("Doubts", items)
 
 
@@ -216,7 +219,11 @@ def _views(told: ReportInput) -> str:
         for view in calibration.views
         if view.number in told.pictures
     ]
-    shown = f"<div class='figures small'>{''.join(photographs)}</div>" if photographs else ""
+    shown = (
+        f"<div class='v-report-figures v-report-small'>{''.join(photographs)}</div>"
+        if photographs
+        else ""
+    )
     return section(
         "The views", table(head, rows, numbers=(1, 2, 3, 4, 5)), *map(paragraph, left_out), shown
     )

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from functools import cache
 from html import escape
 from importlib.metadata import version
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -23,7 +21,7 @@ PICTURE_WIDTH = 900
 
 def document(title: str, subtitle: str, body: Sequence[str]) -> str:
     """The whole page; `body` holds HTML."""
-    style = f"{Theme(dark=False).variables}{style_sheet('style')}{_sheet()}"
+    style = f"{Theme(dark=False).variables}{style_sheet('style')}{style_sheet('report')}"
     return (
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
         "<meta name='viewport' content='width=device-width, initial-scale=1'>"
@@ -53,9 +51,11 @@ def code(title: str, text: str) -> str:
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Sequence[int]) -> str:
     """Plain texts in rows; `numbers` are the columns that stand to the right."""
 
+    right = "v-report-number"
+
     def row(cells: Sequence[str], tag: str) -> str:
         return "".join(
-            f"<{tag}{' class=number' if column in numbers else ''}>{escape(cell)}</{tag}>"
+            f"<{tag} class='{right if column in numbers else ''}'>{escape(cell)}</{tag}>"
             for column, cell in enumerate(cells)
         )
 
@@ -83,7 +83,7 @@ def photograph(caption: str, bgr: NDArray[np.uint8]) -> str:
 
 def side_by_side(*figures: str) -> str:
     """Figures in a row."""
-    return f"<div class='figures'>{''.join(figures)}</div>"
+    return f"<div class='v-report-figures'>{''.join(figures)}</div>"
 
 
 def colour_legend(ticks: Sequence[float], unit: str) -> str:
@@ -102,8 +102,3 @@ def colour_legend(ticks: Sequence[float], unit: str) -> str:
 def _png(rgb: NDArray[np.uint8]) -> str:
     _, content = cv2.imencode(".png", np.ascontiguousarray(rgb[..., ::-1]))
     return f"data:image/png;base64,{base64.b64encode(content.tobytes()).decode()}"
-
-
-@cache
-def _sheet() -> str:
-    return (Path(__file__).parent / "report.css").read_text(encoding="utf-8")

@@ -23,10 +23,10 @@ from venus3d.report.document import (
 )
 
 _LOOK: dict[Verdict, str] = {
-    "good": "good",
-    "degraded": "bad",
-    "other-camera": "bad",
-    "unclear": "doubtful",
+    "good": "v-report-good",
+    "degraded": "v-report-bad",
+    "other-camera": "v-report-bad",
+    "unclear": "v-report-doubtful",
 }
 _PLACES = (
     ("upper left", "upper", "upper right"),
@@ -133,7 +133,7 @@ def verification_report(found: Verification, name: str) -> str:
     size = (PICTURE_WIDTH, round(PICTURE_WIDTH * height / width))
     high = round_up(float(np.nanmax(found.diff_map)))
     views = found.fresh.views
-    lead = f"<p class='lead {_LOOK[found.verdict]}'>{escape(verdict_sentence(found))}</p>"
+    lead = f"<p class='v-report-lead {_LOOK[found.verdict]}'>{escape(verdict_sentence(found))}</p>"
     return document(
         f"Does {name} still hold?",
         f"{width} x {height} px, checked with {len(views)} fresh views",

@@ -20,10 +20,10 @@ from venus3d.scene.pages.guide import texts
 from venus3d.scene.pages.guide.intents import NewSession
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.scene.web.source_news import tell_of_trouble
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.live import Live
 from venus3d.sources.open_frame_source import open_frame_source
+from venus3d.sources.source_news import tell_of_trouble
 
 
 class Grey:

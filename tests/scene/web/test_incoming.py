@@ -198,6 +198,7 @@ HEARD = {
     "TransformControlsDragEndMessage",
     "SceneNodeClickMessage",
     "SceneNodeDragMessage",
+    "ScenePointerMessage",
     "LocalStorageGetItemResponseMessage",
 }
 

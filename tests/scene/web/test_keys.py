@@ -16,6 +16,7 @@ from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.scene.teach_server import served_teaching
 from tests.waiting import wait_until
+from venus3d.engine.calibration.measurement import MeasuringCamera
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
@@ -28,6 +29,7 @@ from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import plan_of
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.pages.measure.page import MeasurePage
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.web.board_keys import BOARD_KEYS
 from venus3d.scene.web.help import key_name
@@ -36,7 +38,7 @@ from venus3d.scene.web.server import start_server
 from venus3d.storage.exercise import ExerciseFile
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "keys.md"
-PAGES = ("guide", "teach", "practice", "trial")
+PAGES = ("guide", "teach", "practice", "trial", "measure")
 _OF_THE_HELP = {"H", "escape"}
 
 
@@ -59,9 +61,16 @@ def gui_of(
     }
     guide = Viewer(port=free_port(), draggable_board=True)
     AudienceControls(guide.server, SimpleNamespace(state=AudienceState()))  # pyright: ignore
-    found: dict[str, Any] = {"guide": guide.server.gui}
+    measuring = MeasurePage("127.0.0.1", free_port(), MeasuringCamera(paper_camera), default_board)
+    found: dict[str, Any] = {"guide": guide.server.gui, "measure": measuring.server.gui}
     teaching = served_teaching(PoseAnalysis(paper_camera, default_board), painter)
-    with closing(guide), teaching as teach, RawClient(teach.port) as tab, closing(file):
+    with (
+        closing(guide),
+        closing(measuring),
+        teaching as teach,
+        RawClient(teach.port) as tab,
+        closing(file),
+    ):
         tab.look()
         teach.page()
         found["teach"] = teach.server.tabs[0].client.gui

@@ -29,6 +29,7 @@ PAGES = {
     "audience": ("audience",),
     "exported lesson": ("style", "document"),
     "its frame": ("player",),
+    "report": ("style", "report"),
 }
 # What a page sets where it uses a style sheet, besides the theme's colours.
 SET_BY_PAGES = {
@@ -36,6 +37,7 @@ SET_BY_PAGES = {
     "audience": {"step", "wide-screen", "tall-screen", "aspect"},
     "exported lesson": {"step", "on", "aspect", "player-bar"},
     "its frame": set[str](),
+    "report": {"step"},
 }
 # Mantine's own, which show through between our panels.
 CANVAS: dict[bool, Colour] = {True: (20, 20, 20), False: (255, 255, 255)}
@@ -62,7 +64,7 @@ def classes_in_pages() -> tuple[set[str], set[str]]:
     A class stands in a `class` attribute, or, where it is put in only sometimes, is a word "v-…".
     """
     texts: list[str] = []
-    for path in (PACKAGE / "scene").rglob("*.py"):
+    for path in (*(PACKAGE / "scene").rglob("*.py"), *(PACKAGE / "report").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 texts.append(node.value)

@@ -156,6 +156,7 @@ _RULES: dict[type[Any], _Rule] = {
             messages.TransformControlsDragStartMessage,
             messages.TransformControlsDragEndMessage,
             messages.SceneNodeClickMessage,
+            messages.ScenePointerMessage,
             messages.SceneNodeDragMessage,
             messages.LocalStorageGetItemResponseMessage,
         )

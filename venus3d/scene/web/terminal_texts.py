@@ -11,9 +11,3 @@ PAGE_ANNOUNCED = "{title}: {url}   (Ctrl-C ends it)"
 FROM_ELSEWHERE = "On other machines: {url}   ({reach})"
 WITH_TOKEN = "whoever has this address, with its token, can open the page"
 WITHOUT_TOKEN = "anybody on the network can open it, without a password"
-SOURCE_GONE = "{name}: no pictures since {since}; it is opened again until they come."
-SOURCE_TRIED = "{name}: opening it again, try {tries}: {reason}"
-SOURCE_BACK = "{name}: pictures again, after {seconds:.1f} s."
-SOURCE_OTHER_SIZE = (
-    "{name}: the pictures are now {now} px, not {was}; set the source back, or begin a new session."
-)

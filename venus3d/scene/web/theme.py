@@ -1,6 +1,7 @@
 """The pages' dark and light colours, and the style sheets that use them. The .css files are beside
 this module: style.css for operated pages, audience.css for the second monitor, document.css (after
-style.css) and player.css for the exported lesson. Panel positions are the pages' own."""
+style.css) and player.css for the exported lesson, report.css (after style.css) for documents on a
+calibration. Panel positions are the pages' own."""
 
 from __future__ import annotations
 

@@ -33,13 +33,13 @@ from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import Plan, plan_of, targets_of
 from venus3d.scene.web.page import announce_page
 from venus3d.scene.web.server import LocalServer, start_server
-from venus3d.scene.web.source_news import tell_of_trouble
 from venus3d.scene.web.tabs import TabServer
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.sim import Simulation
+from venus3d.sources.source_news import tell_of_trouble
 from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.exercise import ExerciseFile, ExerciseRow
 from venus3d.threads.latency import low_latency

@@ -29,12 +29,12 @@ from venus3d.scene.pages.guide.result_saver import ResultSaver
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.scene.web.page import announce_page
-from venus3d.scene.web.source_news import tell_of_trouble
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.sim import Simulation
+from venus3d.sources.source_news import tell_of_trouble
 
 # Recordings ignore targets: a view counts if it lowers the expected uncertainty this much.
 _USEFUL_DROP = 0.1

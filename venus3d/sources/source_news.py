@@ -9,7 +9,7 @@ from contextlib import suppress
 from datetime import datetime, timedelta
 
 from venus3d.engine.printable import printable
-from venus3d.scene.web import terminal_texts as say
+from venus3d.sources import terminal_texts as say
 from venus3d.sources.frame import Source
 from venus3d.sources.live import Live, OtherSize, Trouble
 from venus3d.sources.reconnection import Outage
