@@ -139,6 +139,7 @@ GIVEN_REASON = Sentence("This pose was asked for.")
 _NO_TARGET_HEADLINE = Sentence("No target")
 ONLY_SHOWN = (_NO_TARGET_HEADLINE, _both(Sentence("The board as it is held now.")))
 _FINISHED_HEADLINE = Sentence("Finished")
+_REFUSED_HEADLINE = Sentence("Not captured yet")
 _NOT_SEEN_HEADLINE = Sentence("Board not seen")
 _SHOW_HEADLINE = Sentence("Show the board")
 _SHOW = _both(Sentence("Hold the board upright in front of the camera."))
@@ -176,6 +177,11 @@ def headline_and_prompt(
     if not seen:
         return _NOT_SEEN_HEADLINE, NOT_SEEN
     return (_NO_TARGET_HEADLINE, _NO_TARGET) if current is None else current
+
+
+def refusal_headline_and_prompt(refusal: Sentence) -> tuple[str, Prompt]:
+    """The same at a target where no view is captured, with the reason."""
+    return _REFUSED_HEADLINE, _both(refusal)
 
 
 def startup_headline_and_prompt(seen: int, corners: int) -> tuple[str, Prompt]:

@@ -26,7 +26,12 @@ from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
 from venus3d.engine.guidance.loop import Calibrated, LoopFigures
-from venus3d.engine.guidance.prompts import Phase, headline_and_prompt, startup_headline_and_prompt
+from venus3d.engine.guidance.prompts import (
+    Phase,
+    headline_and_prompt,
+    refusal_headline_and_prompt,
+    startup_headline_and_prompt,
+)
 from venus3d.engine.guidance.record import NoRecorder, Recorder, SessionState
 from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
@@ -108,7 +113,9 @@ class Session:
             self._target = self._startup.updated_target(
                 self._target, self._next_target, self.settings.method, self.settings.cost
             )
-        self._tracker.observe(observation, self.camera, self._target)
+        self._tracker.observe(
+            observation, self.camera, self._target, self._captured.usual_sharpness
+        )
         self._number += 1
         self._watch_taken_back()
         may_capture = (
@@ -117,27 +124,25 @@ class Session:
             and self._number >= self._retry_at
         )
         if may_capture and self._phase in ("startup", "guiding"):
-            ready = self._phase == "guiding" or self._startup.best is not None
-            if (
-                ready and self._tracker.held_frames >= self.settings.hold_frames
-            ) or self._is_useful():
-                self.capture()
+            best = self._tracker.best_held if self._is_held else None
+            if best is not None or self._is_useful():
+                self.capture(best)
         return self.snapshot()
 
-    def capture(self) -> bool:
-        """Capture the current observation as a view. False if there is none, or all is over.
+    def capture(self, chosen: Observation | None = None) -> bool:
+        """Capture the current observation as a view, or one `chosen` from this hold at the target.
+        False if there is none, or all is over.
 
         A view that does not determine the focal length is accepted too: guidance then continues
         with a guessed camera, and says so, until tilted views come.
         """
         tracker = self._tracker
         over = self._phase == "finished" or self._ending
-        if tracker.pose is None or over or self._captured.has(tracker.observation):
+        seen = tracker.observation if chosen is None else chosen
+        if tracker.pose is None or over or self._captured.has(seen):
             return False
         at_target = tracker.is_at_target and self._phase == "guiding"
-        view = CapturedView(
-            self._captured.next_number, tracker.observation, self._target if at_target else None
-        )
+        view = CapturedView(self._captured.next_number, seen, self._target if at_target else None)
         try:
             self._recorder.captured(view)
         except VenusError as error:
@@ -348,6 +353,9 @@ class Session:
         headline, instruction = headline_and_prompt(
             self._phase, remaining and remaining.current, tracker.pose is not None, self._ending
         )
+        refusal = tracker.refusal if self._is_held and tracker.best_held is None else None
+        if refusal is not None:
+            headline, instruction = refusal_headline_and_prompt(refusal)
         if self._phase == "startup" and self._startup.best is None and self._target is None:
             headline, instruction = startup_headline_and_prompt(
                 tracker.observation.count, self.board.corner_count
@@ -375,12 +383,21 @@ class Session:
             uncertainty=known and known.uncertainty,
             search_trace=known and known.search_trace,
             taken_back=self._taken_back is not None,
+            refusal=refusal,
             run=self._run,
             captured=tuple(view.number for view in self._captured.views),
             loop=self._figures.now(self._phase, remaining, self.pending, self._history),
         )
 
     # -- within ------------------------------------------------------------------------------------
+
+    @property
+    def _is_held(self) -> bool:
+        """Whether the board has been held at its target for long enough."""
+        ready = self._phase == "guiding" or (
+            self._phase == "startup" and self._startup.best is not None
+        )
+        return ready and self._tracker.held_frames >= self.settings.hold_frames
 
     def _use_board(self, board: Board) -> None:
         """Adopt a board with another layout; only before the first view."""
@@ -441,5 +458,5 @@ class Session:
             last_target=state.views[-1].target,
         )
         self._phase = "captured"
-        self._tracker.held_frames = 0
+        self._tracker.release()
         self._recorder.changed(state)

@@ -72,6 +72,8 @@ class Snapshot:
     """The search of the current target; None if there was none."""
     taken_back: bool = False
     """Whether the board is still where the last view was taken back: no capture by itself."""
+    refusal: str | None = None
+    """Why the board, held at its target, is not captured by itself: light, sharpness, motion."""
     run: int = 1
     """Counts the calibrations of this session: each begins without views."""
     captured: tuple[int, ...] | None = None

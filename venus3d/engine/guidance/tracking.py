@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from collections import deque
+
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.capture_gate import refusal
 from venus3d.engine.guidance.matching import Match, match, motion_px
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.target import Target
+from venus3d.engine.sentences import Sentence
 
 
 def is_near(camera: Camera, board: Board, pose: Pose, other: Pose, settings: Settings) -> bool:
@@ -37,9 +42,19 @@ class PoseTracker:
         self._last: Match | None = None
         self.held_frames = 0
         """Consecutive observations in which the target has been reached."""
+        self.refusal: Sentence | None = None
+        """Why the last of them shall not become a view."""
+        self._good: deque[Observation] = deque(maxlen=max(1, settings.hold_frames))
 
-    def observe(self, observation: Observation, camera: Camera, target: Target | None) -> None:
-        """Process one frame. Raises `CalibrationError` if its size differs from the others'."""
+    def observe(
+        self,
+        observation: Observation,
+        camera: Camera,
+        target: Target | None,
+        usual_sharpness: float = math.nan,
+    ) -> None:
+        """Process one frame. `usual_sharpness`: median of the captured views; NaN without any.
+        Raises `CalibrationError` if its size differs from the others'."""
         (width, height), (w, h) = self.observation.image_size, observation.image_size
         if (w, h) != (width, height):
             raise CalibrationError(
@@ -48,13 +63,36 @@ class PoseTracker:
             )
         self._before, self.observation = self.observation.without_image(), observation
         self._compare(camera, target, self._before)
-        self.held_frames = (
-            self.held_frames + 1 if self.match is not None and self.match.reached else 0
+        if self.match is None or not self.match.reached:
+            self.release()
+            return
+        self.held_frames += 1
+        since_s = observation.time_s - self._before.time_s
+        moves = math.isfinite(self._settings.still_px)  # not so for single pictures
+        self.refusal = refusal(
+            observation,
+            self._board,
+            motion_px=self.match.motion_px if moves else 0.0,
+            since_s=since_s,
+            usual_sharpness=usual_sharpness,
         )
+        if self.refusal is None:
+            self._good.append(observation)
+
+    def release(self) -> None:
+        """The hold is over, or has led to a view."""
+        self.held_frames, self.refusal = 0, None
+        self._good.clear()
+
+    @property
+    def best_held(self) -> Observation | None:
+        """The sharpest of the last observations at the target that may become a view."""
+        return max(self._good, key=lambda seen: seen.sharpness, default=None)
 
     def set_target(self, camera: Camera, target: Target | None) -> None:
         """Re-evaluate the last frame with another camera or target."""
-        self.held_frames, self._last = 0, None
+        self._last = None
+        self.release()
         self._compare(camera, target, None)
 
     @property

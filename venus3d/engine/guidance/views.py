@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.planning.target import Target
 
@@ -50,6 +52,12 @@ class CapturedViews:
         # Predictions that included this view are no longer valid.
         self.views[places[0] :] = [replace(view, target=None) for view in self.views[places[0] :]]
         return places[0]
+
+    @property
+    def usual_sharpness(self) -> float:
+        """Median of the views' sharpness; NaN without any that was measured."""
+        known = [seen for view in self.views if (seen := view.observation.sharpness) > 0]
+        return float(np.median(known)) if known else float("nan")
 
     def has(self, observation: Observation) -> bool:
         """Whether the last view is this observation."""

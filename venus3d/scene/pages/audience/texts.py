@@ -12,6 +12,7 @@ SHOW_BOARD = ("?", "Show the board")
 NOT_SEEN = ("?", "Board not seen")
 OTHER_BOARD = ("!", "Another board")
 NO_TARGET = ("?", "Your turn")
+REFUSED = ("!", "Not captured yet")
 HOLD_STILL = ("✓", "Hold still", "Hold the board still.")
 CAPTURED = ("✓", "Captured", "Captured. You may relax your arms.")
 THINKING = ("…", "One moment", "One moment: the next pose is being worked out.")
@@ -19,7 +20,7 @@ CONVERGED = ("✓", "Done", "Done. The camera is calibrated; thank you.")
 FINISHED = ("✓", "Finished", "Finished. You may put the board down.")
 ENDED = ("■", "Ended", "Ended. You may put the board down.")
 DOUBTED = ("!", "Not done yet", "The operator reads a warning; please wait.")
-"""Badge, title and sentence of each state; three have the engine's sentence."""
+"""Badge, title and sentence of each state; four have the engine's sentence."""
 
 STEP_DONE = "{title}: done. Leave it like that."
 VIEWS = ("no picture yet", "{count} picture so far", "{count} pictures so far")

@@ -62,6 +62,9 @@ def view_model_of(
     todo = snapshot.remaining
     if todo is None or todo.match is None:
         return _unseen(snapshot)
+    if snapshot.refusal is not None:
+        sentence = translated(snapshot.refusal)
+        return AudienceViewModel("warning", *texts.REFUSED, sentence, remaining=todo)
     if todo.is_over:
         return AudienceViewModel("good", *texts.HOLD_STILL, remaining=todo)
     step, sentence = todo.active, translated(todo.step(todo.active).prompt.holder)

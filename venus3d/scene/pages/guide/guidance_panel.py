@@ -45,6 +45,10 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
     if remaining.match.reached and snapshot.taken_back:
         sentence = say.TAKEN_BACK_SENTENCE
         return guide_card(theme.quiet, "↩", say.TAKEN_BACK, sentence, below=chips, note=note)
+    if snapshot.refusal is not None:
+        below, sentence = second_line(say.CAPTURE_ANYWAY), snapshot.refusal
+        headline = snapshot.headline
+        return guide_card(theme.info, "!", headline, sentence, below=below, note=note)
     if remaining.match.reached or (remaining.is_over and state.follow):
         return hold_card(theme, remaining, state.step, note)
     foot = ""

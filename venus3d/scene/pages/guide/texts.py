@@ -18,6 +18,7 @@ TAKEN_BACK = "Taken back"
 TAKEN_BACK_SENTENCE = (
     "Move the board away from here: only then is this pose captured again. C captures it now."
 )
+CAPTURE_ANYWAY = "Captured by itself once this is mended; C captures it as it is."
 DOUBTFUL = "Settled, but do not trust it yet"
 DOUBTED_NEXT = "The reason stands below. Go on asks for more views."
 PAUSED, PAUSED_SENTENCE = "Paused", "Press Pause again, or the space bar, to go on."

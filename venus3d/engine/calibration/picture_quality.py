@@ -1,0 +1,100 @@
+"""How well lit the board is in a picture: its black, its white, and where glare washes it out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array
+
+_NEAR = np.linspace(-0.3, 0.3, 9)
+_GRID = np.stack(np.meshgrid(_NEAR, _NEAR), axis=-1).reshape(-1, 2)
+"""(81, 2) where a corner's surroundings are looked at, in squares."""
+_QUADRANTS = np.array(
+    [(np.sign(_GRID) == side).all(axis=1) for side in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+) & (np.abs(_GRID).min(axis=1) > 0.07)
+"""(4, 81) which of these lie well within each of the corner's four squares."""
+_TEXTURE_PX = 20
+WASHED_OUT = 0.4
+"""Black that is brighter than this share of the way from the board's black to its white is washed
+out. On photographs without glare it is at most 0.34, where a gloss is seen up to 0.6."""
+
+
+@dataclass(frozen=True)
+class PictureQuality:
+    """The board's light in one picture, in grey values 0 ... 255."""
+
+    black: float
+    """Grey value of its black, the median over the corners that were found."""
+    white: float
+    """The same of its white."""
+    washed_out: float
+    """0 ... 1: share of the board's corners in the picture whose black is washed out."""
+
+    @property
+    def contrast(self) -> float:
+        """White minus black."""
+        return self.white - self.black
+
+
+def picture_quality(
+    image: NDArray[np.uint8], board: Board, seen: Observation
+) -> PictureQuality | None:
+    """The light on the board seen in `image` (H, W[, 3]); None where that cannot be told.
+
+    A corner's black is the brighter of the two plain black squares there, its white the brightest
+    tenth around it. Glare hides corners from the detection, so those that were not found are looked
+    at as well, where a homography has them.
+    """
+    if seen.count < 4:
+        return None
+    homography, _ = cv2.findHomography(board.points_of(seen.ids)[:, :2], seen.corners)
+    if homography is None:
+        return None
+    inside, blacks, whites = _tones(image, board, seen, homography)
+    found = np.isin(inside, seen.ids)
+    if not found.any():
+        return None
+    black, white = float(np.median(blacks[found])), float(np.median(whites[found]))
+    washed_out = blacks > black + WASHED_OUT * (white - black)
+    return PictureQuality(black, white, float(washed_out.mean()))
+
+
+def _tones(
+    image: NDArray[np.uint8], board: Board, seen: Observation, homography: Any
+) -> tuple[NDArray[np.intp], Array, Array]:
+    """(K,) ids of the corners in the picture, (K,) their black, (K,) their white."""
+    flat = board.corners[:, :2]
+    around = flat[:, None] + board.square * _GRID
+    flat_px = cv2.perspectiveTransform(flat[None], homography)[0]
+    at = cv2.perspectiveTransform(around.reshape(1, -1, 2), homography).reshape(around.shape)
+    # The homography knows no distortion; where a corner was found, its surroundings go with it.
+    at[seen.ids] += (seen.corners - flat_px[seen.ids])[:, None]
+    at = np.rint(at).astype(int)
+    height, width = image.shape[:2]
+    inside = ((at >= 0) & (at < [width, height])).all(axis=(1, 2))
+    pixels = image[at[inside][..., 1], at[inside][..., 0]].astype(np.float64)
+    if pixels.ndim == 3:
+        pixels = pixels @ [0.114, 0.587, 0.299]
+    pixels /= 257.0 if image.dtype == np.uint16 else 1.0
+    squares = pixels @ (_QUADRANTS / _QUADRANTS.sum(axis=1, keepdims=True)).T
+    blacks = np.where(_plain_black(board)[inside], squares, -np.inf).max(axis=1)
+    return np.flatnonzero(inside), blacks, np.percentile(pixels, 90, axis=1)
+
+
+@lru_cache(maxsize=4)
+def _plain_black(board: Board) -> NDArray[np.bool_]:
+    """(N, 4) which of the squares at each corner are printed plain black."""
+    texture = board.texture(_TEXTURE_PX)
+    origin = np.array([board.width, board.height]) / 2
+    around = (board.corners[:, None, :2] + board.square * _GRID + origin) / board.square
+    at = np.floor(around * _TEXTURE_PX).astype(int)
+    printed = texture[at[..., 1], at[..., 0]] < 128
+    return (printed[:, None] | ~_QUADRANTS).all(axis=2)
