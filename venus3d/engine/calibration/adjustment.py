@@ -40,7 +40,7 @@ from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.sentences import Sentence, listed, said_by
 
-LeftOutReason = Literal["undetermined", "misfit", "repeat"]
+LeftOutReason = Literal["undetermined", "misfit", "repeat", "turned"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,8 @@ class LeftOut:
     observation: Observation
     reason: LeftOutReason
     """"undetermined": its corners fix no pose; "misfit": they fit no pose of this board; "repeat":
-    they are where another view's are, and count once (see `repeats`)."""
+    they are where another view's are, and count once (see `repeats`); "turned": its picture is
+    turned by 180° against the others (see `turned_pictures`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +144,10 @@ _TOO_FEW_A_VIEW = Sentence(
 _TOO_FEW = Sentence(
     "{count} corners in {views} views are too few for the nine parameters; take more views, or "
     "views that show more of the board."
+)
+_OUTSIDE = Sentence(
+    "The result makes no sense (principal point at {x}, {y} px, outside the image); check the "
+    "board's sizes and add views tilted by 20-45°."
 )
 
 
@@ -357,7 +362,4 @@ def _check_result(calibration: Calibration) -> None:
     if all(calibration.free) and largest_angle_deg(calibration) < PARALLEL_DEG:
         raise CalibrationError(_UNTIED.format(why=_PARALLEL))
     if not (0 <= camera.cx < camera.width and 0 <= camera.cy < camera.height):
-        raise CalibrationError(
-            f"The result makes no sense (principal point at {camera.cx:.0f}, {camera.cy:.0f} px, "
-            "outside the image); check the board's sizes and add views tilted by 20-45°."
-        )
+        raise CalibrationError(_OUTSIDE.format(x=f"{camera.cx:.0f}", y=f"{camera.cy:.0f}"))

@@ -329,6 +329,7 @@ _CHECKS = (
     _Check(5, 3, _folding),
     _Check(2, 2, other_cameras),
     _Check(2, 2, fit_checks.left_out),
+    _Check(2, 2, fit_checks.turned),
     _Check(2, 2, fit_checks.repeats),
     _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.shape),
     _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.pattern),

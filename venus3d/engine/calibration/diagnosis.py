@@ -17,6 +17,7 @@ DiagnosisKind = Literal[
     "impossible-distance",
     "fisheye-lens",
     "cropped-pictures",
+    "turned-pictures",
     "bent-board",
     "rolling-shutter",
     "poor-fit",

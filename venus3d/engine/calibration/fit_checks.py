@@ -13,11 +13,13 @@ import numpy as np
 from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.adjustment import Calibration, LeftOut, LeftOutReason
 from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.residual_patterns import (
     board_share,
     neighbour_correlation,
     rolling_share,
 )
+from venus3d.engine.calibration.turned_pictures import turned_views
 from venus3d.engine.sentences import Sentence, listed
 
 ALIKE = 0.6
@@ -104,6 +106,33 @@ _ALIKE = Sentence(
 )
 
 
+_TURNED_OUT = (
+    Sentence(
+        "View {views} was left out: its picture is turned by 180° against the others. The "
+        "principal point is at ({x}, {y}) px in it and at ({cx}, {cy}) px in the others."
+    ),
+    Sentence(
+        "Views {views} were left out: their pictures are turned by 180° against the others. The "
+        "principal point is at ({x}, {y}) px in them and at ({cx}, {cy}) px in the others."
+    ),
+)
+_TURNED_IN = (
+    Sentence(
+        "The picture of view {views} is turned by 180° against the others, and so is the "
+        "principal point: the estimate of it lies in between."
+    ),
+    Sentence(
+        "The pictures of views {views} are turned by 180° against the others, and so is the "
+        "principal point: the estimate of it lies in between."
+    ),
+)
+_TURN_BACK = Sentence(
+    "Turn back what a phone or a program turned, so that all pictures lie as the camera read "
+    "them, and calibrate again; a camera held upside down turns nothing."
+)
+_MOST_TURNED = 12
+
+
 _REPEATED = Sentence(
     "Of {every} views {different} are different: views {views} repeat others and do not count, as "
     "what repeats brings nothing new."
@@ -176,6 +205,27 @@ def left_out(calibration: Calibration) -> Iterator[Diagnosis]:
         )
 
 
+def turned(calibration: Calibration) -> Iterator[Diagnosis]:
+    """Pictures that are turned by 180° among the others."""
+    ones = [one for one in calibration.left_out if one.reason == "turned"]
+    if ones:
+        camera = calibration.camera
+        x, y = camera.width - 1 - camera.cx, camera.height - 1 - camera.cy
+        places = {"x": x, "y": y, "cx": camera.cx, "cy": camera.cy}
+        numbers = tuple(one.number for one in ones)
+        cause = _TURNED_OUT[len(ones) > 1].format(
+            views=listed([_name(one) for one in ones], _MOST_TURNED),
+            **{name: f"{value:.1f}" for name, value in places.items()},
+        )
+    else:
+        numbers = turned_views(calibration)
+        if not numbers:
+            return
+        names = [_name(view) for view in calibration.views if view.number in numbers]
+        cause = _TURNED_IN[len(numbers) > 1].format(views=listed(names, _MOST_TURNED))
+    yield Diagnosis("turned-pictures", cause, _TURN_BACK, numbers)
+
+
 def repeats(calibration: Calibration) -> Iterator[Diagnosis]:
     """Views that count once with another one."""
     ones = [one for one in calibration.left_out if one.reason == "repeat"]
@@ -235,7 +285,7 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
         )
 
 
-def _name(one: LeftOut) -> str:
+def _name(one: LeftOut | View) -> str:
     return f"{one.number} ({one.observation.name})" if one.observation.name else f"{one.number}"
 
 

@@ -76,6 +76,18 @@ class View:
     """Corners of the same image that fit no pose of the board; they do not count in anything."""
 
 
+def whole(view: View) -> Observation:
+    """A view's observation with the corners that the calibration leaves out."""
+    seen, gone = view.observation, view.left_out
+    if gone is None:
+        return seen
+    ids = np.append(seen.ids, gone.ids)
+    order = np.argsort(ids)
+    return replace(
+        seen, ids=ids[order], corners=np.concatenate([seen.corners, gone.corners])[order]
+    )
+
+
 def determines_homography(points: Array) -> bool:
     """Whether points (N, 2 or 3) of the board fix a homography: not if all lie on one line, or all
     but one. Judged on the board, since a lens bends a line's image."""

@@ -17,8 +17,10 @@ from venus3d.engine.calibration.observation import Observation, determines_homog
 from venus3d.engine.calibration.other_cameras import explained, other_cameras
 from venus3d.engine.calibration.refinement import local_scales
 from venus3d.engine.calibration.repeats import repeated
+from venus3d.engine.calibration.turned_pictures import without_turned
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
+from venus3d.engine.sentences import Sentence
 
 FEWEST_VIEWS = 3
 """Two views determine nine parameters in theory only; three can contradict each other."""
@@ -26,6 +28,39 @@ CELL_PX = 2.4
 """Pixels that a marker's cell needs on its short side. On 110 valid poses of the simulated camera
 with its noise and blur, 41 % of the default board's corners are found where the smallest square is
 18-21 px wide (2.1 px a cell), 73 % at 21-25 px, 96 % at 25-30 px, all above."""
+
+
+_NEEDED = Sentence(
+    "a calibration needs at least {fewest} different views, better 10 with the board tilted in "
+    "different directions"
+).format(fewest=FEWEST_VIEWS)
+_ALL_ALIKE = Sentence(
+    "{counted}, but all are alike: they make 1 view, and {needed}; move the board or the camera in "
+    "between."
+)
+_MOST_ALIKE = Sentence(
+    "{counted}, but most are alike: they make {count} different views, and {needed}; move the "
+    "board or the camera in between."
+)
+_SMALL = Sentence(
+    "{counted}, and its squares are only {width} px wide there, where {legible} px are needed to "
+    "read it reliably; bring it nearer, or take pictures with more pixels."
+)
+_FEW = Sentence("{counted}, and {needed}.")
+_VIEWS = Sentence("There are {count} views of the board")
+_SHOW = Sentence("{count} of {looked} pictures show the board")
+_ONLY_VIEWS = (
+    Sentence("There is only {count} view of the board"),
+    Sentence("There are only {count} views of the board"),
+)
+_ONLY_SHOW = (
+    Sentence("Only {count} picture shows the board"),
+    Sentence("Only {count} pictures show the board"),
+)
+_ONLY_SHOW_OF = (
+    Sentence("Only {count} of {looked} pictures shows the board"),
+    Sentence("Only {count} of {looked} pictures show the board"),
+)
 
 
 class OtherCameraError(CalibrationError):
@@ -63,6 +98,7 @@ def calibrate_or_refuse(
     except CalibrationError as error:
         cause = explained(board, seen, float("inf"))
         raise error if cause is None else OtherCameraError(str(cause)) from error
+    calibration = without_turned(board, calibration)
     for cause in other_cameras(calibration):
         raise OtherCameraError(str(cause))
     return calibration
@@ -81,39 +117,19 @@ def square_px(board: Board, seen: Observation) -> float:
     return float(np.median(np.linalg.norm(scales, axis=1).min(axis=1)) * board.square)
 
 
-def _too_few(board: Board, kept: _Kept) -> str:
-    count = len(kept.seen)
-    needed = (
-        f"a calibration needs at least {FEWEST_VIEWS} different views, better 10 with the "
-        "board tilted in different directions"
-    )
+def _too_few(board: Board, kept: _Kept) -> Sentence:
+    count, looked = len(kept.seen), kept.looked
     if count > kept.different:
-        views = "1 view" if kept.different == 1 else f"{kept.different} different views"
-        alike = "all are alike" if kept.different == 1 else "most are alike"
-        return (
-            f"{_counted(kept)}, but {alike}: they make {views}, and {needed}; move the board or "
-            "the camera in between."
-        )
+        counted = (_VIEWS if looked is None else _SHOW).format(count=count, looked=looked)
+        if kept.different == 1:
+            return _ALL_ALIKE.format(counted=counted, needed=_NEEDED)
+        return _MOST_ALIKE.format(counted=counted, needed=_NEEDED, count=kept.different)
+    said = _ONLY_VIEWS if looked is None else _ONLY_SHOW if looked == count else _ONLY_SHOW_OF
+    counted = said[count > 1].format(count=count, looked=looked)
     small, legible = _smallest(board, kept.seen), legible_square_px(board)
     if small < legible:
-        return (
-            f"{_counted(kept, few=True)}, and its squares are only {small:.0f} px wide there, "
-            f"where {legible:.0f} px are needed to read it reliably; bring it nearer, or take "
-            "pictures with more pixels."
-        )
-    return f"{_counted(kept, few=True)}, and {needed}."
-
-
-def _counted(kept: _Kept, *, few: bool = False) -> str:
-    count = len(kept.seen)
-    if kept.looked is None:
-        there = "There is" if count == 1 else "There are"
-        return (
-            f"{there} {'only ' if few else ''}{count} view{'' if count == 1 else 's'} of the board"
-        )
-    of = "" if few and kept.looked == count else f" of {kept.looked}"
-    shows = "picture shows" if count == 1 else "pictures show"
-    return f"{'Only ' if few else ''}{count}{of} {shows} the board"
+        return _SMALL.format(counted=counted, width=f"{small:.0f}", legible=f"{legible:.0f}")
+    return _FEW.format(counted=counted, needed=_NEEDED)
 
 
 def _smallest(board: Board, seen: Sequence[Observation]) -> float:

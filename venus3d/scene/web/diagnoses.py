@@ -20,6 +20,7 @@ SEVERITIES: dict[DiagnosisKind, Severity] = {
     "impossible-distance": "wrong",
     "fisheye-lens": "wrong",
     "cropped-pictures": "wrong",
+    "turned-pictures": "weak",
     "bent-board": "weak",
     "rolling-shutter": "weak",
     "poor-fit": "weak",

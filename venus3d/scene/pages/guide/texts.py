@@ -280,6 +280,7 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "impossible-distance": "impossible distance",
     "fisheye-lens": "a fisheye lens",
     "cropped-pictures": "part of a larger picture",
+    "turned-pictures": "pictures turned by 180°",
     "bent-board": "the board is not flat",
     "rolling-shutter": "moved while being read",
     "poor-fit": "the model does not fit",

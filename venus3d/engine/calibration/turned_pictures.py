@@ -1,0 +1,269 @@
+"""Finds pictures that were turned by 180° among others, by a phone or a program.
+
+In a picture turned about its middle the principal point (cx, cy) is at (w - 1 - cx, h - 1 - cy),
+and p1 and p2 change sign; fx, fy and the radial distortion stay. Fitted together, such pictures and
+the others give a principal point in between, and nothing else tells. A board turned by 180°, or a
+camera held upside down, turns no picture: the pose takes that up.
+
+Each view has a sign, +1 or -1, by which the four odd parameters (cx and cy from the middle, p1, p2)
+are multiplied. Near a fit the cost of any signs is a small sum of normal matrices, so they are
+flipped one by one for as long as it falls. Other errors gain by signs too. What tells them apart:
+
+- The signs gain more than the best of so many do by chance, against what is left to the views' own
+  odd parameters, with the errors that a view's corners share (`shared_errors`).
+- With the pictures turned back, the principal point lies off the middle by `OFF_MIDDLE` standard
+  deviations. Nearer than that a turn can't be seen, and does little harm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from scipy.special import gammaln
+
+from venus3d.engine.calibration.adjustment import Calibration, LeftOut, calibrate
+from venus3d.engine.calibration.observation import Observation, View, rms_distance, whole
+from venus3d.engine.calibration.shared_errors import ViewResidual, corner_errors
+from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.geometry.pose import Array
+
+FEWEST_VIEWS = 5
+"""With fewer views, two kinds can't be told from errors that each view has."""
+UNLIKELY, UNLIKELY_SHARED = 22.0, 28.0
+"""Twice the log-likelihood that signs must gain beyond chance, where the corners of a view share no
+errors and where they do: six views of the photographs in `cases/glare` reach 27."""
+OFF_MIDDLE = 4.0
+"""Standard deviations by which the principal point must lie off the picture's middle."""
+CLEAR = 9.0
+"""Variances of the noise that a view's own sign must gain for the view to be named."""
+FITS = 3.0
+"""A view left out is turned if it fits, turned back, with this many times the others' rms."""
+_ODD = ("cx", "cy", "p1", "p2")
+_SHAPE = 3
+_IS_ODD = np.array([name in _ODD for name in (*PARAMETERS, *[""] * _SHAPE)])
+_ROUNDS = 4
+
+
+def turned(seen: Observation) -> Observation:
+    """The observation in the picture turned by 180°."""
+    return replace(seen, corners=np.array(seen.image_size) - 1 - seen.corners)
+
+
+def turned_views(calibration: Calibration) -> tuple[int, ...]:
+    """Numbers of the views whose pictures are turned by 180° against most others (of equally many,
+    against the first); none in nearly all cases, and then quickly."""
+    if len(calibration.views) < FEWEST_VIEWS or not all(calibration.free):
+        return ()
+    # Without regard to shared errors first, which is quick: signs that gain nothing end it.
+    signs = _Signs.of(calibration, shared=False).best(np.ones(len(calibration.views)))
+    if (signs > 0).all():
+        return ()
+    system = _Signs.of(calibration, shared=True)
+    signs = system.best(signs)
+    if system.gain(signs) < 0:
+        return ()
+    try:
+        return _told(calibration, signs)
+    except CalibrationError:
+        return ()
+
+
+def without_turned(board: Board, calibration: Calibration) -> Calibration:
+    """The calibration of `board` without the views whose pictures are turned; the same if none is,
+    or if too few others are there."""
+    found = set(turned_views(calibration))
+    found |= {
+        one.number
+        for one in calibration.left_out
+        if one.reason == "misfit" and fits_turned(calibration, one.observation)
+    }
+    if not found:
+        return calibration
+    views = [(view.number, whole(view)) for view in calibration.views]
+    views += [
+        (one.number, one.observation) for one in calibration.left_out if one.reason == "misfit"
+    ]
+    others = sorted((view for view in views if view[0] not in found), key=lambda view: view[0])
+    try:
+        again = calibrate(
+            board, [seen for _, seen in others], numbers=[number for number, _ in others]
+        )
+    except CalibrationError:
+        return calibration
+    left_out = [one for one in calibration.left_out if one.reason != "misfit"]
+    left_out += [LeftOut(number, seen, "turned") for number, seen in views if number in found]
+    left_out += again.left_out
+    return replace(again, left_out=tuple(sorted(left_out, key=lambda one: one.number)))
+
+
+def fits_turned(calibration: Calibration, seen: Observation) -> bool:
+    """Whether an observation that was left out fits the camera once its picture is turned."""
+    back, camera = turned(seen), calibration.camera
+    points = calibration.board.points_of(back.ids)
+    found, rvec, t = cv2.solvePnP(points, back.corners, camera.K, camera.distortion)
+    if not found:
+        return False
+    again, _ = cv2.projectPoints(points, rvec, t, camera.K, camera.distortion)
+    errors = back.corners - np.asarray(again, dtype=np.float64).reshape(-1, 2)
+    return rms_distance(errors) < FITS * calibration.rms_px
+
+
+def _told(calibration: Calibration, signs: Array) -> tuple[int, ...]:
+    """`turned_views` by a calibration with the pictures turned back as the signs (N,) say, which
+    it betters."""
+    views, rounds = calibration.views, 0
+    while True:
+        again = _calibrated(calibration, views, signs)
+        fitted = {view.number for view in again.views}
+        signs = signs[[view.number in fitted for view in views]]
+        views = tuple(view for view in views if view.number in fitted)
+        system = _Signs.of(again, shared=True).with_signs(signs)
+        better, rounds = system.best(signs), rounds + 1
+        if (better == signs).all() or rounds == _ROUNDS:
+            break
+        signs = better
+    unlikely = UNLIKELY_SHARED if again.corner_errors.shared_px > 0 else UNLIKELY
+    if system.gain(signs) < unlikely or _off_middle(again) < OFF_MIDDLE:
+        return ()
+    told = (signs < 0) & (system.clear(signs) > CLEAR)
+    return tuple(view.number for view, is_told in zip(views, told, strict=True) if is_told)
+
+
+def _calibrated(calibration: Calibration, views: Sequence[View], signs: Array) -> Calibration:
+    across, down, stretch = calibration.shape_sigma
+    board = calibration.board
+    bow = (board.bow[0] * (across == 0), board.bow[1] * (down == 0))
+    board = replace(board, bow=bow, stretch=board.stretch * (stretch == 0))
+    seen = [whole(view) for view in views]
+    return calibrate(
+        board,
+        [turned(one) if sign < 0 else one for one, sign in zip(seen, signs, strict=True)],
+        start=calibration.camera,
+        numbers=[view.number for view in views],
+    )
+
+
+def _off_middle(calibration: Calibration) -> float:
+    """How far the principal point lies off the picture's middle, in standard deviations."""
+    camera = calibration.camera
+    index = [PARAMETERS.index("cx"), PARAMETERS.index("cy")]
+    off = camera.parameters[index] - (np.array(camera.image_size) - 1) / 2
+    covariance = calibration.covariance[np.ix_(index, index)]
+    return float(np.sqrt(off @ np.linalg.solve(covariance, off)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Signs:
+    """The cost of views for any signs, near a calibration."""
+
+    grams: Array
+    """(N, q + 1, q + 1) normal matrices of the camera's parameters, the board's shape and, last,
+    the residuals that there are with odd parameters of zero; poses eliminated."""
+    freedom: int
+    """Number of residuals that the poses leave free."""
+
+    @classmethod
+    def of(cls, calibration: Calibration, *, shared: bool) -> _Signs:
+        """`shared`: with the errors that the corners of each view share."""
+        parts = [_residual(calibration, view) for view in calibration.views]
+        ratio = corner_errors(parts).ratio if shared else 0.0
+        camera = calibration.camera
+        values = dict(zip(PARAMETERS, camera.parameters, strict=True))
+        values["cx"] -= (camera.width - 1) / 2
+        values["cy"] -= (camera.height - 1) / 2
+        odd = np.array([values[name] if name in _ODD else 0.0 for name in PARAMETERS])
+        odd = np.append(odd, np.zeros(_SHAPE))
+        grams = np.array([_gram(part, odd, ratio) for part in parts])
+        return cls(grams, sum(part.freedom for part in parts))
+
+    def with_signs(self, signs: Array) -> _Signs:
+        """The same for signs that count from these (N,), instead of +1 for each."""
+        S = np.where(np.append(_IS_ODD, False), signs[:, None], 1.0)
+        return replace(self, grams=S[:, :, None] * self.grams * S[:, None])
+
+    def best(self, signs: Array) -> Array:
+        """(N,) signs that no single flip betters; most are +1, if equally many the first."""
+        cost = self.cost(signs)
+        while True:
+            flipped = self.flipped(signs)
+            index = int(np.argmin(flipped))
+            if not flipped[index] < cost * (1 - 1e-9):
+                break
+            cost = float(flipped[index])
+            signs = np.where(np.arange(len(signs)) == index, -signs, signs)
+        return signs * np.sign(signs.sum() or signs[0])
+
+    def cost(self, signs: Array) -> float:
+        """The least sum of squares for signs (N,)."""
+        return float(_least(self.with_signs(signs).grams.sum(axis=0)[None])[0])
+
+    def flipped(self, signs: Array) -> Array:
+        """(N,) the least sums of squares with each of the signs (N,) flipped."""
+        each = self.with_signs(signs).grams
+        odd = np.append(_IS_ODD, False)
+        return _least(each.sum(axis=0) - 2 * each * (odd[:, None] != odd))
+
+    def gain(self, signs: Array) -> float:
+        """Twice the log-likelihood that signs (N,) gain, less what the best of as many choices
+        gains by chance: against what is left to the odd parameters of each view."""
+        n, flips = len(signs), int((signs < 0).sum())
+        cost, (own, noise) = self.cost(signs), self._own()
+        freedom = len(_ODD) * (n - 1)
+        gained = max(self.cost(np.ones(n)) - cost, 0.0)
+        ways = gammaln(n + 1) - gammaln(flips + 1) - gammaln(n - flips + 1)
+        left = max(cost - own, freedom * noise)
+        return float(freedom * np.log1p(gained / left) - 2 * ways)
+
+    def clear(self, signs: Array) -> Array:
+        """(N,) how much each of the signs (N,) gains, in variances of the noise."""
+        return (self.flipped(signs) - self.cost(signs)) / self._own()[1]
+
+    def _own(self) -> tuple[float, float]:
+        """The least sum of squares with odd parameters of each view's own, and the variance that
+        it leaves."""
+        odd = np.append(_IS_ODD, False)
+        own, cross = self.grams[:, odd][:, :, odd], self.grams[:, ~odd][:, :, odd]
+        scale = 1.0 / np.sqrt(np.maximum(np.einsum("nii->ni", own), 1e-300))
+        outer = scale[:, :, None] * scale[:, None]
+        inverse = np.linalg.pinv(own * outer, hermitian=True) * outer
+        rest = self.grams[:, ~odd][:, :, ~odd] - cross @ inverse @ cross.swapaxes(1, 2)
+        least = float(_least(rest.sum(axis=0)[None])[0])
+        fitted = odd.sum() * len(self.grams) + (~odd).sum() - 1
+        return least, least / max(self.freedom - fitted, 1)
+
+
+def _residual(calibration: Calibration, view: View) -> ViewResidual:
+    """A view's residuals with their derivatives by the camera and by the board's shape: a bow moves
+    the principal point to one side or the other, as the board is tilted."""
+    board, R = calibration.board, view.pose.R
+    points = board.points_of(view.observation.ids)
+    J = calibration.camera.jacobians(points, R[None], view.pose.t[None])[0]
+    by_shape = np.einsum("ium,kmj,ij->kum", J[3:6], board.deformations(points), R)
+    return ViewResidual.of(board, points, view.errors.T, np.concatenate([J, by_shape]))
+
+
+def _gram(part: ViewResidual, odd: Array, ratio: float) -> Array:
+    """(q + 1, q + 1) of a view's derivatives and of its residuals as they are with the parameters
+    `odd` (q,) set to zero, weighed for this `ratio` of shared to independent errors."""
+    columns = np.column_stack([part.intrinsics, part.errors + part.intrinsics @ odd])
+    gram = columns.T @ columns
+    if ratio > 0:
+        T = part.modes
+        along = T.T @ columns
+        gram -= along.T @ np.linalg.solve(np.eye(T.shape[1]) / ratio**2 + T.T @ T, along)
+    return np.asarray(gram, dtype=np.float64)
+
+
+def _least(grams: Array) -> Array:
+    """(N,) the least sums of squares for normal matrices (N, q + 1, q + 1), residuals last."""
+    H, right = grams[:, :-1, :-1], grams[:, :-1, -1]
+    scale = 1.0 / np.sqrt(np.maximum(np.einsum("nii->ni", H), 1e-300))
+    H = H * scale[:, :, None] * scale[:, None] + 1e-13 * np.eye(H.shape[1])
+    right = (right * scale)[:, :, None]
+    explained = (right * np.linalg.solve(H, right)).sum(axis=(1, 2))
+    return np.asarray(grams[:, -1, -1] - explained, dtype=np.float64)
