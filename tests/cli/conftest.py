@@ -106,3 +106,12 @@ def blank_picture(tmp_path: Path) -> Path:
     path = tmp_path / "blank.png"
     cv2.imwrite(str(path), np.full((480, 640, 3), 127, np.uint8))
     return path
+
+
+@pytest.fixture(scope="session")
+def kept_session(tmp_path_factory: pytest.TempPathFactory, tilted_pictures: Path) -> Path:
+    """The folder of a session with views of the tilted pictures."""
+    folder = tmp_path_factory.mktemp("sessions") / "kept"
+    asked = ["guide", str(tilted_pictures), "--headless", "--method", "random", "--max-views", "6"]
+    assert main([*asked, "--output", str(folder)]) == 0
+    return folder

@@ -20,7 +20,8 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
-from venus3d.storage.session_folder import EVENTS, SessionFolder, read_header
+from venus3d.storage.session_folder import SessionFolder
+from venus3d.storage.session_reader import EVENTS, read_header
 
 
 @pytest.fixture

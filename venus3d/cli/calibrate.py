@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import msgspec
+
 from venus3d.cli.options import CalibrateOptions
 from venus3d.cli.progress import search_progress
 from venus3d.cli.report import deliver, print_note, print_result, write_first
 from venus3d.engine.calibration.refusals import FEWEST_VIEWS
-from venus3d.engine.errors import VenusError
+from venus3d.engine.errors import StorageError, VenusError
+from venus3d.engine.geometry.board import Board
+from venus3d.options import BoardOptions
 from venus3d.sources.images_calibration import calibrate_recording
+from venus3d.sources.recording import Images
 from venus3d.storage.folder import prepare
 from venus3d.storage.result import summary_of
 from venus3d.storage.result_folder import ResultFolder
+from venus3d.storage.session_reader import is_session, picture_files, read_header
 
 
 def calibrate_command(options: CalibrateOptions) -> None:
     """Detect, calibrate, print, write. Raises `VenusError` for a user's mistake."""
-    board = options.board.board()
+    images, board = _images(options)
     if options.max_frames < FEWEST_VIEWS:
         raise VenusError(f"--max-frames must be at least {FEWEST_VIEWS}.")
     if options.every is not None and options.every < 1:
@@ -24,7 +32,7 @@ def calibrate_command(options: CalibrateOptions) -> None:
         prepare(options.output)
     with search_progress() as on_count:
         found = calibrate_recording(
-            options.source,
+            images,
             board,
             max_frames=options.max_frames,
             every=options.every,
@@ -38,3 +46,21 @@ def calibrate_command(options: CalibrateOptions) -> None:
     written = write_first(files, calibration, summary)
     print_result(calibration, warnings, diagnoses=diagnoses)
     deliver(summary, written, as_json=options.json)
+
+
+def _images(options: CalibrateOptions) -> tuple[Images, Board]:
+    """What to read, and the board in it: of a session its pictures and its board, unless another is
+    given."""
+    directory = Path(options.source)
+    if not is_session(directory):
+        return options.source, options.board.board()
+    board, files = options.board, picture_files(directory)
+    if board == BoardOptions():
+        try:
+            board = msgspec.convert(read_header(directory)["options"]["board"], BoardOptions)
+        except (KeyError, TypeError, msgspec.ValidationError) as error:
+            raise StorageError(
+                f"{directory}/session.json does not tell the board ({error}); give --board.* too."
+            ) from error
+    print_note(f"The pictures of the {len(files)} views of the session in {directory}.")
+    return files, board.board()

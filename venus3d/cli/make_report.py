@@ -11,7 +11,7 @@ from venus3d.engine.errors import StorageError
 from venus3d.report.calibration_report import ReportInput, calibration_report
 from venus3d.storage.folder import write_bytes
 from venus3d.storage.result_reader import read_result
-from venus3d.storage.session_folder import is_session, kept_pictures, read_header
+from venus3d.storage.session_reader import is_session, kept_pictures, read_header
 
 _RESULT = "result.json"
 # Of a session's options: what says how it was made, by its name on the command line.

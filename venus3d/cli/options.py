@@ -20,7 +20,7 @@ class CalibrateOptions:
     """Calibrate from pictures or a video that exist already."""
 
     source: Annotated[Positional[str], arg(metavar="SOURCE")]
-    """A folder of pictures, a pattern such as "shots/*.jpg", or a video."""
+    """A folder of pictures, a pattern such as "shots/*.jpg", a video, or a session's folder."""
     board: BoardOptions = field(default_factory=BoardOptions)
     flip: Switch = False
     """Exchange left and right: for pictures that are mirrored. The camera file holds for these."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -29,17 +29,20 @@ from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.storage.folder import prepare, reason, replace_files, sync_folder, write_bytes
 from venus3d.storage.session_events import captured_event, state_event, state_of
+from venus3d.storage.session_reader import (
+    EVENTS,
+    HEADER,
+    SCHEMA,
+    VIEWS,
+    damaged,
+    is_session,
+    kept_pictures,
+    read_header,
+    read_journal,
+)
 
-SCHEMA = 1
-"""Version of session.json and events.jsonl."""
-HEADER, EVENTS, VIEWS = "session.json", "events.jsonl", "views"
 _LOCK = ".lock"
 _FAST = [cv2.IMWRITE_PNG_COMPRESSION, 1]  # a third of the time, a tenth more bytes
-
-
-def is_session(directory: Path) -> bool:
-    """Whether a folder holds a session."""
-    return (directory / HEADER).is_file()
 
 
 class SessionFolder:
@@ -99,22 +102,15 @@ class SessionFolder:
     def state(self) -> SessionState | None:
         """The session as it was last; None if nothing had been captured.
         Raises `StorageError` for a journal that cannot be read."""
+        events, whole = read_journal(self.directory)
         path = self.directory / EVENTS
-        try:
-            content = path.read_bytes()
-        except OSError as error:
-            raise StorageError(f"{path} cannot be read ({reason(error)}).") from error
-        whole = content[: content.rfind(b"\n") + 1]
-        if whole != content:
+        if path.stat().st_size > whole:
             self._tell(f"The last line of {path} was cut off, and is left out.")
-            os.truncate(path, len(whole))
+            os.truncate(path, whole)
         try:
-            return state_of([json.loads(line) for line in whole.splitlines()])
+            return state_of(events)
         except (ArithmeticError, LookupError, TypeError, ValueError) as error:
-            raise StorageError(
-                f"{path} is no journal of this version of venus3d, or is damaged; its pictures are "
-                f"in {self.directory / VIEWS}: venus3d calibrate {self.directory}."
-            ) from error
+            raise damaged(self.directory) from error
 
     def pictures(self, state: SessionState) -> Iterator[tuple[int, NDArray[np.uint8]]]:
         """Number and picture (BGR) of each of its views, as far as they can be read."""
@@ -167,44 +163,6 @@ class SessionFolder:
             self._events.close()
         os.truncate(path, size)
         self._events = path.open("ab")
-
-
-def kept_pictures(
-    directory: Path, numbers: Sequence[int]
-) -> Iterator[tuple[int, NDArray[np.uint8]]]:
-    """Number and picture (BGR) of each of a session's views, as far as they were kept and can be
-    read; another process may be writing the session."""
-    names: dict[int, str] = {}
-    for line in (directory / EVENTS).read_bytes().splitlines():
-        with suppress(ValueError):  # half a line, that is being written
-            event = json.loads(line)
-            if event["event"] == "captured" and event["picture"] is not None:
-                names[event["number"]] = event["picture"]
-    for number in numbers:
-        if (name := names.get(number)) is None:
-            continue
-        with suppress(OSError, cv2.error):
-            raw = np.frombuffer((directory / name).read_bytes(), np.uint8)
-            picture = cv2.imdecode(raw, cv2.IMREAD_COLOR)
-            if picture is not None:
-                yield number, np.asarray(picture, dtype=np.uint8)
-
-
-def read_header(directory: Path) -> dict[str, Any]:
-    """session.json of a folder. Raises `StorageError`."""
-    path = directory / HEADER
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise StorageError(
-            f"{directory} holds no session ({HEADER}: {reason(error)}); give the folder that "
-            "venus3d guide has written."
-        ) from error
-    except ValueError as error:
-        raise StorageError(f"{path} is damaged: {error}.") from error
-    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        raise StorageError(f"{path} is not of this version of venus3d (schema {SCHEMA}).")
-    return dict(content)
 
 
 def _unwritable(directory: Path, error: OSError) -> StorageError:

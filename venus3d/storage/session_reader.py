@@ -1,0 +1,117 @@
+"""Reads a session's folder (`session_folder`) without opening it: another may go on meanwhile."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.errors import StorageError
+from venus3d.storage.folder import reason
+
+SCHEMA = 1
+"""Version of session.json and events.jsonl."""
+HEADER, EVENTS, VIEWS = "session.json", "events.jsonl", "views"
+
+Event = dict[str, Any]
+
+
+def is_session(directory: Path) -> bool:
+    """Whether a folder holds a session."""
+    return (directory / HEADER).is_file()
+
+
+def read_header(directory: Path) -> Event:
+    """session.json of a folder. Raises `StorageError`."""
+    path = directory / HEADER
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StorageError(
+            f"{directory} holds no session ({HEADER}: {reason(error)}); give the folder that "
+            "venus3d guide has written."
+        ) from error
+    except (ValueError, RecursionError) as error:
+        raise StorageError(f"{path} is damaged: {error}.") from error
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        raise StorageError(f"{path} is not of this version of venus3d (schema {SCHEMA}).")
+    return dict(content)
+
+
+def read_journal(directory: Path) -> tuple[list[Event], int]:
+    """The events in order, and the size in bytes of the lines that are whole: what lies behind was
+    cut off. Raises `StorageError` for a journal that cannot be read."""
+    path = directory / EVENTS
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise StorageError(f"{path} cannot be read ({reason(error)}).") from error
+    whole = content[: content.rfind(b"\n") + 1]
+    try:
+        return [json.loads(line) for line in whole.splitlines()], len(whole)
+    except (ValueError, RecursionError) as error:
+        raise damaged(directory) from error
+
+
+def damaged(directory: Path) -> StorageError:
+    """For a journal that makes no sense."""
+    return StorageError(
+        f"{directory / EVENTS} is no journal of this version of venus3d, or is damaged; its "
+        f"pictures are in {directory / VIEWS}: venus3d calibrate {directory}."
+    )
+
+
+def pictures_by_number(events: Sequence[Event]) -> dict[int, str]:
+    """The path within the folder of each captured view's picture, by the view's number."""
+    return {
+        int(event["number"]): str(event["picture"])
+        for event in events
+        if event["event"] == "captured" and event["picture"] is not None
+    }
+
+
+def kept_pictures(
+    directory: Path, numbers: Sequence[int]
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Number and picture (BGR) of each of a session's views, as far as they were kept and can be
+    read; another process may be writing the session."""
+    names = pictures_by_number(read_journal(directory)[0])
+    for number in numbers:
+        if (name := names.get(number)) is None:
+            continue
+        with suppress(OSError, cv2.error):
+            raw = np.frombuffer((directory / name).read_bytes(), np.uint8)
+            picture = cv2.imdecode(raw, cv2.IMREAD_COLOR)
+            if picture is not None:
+                yield number, np.asarray(picture, dtype=np.uint8)
+
+
+def picture_files(directory: Path) -> list[Path]:
+    """The pictures of the views that count; if the journal does not tell, all that are there.
+    Raises `StorageError` if there is none."""
+    try:
+        files = _counted(directory)
+    except (StorageError, LookupError, TypeError, ValueError):
+        files = sorted((directory / VIEWS).glob("*.png"))
+    there = [path for path in files if path.is_file()]
+    if not there:
+        raise StorageError(f"{directory} is a session without a picture; there is nothing to read.")
+    return there
+
+
+def _counted(directory: Path) -> list[Path]:
+    events, _ = read_journal(directory)
+    counted: list[int] = []
+    for event in events:
+        if event["event"] == "state":
+            counted = list(event["views"])
+        elif event["event"] == "captured":
+            counted.append(event["number"])
+    names = pictures_by_number(events)
+    return [directory / names[number] for number in counted if number in names]
