@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import cv2
@@ -106,6 +107,24 @@ def test_the_orientation_tag_does_not_turn_the_sensor(tmp_path: Path):
     source = open_frame_source(str(tmp_path / "portrait.jpg"))
     assert source.image_size == (64, 48)
     assert all_frames(source)[0].image_size == (64, 48)
+
+
+def test_a_phone_video_is_turned_as_its_tag_says(tmp_path: Path):
+    """OpenCV and FFmpeg turn such a video for whoever uses the camera file afterwards."""
+    path = write_video(tmp_path / "portrait.mp4")
+    size = (first := Video(path)).image_size
+    first.close()
+    content = bytearray(path.read_bytes())
+    # The track's matrix: a quarter turn clockwise, in 16.16 and 2.30 numbers.
+    at = content.index(b"tkhd") + 4 + 40
+    quarter = (0, 1 << 16, 0, -(1 << 16), 0, 0, size[1] << 16, 0, 1 << 30)
+    content[at : at + 36] = struct.pack(">9i", *quarter)
+    path.write_bytes(content)
+    source = Video(path)
+    assert source.image_size == (size[1], size[0])
+    assert all(f.image_size == (size[1], size[0]) for f in all_frames(source))
+    (note,) = source.notes
+    assert "turned by 90 degrees" in note and f"{size[1]} x {size[0]} px" in note
 
 
 def test_images_of_several_sizes_name_files_and_sizes(tmp_path: Path):

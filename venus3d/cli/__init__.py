@@ -22,6 +22,7 @@ from venus3d import __version__
 from venus3d.cli.options import (
     BoardCommand,
     CalibrateOptions,
+    CamerasOptions,
     DecomposeOptions,
     ExportOptions,
     ImportOptions,
@@ -58,6 +59,7 @@ _COMMANDS: dict[str, tuple[type, str]] = {
     "measure": (MeasureOptions, "venus3d.scene.pages.measure.run:run_measure"),
     "report": (ReportOptions, "venus3d.cli.make_report:report_command"),
     "undistort": (UndistortOptions, "venus3d.cli.undistort:undistort_command"),
+    "cameras": (CamerasOptions, "venus3d.cli.cameras:cameras"),
     "study": (StudyOptions, "venus3d.cli.study:study"),
 }
 """Each command's options, whose docstring is its description, and the function that takes them."""

@@ -75,6 +75,16 @@ class BoardCommand:
     """The image to write; in a folder board.png."""
 
 
+@dataclass(frozen=True)
+class CamerasOptions:
+    """List the cameras at this machine: sizes and rates, controls, the source to name."""
+
+    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    """Folder for a picture of each camera."""
+    json: Switch = False
+    """Print all of it as one JSON object on the last line."""
+
+
 _FORMATS = (
     "opencv-yaml, opencv-json, opencv-xml, ros, kalibr, colmap, mrcal, nerfstudio, matlab, "
     "blender, unity, json"

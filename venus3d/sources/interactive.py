@@ -8,6 +8,7 @@ from venus3d.engine.errors import SourceError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.geometry.pose import Pose
+from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.frame import Source
 from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.sim import Simulation
@@ -25,6 +26,7 @@ def open_interactive(
     board: Board,
     *,
     size: tuple[int, int] | None,
+    settings: CameraSettings | None = None,
     seed: int,
     headless: bool,
     autopilot: bool,
@@ -37,6 +39,7 @@ def open_interactive(
 
     Args:
         size: (width, height) to request from a camera, or to simulate.
+        settings: of a camera, to set when it is opened.
         headless: without a viewer: frames come as fast as they can be made or read.
         autopilot: whether the simulated hand holds the board.
         speed: of the simulated hand; 1 is a calm person.
@@ -48,7 +51,11 @@ def open_interactive(
     if not headless:
         limit_gl_threads()
     if spec != SIMULATED:
-        return open_frame_source(spec, size=size, realtime=not headless, flip=flip)
+        return open_frame_source(
+            spec, size=size, settings=settings, realtime=not headless, flip=flip
+        )
+    if settings is not None and settings.wanted():
+        raise SourceError("The simulated camera has nothing to set; leave out --camera.")
     if flip:
         raise SourceError("The simulated pictures are not mirrored; leave out --flip.")
     return Simulation(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from venus3d.engine.errors import SourceError
 from venus3d.sources.camera_device import open_camera, open_pipeline
+from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.folder import Folder
 from venus3d.sources.images import UNREAD_PICTURES, is_image, shown
 from venus3d.sources.live import Live
@@ -22,6 +23,7 @@ def open_frame_source(
     spec: str,
     *,
     size: tuple[int, int] | None = None,
+    settings: CameraSettings | None = None,
     realtime: bool = False,
     flip: bool = False,
 ) -> OpenedSource:
@@ -34,12 +36,13 @@ def open_frame_source(
     Args:
         spec: what the user typed.
         size: (width, height) to request from a camera; recordings have their own.
+        settings: of a camera; nothing else has any.
         realtime: play a video at its own rate instead of as fast as it can be read.
         flip: exchange left and right: for mirrored pictures.
 
     Raises `SourceError`, one sentence with cause and cure, for whatever cannot be opened.
     """
-    source = _opened(spec, size, realtime)
+    source = _opened(spec, size, settings, realtime)
     source.flip = flip
     return source
 
@@ -51,12 +54,18 @@ def is_live(spec: str) -> bool:
     return spec.isdecimal() or spec.startswith("/dev/") or bool(address)
 
 
-def _opened(spec: str, size: tuple[int, int] | None, realtime: bool) -> OpenedSource:
+def _opened(
+    spec: str, size: tuple[int, int] | None, settings: CameraSettings | None, realtime: bool
+) -> OpenedSource:
     spec = spec.removeprefix("file://").strip()
     if not spec:
         raise SourceError("The source is empty; name a camera, a video, a folder, or sim.")
     if spec.isdecimal() or spec.startswith("/dev/"):
-        return open_camera(spec, size)
+        return open_camera(spec, size, settings)
+    if settings is not None and settings.wanted():
+        raise SourceError(
+            f"{shown(spec)} is no camera at this machine: nothing can be set; leave out --camera."
+        )
     if " ! " in spec:
         return open_pipeline(spec)
     if _ADDRESS.match(spec):

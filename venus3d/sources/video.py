@@ -19,7 +19,10 @@ from venus3d.sources.opencv_log import silence_opencv
 
 class Video:
     """The frames of a video file. `Frame.time_s` is the video's own time.
-    The rotation tag is not applied: a lens is calibrated on the sensor's rows and columns."""
+
+    A phone's rotation tag is applied, and `notes` says so: whoever reads the video with OpenCV or
+    FFmpeg gets its frames turned as well, and the calibration is for those.
+    """
 
     is_live = False
     flip = False
@@ -37,14 +40,15 @@ class Video:
                 f"{self._path} cannot be played: it is no video, or it was cut off before its end "
                 "was written; record or copy it again, or convert it to MP4."
             )
-        self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
+        self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)
         self._announced = int(max(0, self._capture.get(cv2.CAP_PROP_FRAME_COUNT)))
         self._rate = self._capture.get(cv2.CAP_PROP_FPS) or 25.0
         self._grabbed = 0
         self._time_s = 0.0
         self._started: float | None = None
+        self._finished = False
         self.notes: tuple[str, ...] = ()
-        """Remark for the user: the file ended early."""
+        """Remarks for the user: the frames are turned, the file ended early."""
         self._first = self._decode() if self._grab() else None
         if self._first is None:
             self.close()
@@ -53,6 +57,12 @@ class Video:
                 "again."
             )
         self._size = (int(self._first.shape[1]), int(self._first.shape[0]))
+        if turned_deg := int(self._capture.get(cv2.CAP_PROP_ORIENTATION_META)) % 360:
+            self.notes = (
+                f"{self._path} has a rotation tag: its frames are turned by {turned_deg} degrees, "
+                f"as players show them, and the calibration holds for {self._size[0]} x "
+                f"{self._size[1]} px.",
+            )
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -125,11 +135,13 @@ class Video:
 
     def _finish(self) -> None:
         # Containers round their frame count, so a frame or two missing are not reported.
-        if not self.notes and self._grabbed < 0.98 * self._announced - 1:
+        if not self._finished and self._grabbed < 0.98 * self._announced - 1:
             self.notes = (
+                *self.notes,
                 f"{self._path} breaks off early: {self._grabbed} of {self._announced} frames "
                 "could be read.",
             )
+        self._finished = True
         self.close()
 
 

@@ -20,6 +20,7 @@ from venus3d.options import (
     image_size_of,
 )
 from venus3d.scene.web.monitor import audience_address
+from venus3d.sources.camera_settings import CameraSettings
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class GuideOptions:
         str | None, arg(metavar="WIDTHxHEIGHT", help_behavior_hint="(usual: as it comes)")
     ] = None
     """Size of the picture to ask a camera for, or to simulate (sim: 1280x720)."""
+    camera: CameraSettings = field(default_factory=CameraSettings)
     flip: Switch = False
     """Exchange left and right: for pictures that come mirrored. The camera file holds for these."""
     method: Method = "global"
@@ -107,6 +109,7 @@ class GuideOptions:
     def check(self) -> None:
         """Raises `VenusError` for the first option that cannot be met."""
         self.board.board()
+        self.camera.check()
         self._check_audience()
         PlanningSettings(self.method, self.cost, self.search)
         self.limits.check()

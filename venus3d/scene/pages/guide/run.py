@@ -121,7 +121,7 @@ def run_guide(
         )
         for number, picture in pictures:
             viewer.keep_view(number, picture)
-        announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes)
+        announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes, *source.notes)
         on_viewer(viewer)
         # What is said from here on is for the page.
         stack.enter_context(viewer.language.spoken())
@@ -153,6 +153,7 @@ def _opened(options: GuideOptions, board: Board) -> Source:
         options.source,
         board,
         size=options.image_size,
+        settings=options.camera,
         seed=options.seed,
         headless=options.headless,
         autopilot=options.autopilot,
