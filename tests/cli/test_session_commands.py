@@ -40,3 +40,32 @@ def test_calibrate_takes_the_sessions_board(run: Run, kept_session: Path, tmp_pa
 def test_calibrate_of_a_session_without_a_picture(run: Run, tmp_path: Path) -> None:
     (tmp_path / "session.json").write_text('{"schema": 1}')
     assert "without a picture" in run("calibrate", tmp_path).sentence
+
+
+def test_from_a_result_goes_on_with_its_views(
+    run: Run, kept_session: Path, tilted_pictures: Path, tmp_path: Path
+) -> None:
+    """They are in the new session as well, and the same pictures add nothing to them."""
+    views = json.loads((kept_session / "result.json").read_text())["views"]
+    asked = ("guide", tilted_pictures, "--headless", "--method", "random", "--max-views", 7)
+    ran = run(*asked, "--from", kept_session, "--output", tmp_path / "on", "--json")
+    assert ran.code == 0 and f"Going on from the {views} views" in ran.err
+    assert ran.json["views"] >= views
+    again = run("guide", "--resume", tmp_path / "on", "--headless", "--json")
+    assert again.json["views"] == ran.json["views"]
+
+
+def test_from_what_does_not_go_together(
+    run: Run, kept_session: Path, tilted_pictures: Path, tmp_path: Path
+) -> None:
+    asked = ("guide", tilted_pictures, "--headless", "--output", tmp_path / "on")
+    both = run(*asked, "--from", kept_session, "--resume", kept_session)
+    assert "give one of them" in both.sentence
+    board = run(*asked, "--from", kept_session, "--board.square-mm", 30)
+    assert "another board" in board.sentence
+    few = run(*asked, "--from", kept_session, "--max-views", 2)
+    assert "--max-views" in few.sentence
+    small = run("guide", "sim", *asked[2:], "--camera-size", "640x480", "--from", kept_session)
+    assert "1280 x 720" in small.sentence
+    assert "cannot be read" in run(*asked, "--from", tmp_path / "none.yaml").sentence
+    assert not (tmp_path / "on" / "session.json").exists()

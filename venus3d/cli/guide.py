@@ -69,6 +69,7 @@ def _guided(options: GuideOptions, kept: KeptSession) -> GuideResult:
         keep,
         recorder=kept.folder,
         state=kept.state,
+        known=kept.known,
         pictures=kept.pictures(),
     )
     try:

@@ -14,7 +14,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.cli.known_start import KnownStart, known_start
 from venus3d.engine.errors import StorageError
+from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.record import SessionState
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.storage.folder import prepare
@@ -39,6 +41,8 @@ class KeptSession:
     """None if no result is to be written."""
     state: SessionState | None = None
     """Where a session is gone on with."""
+    known: KnownCamera | None = None
+    """The camera that it starts from."""
 
     def pictures(self) -> Iterable[tuple[int, NDArray[np.uint8]]]:
         """Numbers and pictures of the views that there are already."""
@@ -56,14 +60,22 @@ def opened_session(options: GuideOptions, tell: Callable[[str], None]) -> KeptSe
     """Open the folder that the options ask for. Raises `StorageError` if that cannot be."""
     if options.resume is not None:
         return _resumed(options, options.resume, tell)
+    start = known_start(options, tell)
     if not options.record:
-        if options.output is None:
-            return KeptSession(options, None, None)
-        return KeptSession(options, None, ResultFolder(prepare(options.output), tell))
+        output = options.output
+        files = None if output is None else ResultFolder(prepare(output), tell)
+        return KeptSession(options, None, files, start.state, start.camera)
     directory = options.output or _unused(SESSIONS / f"{datetime.now():%Y-%m-%d_%H-%M-%S}")
     folder = SessionFolder.create(directory, _header(options), tell)
     tell(f"This session is kept in {directory}.")
-    return KeptSession(replace(options, output=directory), folder, ResultFolder(directory, tell))
+    try:
+        if start.state is not None:
+            folder.adopt(start.state.views)
+        files, options = ResultFolder(directory, tell), replace(options, output=directory)
+        return KeptSession(options, folder, files, start.state, start.camera)
+    except BaseException:
+        folder.close()
+        raise
 
 
 def _unused(directory: Path) -> Path:
@@ -93,7 +105,8 @@ def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]
         views = 0 if state is None else len(state.views)
         tell(f"Going on with {views} view{'' if views == 1 else 's'} in {directory}.")
         chosen = replace(before, **{**anew, "output": directory, "resume": directory})
-        return KeptSession(chosen, folder, files, state)
+        start = known_start(chosen, tell) if state is None else KnownStart()
+        return KeptSession(chosen, folder, files, state or start.state, start.camera)
     except BaseException:
         folder.close()
         raise

@@ -15,6 +15,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.engine.planning.heuristic_poses import HeuristicState, Window
@@ -57,6 +58,7 @@ def state_event(state: SessionState) -> dict[str, Any]:
         "run": state.run,
         "method": state.method,
         "cost": state.cost,
+        "known": None if state.known is None else _known(state.known),
     }
 
 
@@ -91,6 +93,7 @@ def state_of(events: Sequence[Mapping[str, Any]]) -> SessionState | None:
         run=int(last["run"]),
         method=last["method"],
         cost=last["cost"],
+        known=None if last.get("known") is None else _known_of(last["known"]),
     )
 
 
@@ -186,6 +189,14 @@ def _camera(camera: Camera) -> dict[str, Any]:
 def _camera_of(content: Mapping[str, Any]) -> Camera:
     width, height = content["image_size"]
     return Camera.from_parameters(content["parameters"], (int(width), int(height)))
+
+
+def _known(known: KnownCamera) -> dict[str, Any]:
+    return {**_camera(known.camera), "information": known.information.tolist()}
+
+
+def _known_of(content: Mapping[str, Any]) -> KnownCamera:
+    return KnownCamera(_camera_of(content), _array(content["information"]).reshape(9, 9))
 
 
 def _numbers(values: Array) -> list[float | None]:

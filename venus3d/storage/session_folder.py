@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -138,10 +138,16 @@ class SessionFolder:
         self._is_new = False
         self._tell(f"View {view.number} is kept{f' as {picture}' if picture else ''}.")
 
+    def adopt(self, views: Sequence[CapturedView]) -> None:
+        """Begin with views that were captured elsewhere. Raises `StorageError`."""
+        for view in views:
+            self._append(captured_event(view, None))
+
     def changed(self, state: SessionState) -> None:
         """Write the state's line; a failure is told, as no view is lost by it."""
         try:
             self._append(state_event(state))
+            self._is_new = self._is_new and not state.views
         except StorageError as error:
             self._tell(str(error))
 

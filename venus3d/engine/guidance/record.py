@@ -9,6 +9,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Progress
+from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.settings import Cost, Method
@@ -33,6 +34,8 @@ class SessionState:
     run: int
     method: Method
     cost: Cost | None
+    known: KnownCamera | None = None
+    """The camera that it began with, if one was known."""
 
 
 class Recorder(Protocol):

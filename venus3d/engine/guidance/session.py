@@ -25,6 +25,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
+from venus3d.engine.guidance.known_camera import KnownCamera, KnownStart
 from venus3d.engine.guidance.loop import Calibrated, LoopFigures
 from venus3d.engine.guidance.prompts import (
     Phase,
@@ -61,8 +62,10 @@ class Session:
         image_size: tuple[int, int],
         settings: Settings | None = None,
         recorder: Recorder | None = None,
+        known: KnownCamera | None = None,
     ) -> None:
-        """A session for images of `image_size` (width, height), kept by `recorder`.
+        """A session for images of `image_size` (width, height), kept by `recorder`; it starts from
+        the camera that is `known`, if any, which must be for such images.
         Raises `VenusError` for settings whose method, cost and search are incompatible."""
         self.settings = settings or Settings()
         self._recorder = recorder or NoRecorder()
@@ -71,14 +74,18 @@ class Session:
         self._image_size = image_size
         self._board_diagnoses: tuple[Diagnosis, ...] = ()
         self._taken_back: Observation | None = None
-        self._run = 1
+        self._run, self._known = 1, known
         self._restart(board)
 
     def _restart(self, board: Board, captured: CapturedViews | None = None) -> None:
         self.board = board
         self.pending: Work | None = None
         """Work to be run; pass its outcome to `apply`."""
-        self._startup = Startup(board, self._image_size)
+        self._startup = (
+            Startup(board, self._image_size)
+            if self._known is None
+            else KnownStart(board, self._known, self.settings)
+        )
         self._phase: Phase = "finished" if self._ending else "startup"
         self._captured = captured or CapturedViews()
         self._next_target = 1
@@ -264,6 +271,7 @@ class Session:
             run=self._run,
             method=self.settings.method,
             cost=self.settings.cost,
+            known=self._known,
         )
 
     def restore(self, state: SessionState) -> None:
@@ -272,7 +280,7 @@ class Session:
             self.settings = replace(
                 self.settings, method=state.method, cost=state.cost, strategy=None
             )
-        self._run = state.run
+        self._run, self._known = state.run, state.known
         self._restart(state.board, CapturedViews(state.views, state.next_view))
         self._next_target, self._history = state.next_target, state.history
         self._heuristic_state, self._skipped = state.heuristic_state, state.skipped
@@ -356,7 +364,7 @@ class Session:
         refusal = tracker.refusal if self._is_held and tracker.best_held is None else None
         if refusal is not None:
             headline, instruction = refusal_headline_and_prompt(refusal)
-        if self._phase == "startup" and self._startup.best is None and self._target is None:
+        if self._phase == "startup" and not self._startup.is_ready and self._target is None:
             headline, instruction = startup_headline_and_prompt(
                 tracker.observation.count, self.board.corner_count
             )
@@ -394,9 +402,7 @@ class Session:
     @property
     def _is_held(self) -> bool:
         """Whether the board has been held at its target for long enough."""
-        ready = self._phase == "guiding" or (
-            self._phase == "startup" and self._startup.best is not None
-        )
+        ready = self._phase == "guiding" or (self._phase == "startup" and self._startup.is_ready)
         return ready and self._tracker.held_frames >= self.settings.hold_frames
 
     def _use_board(self, board: Board) -> None:
@@ -456,6 +462,7 @@ class Session:
             start=state.start,
             keep_going=state.keep_going,
             last_target=state.views[-1].target,
+            known=state.known,
         )
         self._phase = "captured"
         self._tracker.release()

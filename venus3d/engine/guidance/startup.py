@@ -48,6 +48,11 @@ class Startup:
         None until then."""
 
     @property
+    def is_ready(self) -> bool:
+        """Whether the first view may be captured by itself."""
+        return self.best is not None
+
+    @property
     def target(self) -> Pose:
         """[45, 0, 0, 0, 0, z]: the whole board in the image with a margin, near `distance`."""
         nearest = self._nearest_fit()

@@ -23,6 +23,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress, check_convergence
+from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.loop import Calibrated
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.forecast import Forecast, forecast
@@ -36,6 +37,7 @@ from venus3d.engine.planning.uncertainty import ProjectionUncertainty, projectio
 from venus3d.engine.sentences import Sentence, said_by
 
 _SIMPLER = Sentence("Without lens distortion for now. {cause}")
+_KNOWN = Sentence("With the camera from before for now. {cause}")
 _GUESSED = Sentence("The camera is only guessed for now. {cause}")
 
 
@@ -83,6 +85,8 @@ class Work:
     """Search on even if everything has converged."""
     last_target: Target | None = None
     """Target of the last view; None if it was not taken at one."""
+    known: KnownCamera | None = None
+    """A camera known from before; `start` is then this one."""
 
     def run(
         self,
@@ -100,7 +104,9 @@ class Work:
         if on_calibrated is not None:
             on_calibrated(calibrated)
         settings = self.settings
-        posterior = Posterior.of_calibration(calibration, settings.noise)
+        posterior = Posterior.of_calibration(
+            calibration, settings.noise, None if self.known is None else self.known.information
+        )
         history = (*self.history, self._progress(calibration))
         convergence = check_convergence(history, epsilon=settings.epsilon, rule=settings.rule)
         enough = len(self.observations) >= settings.max_views
@@ -156,6 +162,9 @@ class Work:
                 return calibrate(self.board, self.observations, numbers=self.numbers), ()
             except CalibrationError as error:
                 cause = said_by(error)
+        if self.known is not None:
+            located = provisional(self.board, self.observations, self.numbers, self.start)
+            return located, (_KNOWN.format(cause=cause),) if cause else ()
         # The views stay; a simpler model serves until more come.
         try:
             simple = calibrate(self.board, self.observations, model="startup", numbers=self.numbers)

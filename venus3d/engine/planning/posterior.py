@@ -58,21 +58,27 @@ class Posterior:
         sigma_px: float,
         noise: NoiseModel | None = None,
         shared_ratio: float = 0.0,
+        known: Array | None = None,
     ) -> Posterior:
         """The posterior after views of this `information`, (9, 9).
-        `prior_information` is added while the views alone contain less."""
+        While the views alone contain less, `prior_information` is added, and what is `known` from
+        before: (9, 9) inverse of a covariance."""
         gathered = np.asarray(information, dtype=np.float64)
         prior = prior_information(camera, sigma_px)
         settled = _settled(gathered, prior, sigma_px)
         if not settled:
-            gathered = gathered + prior
+            gathered = gathered + prior + (0 if known is None else sigma_px**2 * known)
         return cls(board, planning_camera(camera), gathered, sigma_px, noise, settled, shared_ratio)
 
     @classmethod
     def of_calibration(
-        cls, calibration: Calibration, noise: NoiseModel | None = RENDERED
+        cls,
+        calibration: Calibration,
+        noise: NoiseModel | None = RENDERED,
+        known: Array | None = None,
     ) -> Posterior:
-        """The posterior after a calibration's views; the noise model is made relative to them."""
+        """The posterior after a calibration's views; the noise model is made relative to them.
+        `known`: see `of`."""
         c = calibration
         if noise is not None:
             vectors = np.array([view.pose.vector() for view in c.views])
@@ -85,7 +91,7 @@ class Posterior:
         else:
             seen = [information_of(c.camera, c.board, v.observation, v.pose) for v in c.views]
             information = np.sum(seen, axis=0)
-        return cls.of(c.board, c.camera, information, sigma, noise, ratio)
+        return cls.of(c.board, c.camera, information, sigma, noise, ratio, known)
 
     @cached_property
     def covariance(self) -> Array:

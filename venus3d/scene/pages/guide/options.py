@@ -103,11 +103,20 @@ class GuideOptions:
     resume: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
     """Go on with the session in this folder: its views, its source, board and other options, unless
     they are given anew."""
+    known_camera: Annotated[
+        Path | None, arg(name="from", metavar="FILE", help_behavior_hint="(optional)")
+    ] = None
+    """Start from a camera that is known: any file that import reads. A result.json goes on from its
+    views; with another file the result is that of the new views alone."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
 
     def check(self) -> None:
         """Raises `VenusError` for the first option that cannot be met."""
+        if self.known_camera is not None and self.resume is not None:
+            raise VenusError(
+                "--resume goes on with a session, and --from begins one; give one of them."
+            )
         self.board.board()
         self.camera.check()
         self._check_audience()

@@ -15,6 +15,7 @@ from venus3d.engine.calibration.diagnosis import worst_first
 from venus3d.engine.errors import SourceError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.record import Recorder, SessionState
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
@@ -58,6 +59,7 @@ def run_guide(
     on_viewer: Callable[[Viewer], None] = lambda _: None,
     recorder: Recorder | None = None,
     state: SessionState | None = None,
+    known: KnownCamera | None = None,
     pictures: Iterable[tuple[int, NDArray[np.uint8]]] = (),
 ) -> GuideResult:
     """Run one guided calibration, until it ends (headless) or is stopped (viewer).
@@ -70,6 +72,7 @@ def run_guide(
         on_viewer: called with the open viewer, to add to its page.
         recorder: keeps the session as it goes on.
         state: of a session to go on with, and the `pictures` of its views by their numbers.
+        known: a camera to start from.
 
     Raises `VenusError` for whatever the user can fix.
     """
@@ -80,7 +83,10 @@ def run_guide(
         tell_of_trouble(source)
         truth = source.truth if isinstance(source, Simulation) else None
         tracker = BoardTracker(Detector(board, find_layout=truth is None))
-        session = Session(board, source.image_size, _settings(options, source), recorder)
+        if known is not None:
+            _check_known(known, source)
+        settings = _settings(options, source)
+        session = Session(board, source.image_size, settings, recorder, known)
         if state is not None:
             _check_size(state, source)
             session.restore(state)
@@ -125,8 +131,8 @@ def run_guide(
         on_viewer(viewer)
         # What is said from here on is for the page.
         stack.enter_context(viewer.language.spoken())
-        if truth is not None and not options.autopilot:
-            viewer.say(texts.DRAG_HINT, seconds=60)
+        if said := _first_words(options, truth is not None, known, state):
+            viewer.say(said, seconds=60)
 
         def again() -> Source:
             return _opened(options, board)
@@ -134,6 +140,20 @@ def run_guide(
         saver = stack.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.warn)))
         live = LiveGuide(session, source, tracker, viewer, saver.put, again, monitors)
         return result(live.run(), viewer.notes)
+
+
+def _first_words(
+    options: GuideOptions, simulated: bool, known: KnownCamera | None, state: SessionState | None
+) -> str:
+    """What a session begins from, and how the simulated board is moved."""
+    said: list[str] = []
+    if known is not None:
+        said.append(texts.FROM_CAMERA if known.has_uncertainty else texts.FROM_CAMERA_ALONE)
+    elif options.known_camera is not None and options.resume is None and state is not None:
+        said.append(texts.FROM_VIEWS.format(count=len(state.views)))
+    if simulated and not options.autopilot:
+        said.append(texts.DRAG_HINT)
+    return " ".join(said)
 
 
 def _possible(options: GuideOptions) -> GuideOptions:
@@ -171,6 +191,16 @@ def _check_size(state: SessionState, source: Source) -> None:
             f"The views of this session are {before[0]} x {before[1]} px, and the source gives "
             f"{now[0]} x {now[1]}; ask for --camera-size {before[0]}x{before[1]}, or "
             "begin a new session."
+        )
+
+
+def _check_known(known: KnownCamera, source: Source) -> None:
+    before, now = known.camera.image_size, source.image_size
+    if before != now:
+        raise SourceError(
+            f"The camera of --from has {before[0]} x {before[1]} px, and the source gives "
+            f"{now[0]} x {now[1]}; ask for --camera-size {before[0]}x{before[1]}, or convert the "
+            f"file (venus3d export FILE --size {now[0]}x{now[1]})."
         )
 
 
