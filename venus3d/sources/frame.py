@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import time
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -19,6 +20,8 @@ class Frame:
     """When it was taken, by the source's clock (video time, not wall time)."""
     name: str
     """A file name or a frame number."""
+    came_s: float = field(default_factory=time.monotonic)
+    """When this program had it, by `time.monotonic`."""
 
     @property
     def image_size(self) -> tuple[int, int]:

@@ -22,6 +22,7 @@ from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.live import Live
 from venus3d.sources.video import Video
+from venus3d.threads.flow import Flow
 from venus3d.threads.latency import low_latency
 from venus3d.threads.latest import Latest
 from venus3d.threads.signals import on_stop_signal
@@ -40,6 +41,7 @@ class ObservationStream:
         *,
         on_picture: Callable[[Frame], None],
         reopen: Callable[[], Source] | None = None,
+        flow: Flow | None = None,
     ) -> None:
         """Nothing is read until `run`.
 
@@ -47,9 +49,11 @@ class ObservationStream:
             source: closed at the end of `run`.
             on_picture: called with every frame, on the watching thread; must not block.
             reopen: reopens a recording when it has ended; None: `source` continues by itself.
+            flow: counts the frames that come and that are searched.
         """
         self.source, self.tracker = source, tracker
         self._on_picture, self._reopen = on_picture, reopen
+        self._flow, self._counted = flow or Flow(), 0
         self._frames: Latest[Frame] = Latest()
         self._observations: Latest[Observation] = Latest()
         self._stop = threading.Event()
@@ -139,10 +143,19 @@ class ObservationStream:
             self._begin_again()
             return
         self._read_s = time.monotonic()
+        self._count()
         self._on_picture(frame)
         self._frames.put(frame)
         if isinstance(self.source, Folder):
             self._stop.wait(_STILL_S)
+
+    def _count(self) -> None:
+        """Count the frames that have come: of a live source also those that were not read."""
+        if isinstance(self.source, Live):
+            self._flow.note("came", self.source.received - self._counted)
+            self._counted = self.source.received
+        else:
+            self._flow.note("came")
 
     def _begin_again(self) -> None:
         # A short video loops until the user ends it.
@@ -157,3 +170,4 @@ class ObservationStream:
         frame = self._frames.take(timeout=0.2)
         if frame is not None:
             self._observations.put(self.tracker.track(frame))
+            self._flow.note("searched")

@@ -19,6 +19,8 @@ class SeenPicture(NamedTuple):
 
     image: LivePicture
     observation: Observation | None = None
+    came_s: float | None = None
+    """When it came from its source, by `time.monotonic`, if that is known."""
 
 
 class PictureFeed:
@@ -34,9 +36,14 @@ class PictureFeed:
         self.newest: SeenPicture | None = None
         self._came, self._stop = threading.Event(), threading.Event()
 
-    def put(self, image: LivePicture, observation: Observation | None) -> None:
+    def put(
+        self,
+        image: LivePicture,
+        observation: Observation | None,
+        came_s: float | None = None,
+    ) -> None:
         """Queue this picture."""
-        self.newest = SeenPicture(image, observation)
+        self.newest = SeenPicture(image, observation, came_s)
         self._came.set()
 
     def again(self) -> None:

@@ -26,6 +26,11 @@ class Note(NamedTuple):
 NO_NOTE = Note()
 
 
+def picture_line_html(text: str) -> str:
+    """A line about the live picture."""
+    return f"<div class='v-picture-legend'>{escape(text)}</div>"
+
+
 def picture_legend_html() -> str:
     """Legend of the live picture during the steps."""
     parts = " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)

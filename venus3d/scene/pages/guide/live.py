@@ -24,6 +24,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.languages import translated_error
 from venus3d.scene.pages.guide import intents, texts
+from venus3d.scene.pages.guide.flow_news import FlowNews
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.board_keys import KeyMoves
 from venus3d.scene.web.monitor import SecondMonitor
@@ -33,6 +34,7 @@ from venus3d.sources.live import Live, OtherSize, Trouble
 from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.reconnection import Outage
 from venus3d.sources.sim import Simulation
+from venus3d.threads.flow import Flow
 
 _SILENT_S = 2.0
 """Seconds without a picture after which that is said; a folder shows each for one second."""
@@ -52,14 +54,19 @@ class LiveGuide:
         keep: Callable[[Snapshot], None],
         again: Callable[[], Source],
         monitors: Sequence[SecondMonitor] = (),
+        *,
+        stats: bool = False,
     ) -> None:
         """`keep` is called with every moment that may hold a new result, and must not block;
-        `again` reopens a recording that has ended; `run` closes `source`."""
+        `again` reopens a recording that has ended; `run` closes `source`. `stats`: tell how the
+        pictures flow."""
         self._session, self._keep = session, keep
         self._viewer, self._monitors = viewer, tuple(monitors)
+        self._flow = Flow()
         self._stream = ObservationStream(
-            source, tracker, on_picture=self._show_picture, reopen=again
+            source, tracker, on_picture=self._show_picture, reopen=again, flow=self._flow
         )
+        self._stats = FlowNews(self._flow, viewer) if stats else None
         self._silent_since = self._said = ""
         self._by_keys = KeyMoves()
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
@@ -119,7 +126,7 @@ class LiveGuide:
         self._thinker.shutdown(wait=True, cancel_futures=True)
 
     def _show_picture(self, frame: Frame) -> None:
-        self._viewer.show_picture(frame.image)
+        self._viewer.show_picture(frame.image, came_s=frame.came_s)
         for monitor in self._monitors:
             monitor.show_picture(frame.image)
 
@@ -129,6 +136,8 @@ class LiveGuide:
         session = self._session
         observation = self._stream.take(timeout=0.05)
         self._tell_of_silence()
+        if self._stats is not None:
+            self._stats.tell(self._stream.source)
         asked = self._viewer.drain_intents()
         for intent in asked:
             self._obey(intent)

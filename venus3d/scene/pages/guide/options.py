@@ -74,6 +74,9 @@ class GuideOptions:
     """Show the method's loop with its figures above the page, for teaching (9 changes it)."""
     headless: Switch = False
     """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
+    stats: Switch = False
+    """Show on the page, and print every ten seconds, how many pictures a second come, are searched
+    and sent, how old they are when sent, and how many are left out."""
     host: str = "127.0.0.1"
     """Address the viewer listens on; with 0.0.0.0 the address that is printed opens the page on
     other machines too, by the token in it."""

@@ -138,7 +138,9 @@ def run_guide(
             return _opened(options, board)
 
         saver = stack.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.warn)))
-        live = LiveGuide(session, source, tracker, viewer, saver.put, again, monitors)
+        live = LiveGuide(
+            session, source, tracker, viewer, saver.put, again, monitors, stats=options.stats
+        )
         return result(live.run(), viewer.notes)
 
 

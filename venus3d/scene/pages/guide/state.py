@@ -48,6 +48,8 @@ class ViewState:
     """Number of the step's target."""
     no_pictures: str = ""
     """What is said while no pictures come, or none that can be used; empty while they do."""
+    flow: str = ""
+    """How pictures flow; empty if nobody has asked."""
     other_size: bool = False
     """Whether they come in another size than the session's."""
     camera_words: bool = False

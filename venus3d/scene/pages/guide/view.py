@@ -40,7 +40,7 @@ from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.panels import PanelStyle, fit_width
 from venus3d.scene.web.projections_panel import ProjectionsPanel, Sources
-from venus3d.scene.web.step_card import Note, picture_legend_html
+from venus3d.scene.web.step_card import Note, picture_legend_html, picture_line_html
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
 
@@ -128,6 +128,9 @@ class GuideView:
         ended = phase in OVER
         self.projections.visible = tiles is not None or not ended
         self._legend.visible = not ended
+        self.flow.visible = bool(state.flow)
+        if state.flow:
+            self.flow.content = picture_line_html(state.flow)
         self.loop.visible = state.explain
         if state.explain:
             self.loop.content = loop_html(Loop() if snapshot is None else snapshot.loop)
@@ -188,6 +191,7 @@ class GuideView:
         self._style.add()
         blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)
+        self.flow = gui.add_html("", visible=False)
         self._legend = gui.add_html(picture_legend_html())
         self.loop = gui.add_html("", visible=False)
         self.projections = ProjectionsPanel(gui)

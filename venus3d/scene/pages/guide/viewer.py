@@ -100,6 +100,7 @@ class Viewer(Page[ViewState]):
         super().__init__(*start_server(host, port, language), state=state)
         self._intents: queue.SimpleQueue[intents.Intent] = queue.SimpleQueue()
         self._snapshot: Snapshot | None = None
+        self._sent: SeenPicture | None = None
         self._moved = False
         self._note, self._note_until, self._saved = NO_NOTE, 0.0, ""
         self._offscreen = Offscreen() if step_pictures and projections is None else None
@@ -117,6 +118,8 @@ class Viewer(Page[ViewState]):
         self._film = FilmStrip(uncertainty.open_view)
         self._straightener = Straightener()
         self._pictures = PictureFeed(self._draw_picture)
+        self.on_sent: Callable[[float], None] = lambda came_s: None
+        """Called on a drawing thread when a picture has been sent, with the time when it came."""
         self._open(picture=self._pictures.loop)
 
     @property
@@ -147,10 +150,16 @@ class Viewer(Page[ViewState]):
         """
         self.show(pose_snapshot(board, camera, pose, target, self._snapshot))
 
-    def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None:
+    def show_picture(
+        self,
+        image: LivePicture,
+        observation: Observation | None = None,
+        came_s: float | None = None,
+    ) -> None:
         """Show this live picture (BGR or grey), with the corners of `observation`, or by default of
-        the newest snapshot; the newest wins."""
-        self._pictures.put(image, observation)
+        the newest snapshot; the newest wins. `came_s`: when it came, by `time.monotonic`, for
+        `on_sent`."""
+        self._pictures.put(image, observation, came_s)
 
     def keep_view(self, number: int, image: LivePicture) -> None:
         """Keep the picture (BGR or grey) of the captured view of this number, for its card and for
@@ -171,6 +180,10 @@ class Viewer(Page[ViewState]):
         """Say instead of an instruction that no pictures come, or that they have another size;
         empty: they come again."""
         self.change(lambda state: replace(state, no_pictures=text, other_size=other_size))
+
+    def flows(self, text: str) -> None:
+        """Show how pictures flow: rates, age, what was left out; empty: nothing."""
+        self.change(lambda state: replace(state, flow=text))
 
     def saved(self, text: str) -> None:
         """Show where the result is, as long as the calibration has ended."""
@@ -369,3 +382,6 @@ class Viewer(Page[ViewState]):
                 self._straightener.straighten(rgb, known.camera, self._state.straight_share)
         self.view.show_picture(rgb)
         self.server.flush()
+        if newest.came_s is not None and newest is not self._sent:
+            self._sent = newest
+            self.on_sent(newest.came_s)
