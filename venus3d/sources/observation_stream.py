@@ -22,6 +22,7 @@ from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.live import Live
 from venus3d.sources.video import Video
+from venus3d.sources.watched_folder import WatchedFolder
 from venus3d.threads.flow import Flow
 from venus3d.threads.latency import low_latency
 from venus3d.threads.latest import Latest
@@ -111,7 +112,7 @@ class ObservationStream:
             self._frames.close()
             self._observations.close()
             at_end()
-            if isinstance(self.source, Live):  # its reader may wait for pictures for ever
+            if isinstance(self.source, (Live, WatchedFolder)):  # they may wait for ever
                 self.source.close()
             for thread in threads:
                 thread.join(timeout=2)

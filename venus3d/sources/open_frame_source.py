@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from venus3d.engine.errors import SourceError
+from venus3d.sources.bag import Bag, is_bag
 from venus3d.sources.camera_device import open_camera, open_pipeline
 from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.folder import Folder
@@ -14,8 +15,9 @@ from venus3d.sources.images import UNREAD_PICTURES, is_image, shown
 from venus3d.sources.live import Live
 from venus3d.sources.stream import StreamCapture
 from venus3d.sources.video import Video
+from venus3d.sources.watched_folder import WatchedFolder
 
-OpenedSource = Folder | Live | Video
+OpenedSource = Folder | Live | Video | Bag | WatchedFolder
 _ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 
 
@@ -30,8 +32,8 @@ def open_frame_source(
     """Open what `spec` names.
 
     A number or /dev/... is a camera; something:// a stream (or a video on a server); what has a !
-    between spaces a GStreamer pipeline; a directory or a pattern with * ? [ ] images; a file an
-    image or a video.
+    between spaces a GStreamer pipeline; watch:DIR a folder that is still being filled; BAG or
+    BAG:/topic a ROS bag; a directory or a pattern with * ? [ ] images; a file an image or a video.
 
     Args:
         spec: what the user typed.
@@ -70,6 +72,11 @@ def _opened(
         return open_pipeline(spec)
     if _ADDRESS.match(spec):
         return _open_address(spec, realtime)
+    if spec.startswith("watch:"):
+        return WatchedFolder(Path(os.path.expanduser(spec.removeprefix("watch:"))))
+    bag, _, topic = spec.partition(":/")
+    if is_bag(bag_path := Path(os.path.expanduser(bag))):
+        return Bag(bag_path, f"/{topic}" if topic else None, realtime=realtime)
     path = Path(os.path.expanduser(spec))
     if path.is_dir():
         return Folder.of_directory(path)

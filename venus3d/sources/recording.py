@@ -25,11 +25,13 @@ from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import SourceError
 from venus3d.sources.arrays import Arrays
+from venus3d.sources.bag import Bag
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame
 from venus3d.sources.live import Live
-from venus3d.sources.open_frame_source import open_frame_source
+from venus3d.sources.open_frame_source import OpenedSource, open_frame_source
 from venus3d.sources.video import Video
+from venus3d.sources.watched_folder import WatchedFolder
 
 Images = str | Path | Sequence[str | Path] | Sequence[NDArray[np.uint8]] | NDArray[np.uint8]
 """What `open_frame_source` takes, or a list of image files, or one of arrays (H, W[, 3])."""
@@ -103,18 +105,21 @@ def _observe(
     found = 0
     with closing(_opened(images)) as source:
         source.flip = flip
+        if isinstance(source, WatchedFolder):
+            raise SourceError("A folder that is still being filled has no end; leave out watch:.")
         if isinstance(source, Live):
             raise SourceError(
                 "A live camera has no end to wait for; use venus3d guide for it, or record a "
                 "video first."
             )
-        total = source.announced if isinstance(source, Video) else len(source)
+        is_video = isinstance(source, (Video, Bag))
+        total = source.announced if isinstance(source, (Video, Bag)) else len(source)
         for frame, seen, by in _looked_at(source, detector, threads):
             observations.append(detector.take_over(seen, frame.image, by))
             found += observations[-1].count > 0
             if on_count is not None:
                 on_count(len(observations), found, total)
-        return Recording(tuple(observations), tuple(source.notes), isinstance(source, Video))
+        return Recording(tuple(observations), tuple(source.notes), is_video)
 
 
 class _Look:
@@ -139,7 +144,7 @@ class _Look:
 
 
 def _looked_at(
-    source: Folder | Arrays | Video, detector: Detector, threads: int
+    source: Folder | Arrays | Video | Bag, detector: Detector, threads: int
 ) -> Iterator[tuple[Frame, Observation, Detector]]:
     """Each frame in order, with what a copy of the detector saw in it."""
     look = _Look(detector)
@@ -168,7 +173,7 @@ def _next(
     return done
 
 
-def _readers(source: Folder | Arrays | Video) -> Iterator[Callable[[], Frame]]:
+def _readers(source: Folder | Arrays | Video | Bag) -> Iterator[Callable[[], Frame]]:
     """A function for each frame that gives it: files are read by whoever looks at them, a video,
     whose frames come one after the other, is read here."""
     if isinstance(source, Folder):
@@ -182,7 +187,7 @@ def _same(frame: Frame) -> Frame:
     return frame
 
 
-def _opened(images: Images) -> Folder | Arrays | Video | Live:
+def _opened(images: Images) -> OpenedSource | Arrays:
     if isinstance(images, (str, Path)):
         return open_frame_source(str(images))
     arrays = [image for image in images if isinstance(image, np.ndarray)]

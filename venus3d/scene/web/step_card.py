@@ -28,7 +28,7 @@ NO_NOTE = Note()
 
 def picture_line_html(text: str) -> str:
     """A line about the live picture."""
-    return f"<div class='v-picture-legend'>{escape(text)}</div>"
+    return f"<div class='v-steps'><div class='v-legend'>{escape(text)}</div></div>"
 
 
 def picture_legend_html() -> str:

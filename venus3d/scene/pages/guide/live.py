@@ -34,6 +34,7 @@ from venus3d.sources.live import Live, OtherSize, Trouble
 from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.reconnection import Outage
 from venus3d.sources.sim import Simulation
+from venus3d.sources.watched_folder import WatchedFolder
 from venus3d.threads.flow import Flow
 
 _SILENT_S = 2.0
@@ -95,7 +96,9 @@ class LiveGuide:
         """Say that pictures have stopped and what is done, that they cannot be used, or nothing
         once they come again."""
         silent_s, source = self._stream.silent_s, self._stream.source
-        trouble = source.trouble if isinstance(source, Live) else None
+        trouble = source.trouble if isinstance(source, (Live, WatchedFolder)) else None
+        if isinstance(source, WatchedFolder) and trouble is None:
+            silent_s = 0.0  # nobody knows when the next picture is taken
         since = ""
         if silent_s > _SILENT_S or isinstance(trouble, OtherSize):
             since = self._silent_since or f"{datetime.now() - timedelta(seconds=silent_s):%H:%M:%S}"
@@ -216,7 +219,7 @@ class LiveGuide:
             case intents.GoOn():
                 session.resume()
             case intents.NewSession():
-                session.restart(source.accept_size() if isinstance(source, Live) else None)
+                session.restart(_size_now(source))
             case intents.Toggle("paused"):
                 self._stream.pause(self._viewer.state.paused)
                 for monitor in self._monitors:
@@ -241,6 +244,11 @@ class LiveGuide:
             self._viewer.say(
                 texts.NO_OTHER_POSE if self._session.phase == "guiding" else texts.NO_POSE_TO_CHOOSE
             )
+
+
+def _size_now(source: Source) -> tuple[int, int] | None:
+    """The size that the pictures have now, which `source` accepts; None if it cannot change."""
+    return source.accept_size() if isinstance(source, (Live, WatchedFolder)) else None
 
 
 def _silence_text(trouble: Trouble | None, since: str) -> str:

@@ -28,7 +28,8 @@ class GuideOptions:
     """Calibrate a camera with guidance, pose by pose, in the browser."""
 
     source: Annotated[Positional[str], arg(metavar="SOURCE")] = "sim"
-    """sim, a camera's number or device, a stream's address, a video, a folder or a pattern."""
+    """sim, a camera's number or device, a stream's address, a video, a folder or a pattern of
+    pictures, watch:DIR, a ROS bag (BAG or BAG:/topic)."""
     board: BoardOptions = field(default_factory=BoardOptions)
     camera_size: Annotated[
         str | None, arg(metavar="WIDTHxHEIGHT", help_behavior_hint="(usual: as it comes)")

@@ -36,6 +36,7 @@ from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.sim import Simulation
 from venus3d.sources.source_news import tell_of_trouble
+from venus3d.sources.watched_folder import WatchedFolder
 
 # Recordings ignore targets: a view counts if it lowers the expected uncertainty this much.
 _USEFUL_DROP = 0.1
@@ -219,6 +220,6 @@ def _settings(options: GuideOptions, source: Source) -> Settings:
         auto_capture=options.auto_capture,
         useful_drop=None if source.is_live or options.source == "sim" else _USEFUL_DROP,
         overlap_needed=options.overlap,
-        still_px=float("inf") if isinstance(source, Folder) else 2.0,
+        still_px=float("inf") if isinstance(source, (Folder, WatchedFolder)) else 2.0,
         rule=options.convergence,
     )
