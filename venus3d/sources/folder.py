@@ -150,9 +150,10 @@ def _header_notes(headers: dict[Path, ImageHeader]) -> Iterator[str]:
     several = [shown(path.name) for path, header in headers.items() if header.pictures > 1]
     if several:
         pages = sum(header.pictures - 1 for header in headers.values())
+        more = "one more is" if pages == 1 else f"{pages} more are"
         yield (
-            f"Of {listed(several, most=_MOST_NAMED)} only the first picture is read, and {pages} "
-            "more are left out; save each as a file of its own."
+            f"Of {listed(several, most=_MOST_NAMED)} only the first picture is read, and {more} "
+            "left out; save each as a file of its own."
         )
     turned = sum(header.orientation != 1 for header in headers.values())
     if turned:

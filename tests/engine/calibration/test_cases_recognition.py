@@ -14,6 +14,7 @@ from tests.engine.board_pictures import picture_of
 from venus3d.engine.calibration.board_recognition import recognise_board
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.thin_borders import thin_border_diagnosis
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -37,6 +38,18 @@ def shown_in(pattern: Picture) -> Picture:
     seen = np.array([[250, 120], [1000, 60], [1060, 640], [180, 600]], np.float32)
     H = cv2.getPerspectiveTransform(flat, seen)
     picture = cv2.warpPerspective(pattern, H, (1280, 720), borderValue=(110,))
+    return np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.8), np.uint8)
+
+
+def tilted(pattern: Picture) -> Picture:
+    """A pattern seen from the side, as long and as wide as it is."""
+    height, width = pattern.shape
+    flat = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
+    H = CAMERA.K @ np.column_stack([POSE.R[:, :2], POSE.t])
+    scale = 0.22 / flat.max()
+    seen = cv2.perspectiveTransform(((flat - flat.mean(axis=0)) * scale)[None], H)[0]
+    back = cv2.getPerspectiveTransform(flat, seen)
+    picture = cv2.warpPerspective(pattern, back, (1280, 720), borderValue=(110,))
     return np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.8), np.uint8)
 
 
@@ -130,6 +143,53 @@ def test_circles_and_grids_of_small_markers_are_named() -> None:
     single[130:270, 130:270] = dictionary.generateImageMarker(7, 140)
     said = told(shown_in(single), Board(dictionary="DICT_6X6_100"))
     assert said.kind == "other-pattern" and "1 single markers of DICT_5X5" in said.cause
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(4, 11), (7, 9), (3, 7), (6, 6)])
+def test_asymmetric_circles_are_named_with_the_size_that_opencv_reads_them_by(
+    columns: int, rows: int
+) -> None:
+    """They were "a checkerboard of 10 x 7 inner corners"."""
+    circles = np.full((60 * rows + 80, 120 * columns + 80), 255, np.uint8)
+    for row in range(rows):
+        for column in range(columns):
+            centre = (70 + 120 * column + 60 * (row % 2), 70 + 60 * row)
+            cv2.circle(circles, centre, 24, 0, -1, cv2.LINE_AA)
+    assert cv2.findCirclesGrid(circles, (columns, rows), flags=cv2.CALIB_CB_ASYMMETRIC_GRID)[0]
+    said = told(tilted(circles))
+    assert said.kind == "other-pattern"
+    assert f"an asymmetric grid of circles, {rows} rows of {columns}:" in said.cause
+
+
+def test_a_black_border_too_thin_to_read_is_told() -> None:
+    """It was one of three guesses."""
+    board = Board()
+    side = 112
+    drawn = board.cv_board.generateImage((9 * side, 6 * side)).copy()
+    marker, cut = 84, 10  # of a border of 12 px
+    for row in range(board.rows):
+        for column in range(1 - row % 2, board.columns, 2):
+            x, y = (side * n + (side - marker) // 2 for n in (column, row))
+            inner = drawn[y + cut : y + marker - cut, x + cut : x + marker - cut].copy()
+            drawn[y : y + marker, x : x + marker] = 255
+            drawn[y + cut : y + marker - cut, x + cut : x + marker - cut] = inner
+    picture = tilted(cv2.copyMakeBorder(drawn, 40, 40, 40, 40, cv2.BORDER_CONSTANT, value=255))
+    assert Detector(board).detect(picture).count == 0
+    said = told(picture)
+    assert said.kind == "unread-markers" and "black border is too thin" in said.cause
+    other = told(picture, Board(dictionary="DICT_6X6_100"))
+    assert other.kind == "unread-markers" and "too small or blurred" in other.cause
+
+
+def test_markers_that_nearly_fill_their_squares_are_told() -> None:
+    """Their corners are found, with ten times the error."""
+    board = Board(marker=0.026)
+    detector = Detector(board)
+    assert detector.detect(picture_of(board, CAMERA, POSE)).count > 20
+    (said,) = (d for d in detector.diagnoses if d.kind == "thin-border")
+    assert "only 1 mm wide, where a marker's cell is 3.7 mm" in said.cause
+    for good in (Board(), Board(8, 8, 0.0254, 0.01905), Board(12, 8, 0.0180086, 0.0139954)):
+        assert thin_border_diagnosis(good) is None
 
 
 def test_what_is_no_pattern_is_not_named(shared_data: Path) -> None:

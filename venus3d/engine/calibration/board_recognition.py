@@ -19,6 +19,7 @@ from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.marker_lattice import Lattice, lattices_of
 from venus3d.engine.calibration.marker_reading import Markers, family_of, read_markers
 from venus3d.engine.calibration.plain_patterns import Pattern, find_pattern
+from venus3d.engine.calibration.thin_borders import thin_border
 from venus3d.engine.errors import BoardError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.sentences import Sentence
@@ -120,9 +121,12 @@ def _finding_of(board: Board, grey: Grey, plain: bool) -> Finding | None:
         return Finding(_mirrored(_name(board, flipped), counts[1]), weight=counts[1])
     if seen is not None and counts[0] >= _FEWEST_MARKERS:
         return _of_markers(board, grey, seen)
+    pattern = find_pattern(grey) if plain else None
+    thin = None if pattern is None else _thin(board, grey, pattern)
+    if thin is not None:
+        return Finding(thin, weight=0.5)
     if seen is not None and family_of(seen.dictionary) == family_of(board.dictionary):
         return None  # perhaps a board that is small or hidden
-    pattern = find_pattern(grey) if plain else None
     if pattern is not None:
         return Finding(_plain(pattern), weight=pattern.columns * pattern.rows / 1000)
     return None if seen is None else Finding(_single(board, seen), weight=counts[0])
@@ -374,12 +378,39 @@ _PLAIN = {
     "circles": Sentence(
         "The picture shows a grid of {columns} x {rows} circles: not a ChArUco board."
     ),
+    "asymmetric circles": Sentence(
+        "The picture shows an asymmetric grid of circles, {rows} rows of {columns}: not a ChArUco "
+        "board."
+    ),
     "unread": Sentence(
         "The picture shows a board of {columns} x {rows} inner corners, but its markers cannot be "
-        "read: they are too small or blurred, their border is too thin, or their dictionary is "
-        "none of OpenCV's."
+        "read: they are too small or blurred, or their dictionary is none of OpenCV's."
     ),
 }
+_THIN = {
+    "black": Sentence(
+        "The markers of the board in the picture are of {dictionary}, but their black border is "
+        "too thin for them to be found: it must be as wide as one of a marker's cells."
+    ),
+    "white": Sentence(
+        "The markers of the board in the picture are of {dictionary}, but the white border around "
+        "them is too thin for them to be found: they nearly fill their squares."
+    ),
+}
+
+
+def _thin(board: Board, grey: Grey, pattern: Pattern) -> Diagnosis | None:
+    """That a border of the board's markers is too thin for them to be found, if it is."""
+    if pattern.kind != "unread" or pattern.corners is None:
+        return None
+    thin = thin_border(grey, pattern.corners, board)
+    if thin is None:
+        return None
+    return Diagnosis(
+        "unread-markers",
+        _THIN[thin].format(dictionary=board.dictionary),
+        Sentence("Print the board again with venus3d board, and measure it."),
+    )
 
 
 def _plain(pattern: Pattern) -> Diagnosis:

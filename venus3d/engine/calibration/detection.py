@@ -35,6 +35,7 @@ from venus3d.engine.calibration.refinement import (
     refinement_windows,
 )
 from venus3d.engine.calibration.small_boards import small_board
+from venus3d.engine.calibration.thin_borders import thin_border_diagnosis
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
@@ -143,6 +144,9 @@ class Detector:
             found.append(first_id_diagnosis(self._board))
         if self._board.marker != self._asked.marker:
             found.append(marker_size_diagnosis(self._asked, self._board))
+        thin = thin_border_diagnosis(self._board) if self._frames else None
+        if thin is not None:
+            found.append(thin)
         return tuple(dict.fromkeys(found))
 
     def explain_misses(self) -> tuple[Diagnosis, ...]:

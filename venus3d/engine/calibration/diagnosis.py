@@ -36,6 +36,7 @@ DiagnosisKind = Literal[
     "wrong-layout",
     "other-first-id",
     "wrong-marker-size",
+    "thin-border",
 ]
 """Worst first: a wrong number given, a model that does not fit, weak views, views left out; last,
 what the calibration allows for."""

@@ -1,14 +1,16 @@
-"""Recognises calibration patterns without markers: checkerboards and grids of circles."""
+"""Recognises calibration patterns without markers: checkerboards and grids of circles
+(`circle_grids`)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.calibration.circle_grids import find_circles
 from venus3d.engine.geometry.pose import Array
 
 Grey = NDArray[np.uint8]
@@ -16,40 +18,53 @@ Grey = NDArray[np.uint8]
 _SEARCHED_PX = 1000
 """Images are searched at this size: finding a pattern of unknown size takes its time."""
 _FEWEST = 3
-"""Corners or circles along each side."""
+"""Corners along each side."""
 _UNEVEN = 0.5
 """Largest change of a step from one corner to the next, as a share of it: less in a fisheye."""
 _LEAST_CONTRAST = 15.0
 """Grey levels between dark and light squares."""
-_FEWEST_CIRCLES, _MOST_CIRCLES = 12, 400
 
 
 @dataclass(frozen=True)
 class Pattern:
     """A pattern in an image."""
 
-    kind: Literal["checkerboard", "circles", "unread"]
+    kind: Literal["checkerboard", "circles", "asymmetric circles", "unread"]
     """"unread": a checkerboard with something printed in its white squares."""
     columns: int
     rows: int
-    """Inner corners, or circles, along both sides; the longer side comes first."""
+    """Inner corners, or circles, along both sides; the longer side comes first. Of an asymmetric
+    grid, the circles in a row and the rows, as OpenCV counts them."""
+    corners: Array | None = field(default=None, compare=False)
+    """(R, C, 2) the inner corners, pixels."""
 
 
 def find_pattern(grey: Grey) -> Pattern | None:
     """The checkerboard or grid of circles in an image (H, W); None if there is none."""
-    scale = _SEARCHED_PX / max(grey.shape)
+    scale = min(_SEARCHED_PX / max(grey.shape), 1.0)
     if scale < 1:
         small: Any = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
         grey = np.asarray(small, dtype=np.uint8)
+    # Circles first: the gaps of an asymmetric grid look like a checkerboard.
+    circles = find_circles(grey)
+    if circles is not None:
+        kind = "asymmetric circles" if circles.asymmetric else "circles"
+        return Pattern(kind, circles.columns, circles.rows)
     try:
-        return _checkerboard(grey) or _circles(grey)
+        found = _checkerboard(grey)
     except cv2.error:  # OpenCV's search for an unknown size is not made for every picture
         return None
+    if found is None or found.corners is None:
+        return None
+    return replace(found, corners=(found.corners + 0.5) / scale - 0.5)
 
 
 def _checkerboard(grey: Grey) -> Pattern | None:
     flags = cv2.CALIB_CB_LARGER | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_EXHAUSTIVE
     found: tuple[bool, Any, Any] = (False, None, None)
+    cv2.setRNGSeed(
+        0
+    )  # its search draws random numbers: the same picture shall always give the same
     for side in (5, _FEWEST):  # it grows from there: from 5 x 5 more often to the whole board
         found = cv2.findChessboardCornersSBWithMeta(grey, (side, side), flags)
         if found[0]:
@@ -62,7 +77,7 @@ def _checkerboard(grey: Grey) -> Pattern | None:
     if not (_is_even(corners) and _alternates(colours)):
         return None
     kind = "unread" if _is_printed_on(colours) else "checkerboard"
-    return Pattern(kind, max(rows, columns), min(rows, columns))
+    return Pattern(kind, max(rows, columns), min(rows, columns), corners)
 
 
 def _is_even(corners: Array) -> bool:
@@ -108,51 +123,3 @@ def _is_printed_on(colours: tuple[list[Array], list[Array]]) -> bool:
     spread = float(np.median([patch[8:24, 8:24].std() for patch in colours[1]]))
     contrast = float(np.median([np.ptp(patch) for patch in colours[1]]))
     return spread > 0.12 * contrast
-
-
-def _circles(grey: Grey) -> Pattern | None:
-    parameters = cv2.SimpleBlobDetector.Params()
-    parameters.filterByCircularity, parameters.minCircularity = True, 0.75
-    parameters.minArea, parameters.maxArea = 20.0, grey.size / 50
-    for picture in (grey, np.asarray(255 - grey, dtype=np.uint8)):
-        blobs = cv2.SimpleBlobDetector.create(parameters).detect(picture)
-        centres = _alike(blobs)
-        if _FEWEST_CIRCLES <= len(centres) <= _MOST_CIRCLES:
-            found = _arranged(centres)
-            if found is not None:
-                return found
-    return None
-
-
-def _alike(blobs: Any) -> NDArray[np.float32]:
-    """(N, 2) centres of the blobs of about the same size."""
-    sizes = np.array([blob.size for blob in blobs])
-    if not sizes.size:
-        return np.zeros((0, 2), np.float32)
-    alike = (sizes > 0.5 * np.median(sizes)) & (sizes < 2 * np.median(sizes))
-    return np.array([blob.pt for blob in blobs], dtype=np.float32)[alike]
-
-
-def _arranged(centres: NDArray[np.float32]) -> Pattern | None:
-    """The numbers of rows and columns in which the centres (N, 2) lie, if they do."""
-    apart = np.linalg.norm(centres[:, None] - centres, axis=2) + np.diag(np.full(len(centres), 1e9))
-    radius = int(min(8, 0.35 * apart.min()))
-    if radius < 2:
-        return None
-    dots = _drawn(centres, radius)
-    for rows in range(_FEWEST, int(np.sqrt(len(centres))) + 1):
-        columns, rest = divmod(len(centres), rows)
-        for size in () if rest else ((columns, rows), (rows, columns)):
-            for grid in (cv2.CALIB_CB_SYMMETRIC_GRID, cv2.CALIB_CB_ASYMMETRIC_GRID):
-                if cv2.findCirclesGrid(dots, size, flags=grid)[0]:
-                    return Pattern("circles", max(size), min(size))
-    return None
-
-
-def _drawn(centres: NDArray[np.float32], radius: int) -> Grey:
-    """Plain dots on white: OpenCV looks for a grid in an image only, and for each size anew."""
-    width, height = (centres.max(axis=0) + 20).astype(int)
-    image = np.full((2 * height, 2 * width), 255, np.uint8)
-    for x, y in centres:
-        cv2.circle(image, (round(2 * float(x)), round(2 * float(y))), 2 * radius, 0, -1)
-    return image

@@ -39,6 +39,7 @@ SEVERITIES: dict[DiagnosisKind, Severity] = {
     "wrong-layout": "note",
     "other-first-id": "note",
     "wrong-marker-size": "note",
+    "thin-border": "note",
 }
 
 _UNREAD: tuple[DiagnosisKind, ...] = (

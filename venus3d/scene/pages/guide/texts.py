@@ -312,6 +312,7 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "wrong-layout": "another layout of the board",
     "other-first-id": "the marker ids start elsewhere",
     "wrong-marker-size": "another size of the markers",
+    "thin-border": "thin borders around the markers",
 }
 """Short forms."""
 

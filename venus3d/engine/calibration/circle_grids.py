@@ -1,0 +1,143 @@
+"""Recognises grids of circles of any size, symmetric and asymmetric ones.
+
+`cv2.findCirclesGrid` must be told the size. Here the centres of round blobs are walked through from
+neighbour to neighbour, which gives each a place in a lattice; the outline of the places tells the
+kind. In an asymmetric grid every second row is shifted by half a step: its nearest neighbours lie
+diagonally, and the places fill a rectangle once they are turned by 45°.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.geometry.pose import Array
+
+Grey = NDArray[np.uint8]
+_Place = tuple[int, int]
+
+_FEWEST, _FEWEST_CIRCLES, _MOST_CIRCLES = 3, 12, 400
+_LEAST_PIXELS = 2000
+_ROUND = 0.82
+"""Circularity of a blob: a square has 0.79, an ellipse twice as long as wide 0.84."""
+_NEAR = 0.35
+"""A neighbour is at most this share of a step away from where it is expected."""
+_ACROSS = 0.5
+"""Least sine of the angle between the two steps."""
+_FILLED, _PLACED = 0.9, 0.6
+"""Shares of the outline's places that have a circle, and of the circles that have a place."""
+_TURNED = np.array([[1, 1], [1, -1]])
+_BASES = [
+    np.array(rows).reshape(2, 2)
+    for rows in product((0, 1, -1), repeat=4)
+    if abs(rows[0] * rows[3] - rows[1] * rows[2]) == 1
+]
+
+
+@dataclass(frozen=True)
+class CircleGrid:
+    """A grid of circles in an image."""
+
+    columns: int
+    rows: int
+    """The longer side first; of an asymmetric grid, the circles in a row and the rows."""
+    asymmetric: bool
+
+
+def find_circles(grey: Grey) -> CircleGrid | None:
+    """The grid of black or white circles in an image (H, W); None if there is none."""
+    if grey.size < _LEAST_PIXELS:
+        return None
+    parameters = cv2.SimpleBlobDetector.Params()
+    parameters.filterByCircularity, parameters.minCircularity = True, _ROUND
+    parameters.minArea, parameters.maxArea = 20.0, grey.size / 50
+    for picture in (grey, np.asarray(255 - grey, dtype=np.uint8)):
+        centres = _alike(cv2.SimpleBlobDetector.create(parameters).detect(picture))
+        if _FEWEST_CIRCLES <= len(centres) <= _MOST_CIRCLES:
+            found = _arranged(centres)
+            if found is not None:
+                return found
+    return None
+
+
+def _alike(blobs: Any) -> Array:
+    """(N, 2) centres of the blobs of about the same size."""
+    sizes = np.array([blob.size for blob in blobs])
+    if not sizes.size:
+        return np.zeros((0, 2))
+    alike = (sizes > 0.5 * np.median(sizes)) & (sizes < 2 * np.median(sizes))
+    return np.array([blob.pt for blob in blobs], dtype=np.float64)[alike]
+
+
+def _arranged(centres: Array) -> CircleGrid | None:
+    """The grid in which most of the centres (N, 2) lie."""
+    placed = np.array(list(_placed(centres)))
+    if len(placed) < max(_FEWEST_CIRCLES, _PLACED * len(centres)):
+        return None
+    # Seen from the side, the nearest neighbours may be others: any basis of the lattice is tried.
+    for fits in (_symmetric, _asymmetric):
+        for basis in _BASES:
+            found = fits(placed @ basis)
+            if found is not None:
+                return found
+    return None
+
+
+def _symmetric(places: NDArray[np.intp]) -> CircleGrid | None:
+    columns, rows = (int(n) for n in np.ptp(places, axis=0) + 1)
+    if min(columns, rows) < _FEWEST or len(places) < _FILLED * columns * rows:
+        return None
+    return CircleGrid(max(columns, rows), min(columns, rows), False)
+
+
+def _asymmetric(places: NDArray[np.intp]) -> CircleGrid | None:
+    across, down = (int(n) for n in np.ptp(places @ _TURNED, axis=0) + 1)
+    # One side has the circles of a row and the gaps between them: an even number of places.
+    sizes = [(n // 2, m) for n, m in ((across, down), (down, across)) if n % 2 == 0]
+    if not sizes or 2 * len(places) < _FILLED * across * down:
+        return None
+    columns, rows = min(sizes, key=lambda size: abs(size[0] - size[1]))
+    return CircleGrid(columns, rows, True) if min(columns, rows) >= _FEWEST else None
+
+
+def _placed(centres: Array) -> dict[_Place, int]:
+    """The index of the circle at each place of the lattice around the middle of the centres."""
+    first = int(np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1)))
+    steps = _steps(centres, first)
+    if steps is None:
+        return {}
+    placed: dict[_Place, int] = {(0, 0): first}
+    waiting = deque([((0, 0), steps)])
+    while waiting:
+        place, (right, down) = waiting.popleft()
+        here = centres[placed[place]]
+        for axis, sign in ((0, 1), (0, -1), (1, 1), (1, -1)):
+            step = sign * (right if axis == 0 else down)
+            near = int(np.argmin(np.linalg.norm(centres - here - step, axis=1)))
+            found = centres[near] - here
+            limit = _NEAR * min(np.linalg.norm(right), np.linalg.norm(down))
+            next_place = (place[0] + sign, place[1]) if axis == 0 else (place[0], place[1] + sign)
+            if next_place in placed or np.linalg.norm(found - step) > limit:
+                continue
+            placed[next_place] = near
+            # The steps change with perspective and lens: as they were measured last.
+            waiting.append(
+                (next_place, (sign * found, down) if axis == 0 else (right, sign * found))
+            )
+    return placed
+
+
+def _steps(centres: Array, index: int) -> tuple[Array, Array] | None:
+    """From a circle to its nearest neighbour, and to the nearest in another direction."""
+    away = np.delete(centres, index, axis=0) - centres[index]
+    away = away[np.argsort(np.linalg.norm(away, axis=1))]
+    unit = away / np.linalg.norm(away, axis=1, keepdims=True)
+    sine = abs(unit[0, 0] * unit[:, 1] - unit[0, 1] * unit[:, 0])
+    others = np.flatnonzero(sine > _ACROSS)
+    return (away[0], away[others[0]]) if others.size else None
