@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from importlib.metadata import version
@@ -87,12 +87,7 @@ def _unused(directory: Path) -> Path:
 def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]) -> KeptSession:
     folder = SessionFolder.open(directory, tell)
     try:
-        try:
-            before = msgspec.convert(folder.header["options"], GuideOptions, dec_hook=_decoded)
-        except (KeyError, msgspec.ValidationError) as error:
-            raise StorageError(
-                f"{directory}/session.json is not of this version of venus3d ({error})."
-            ) from error
+        before = options_of(folder.header, directory)
         usual = GuideOptions()
         anew = {
             field.name: getattr(options, field.name)
@@ -110,6 +105,16 @@ def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]
     except BaseException:
         folder.close()
         raise
+
+
+def options_of(header: Mapping[str, Any], directory: Path) -> GuideOptions:
+    """The options that a session was started with. Raises `StorageError`."""
+    try:
+        return msgspec.convert(header["options"], GuideOptions, dec_hook=_decoded)
+    except (KeyError, msgspec.ValidationError) as error:
+        raise StorageError(
+            f"{directory}/session.json is not of this version of venus3d ({error})."
+        ) from error
 
 
 def _header(options: GuideOptions) -> dict[str, Any]:

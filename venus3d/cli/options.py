@@ -10,7 +10,7 @@ from tyro.conf import Positional, arg
 
 from venus3d.engine.geometry.pose import Axes
 from venus3d.engine.geometry.resize import ResizeBy
-from venus3d.options import BoardOptions, LimitOptions, Switch
+from venus3d.options import BoardOptions, LanguageOption, LimitOptions, Switch
 
 Number = Positional[float]
 
@@ -32,6 +32,22 @@ class CalibrateOptions:
     """Folder for camera.yaml and result.json; an earlier result there is kept."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
+
+
+@dataclass(frozen=True)
+class ReplayOptions:
+    """Show a recorded session in the browser, with a time line, or write it as a film."""
+
+    session: Annotated[Positional[Path], arg(metavar="DIR")]
+    """The folder of a session, as venus3d guide keeps it."""
+    export: Annotated[Path | None, arg(metavar="FILE.mp4", help_behavior_hint="(optional)")] = None
+    """Write a film instead: each view's picture with its target, under what was known then."""
+    language: LanguageOption = None
+    """Language of the page."""
+    host: str = "127.0.0.1"
+    """Address the page listens on."""
+    port: int = 8080
+    """Port of the page; the next free one is used if it is taken."""
 
 
 @dataclass(frozen=True)

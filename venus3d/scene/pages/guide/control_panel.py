@@ -63,6 +63,10 @@ _ROWS: dict[str, tuple[str, ...]] = {
 _WITH_A_TARGET = frozenset(
     ("skip", "previous", "play", "next", "follow", "strip", "all_steps", "words", "built")
 )
+_OF_A_SESSION = frozenset(
+    ("capture", "skip", "undo", "finish", "go_on", "new", "pause", "autopilot")
+)
+"""What a session does that is not one of a record."""
 _TO_END = frozenset(("capture", "undo", "finish"))
 
 
@@ -70,11 +74,18 @@ class ControlPanel:
     """The controls of one server. `ask` is called on viser's threads."""
 
     def __init__(
-        self, gui: viser.GuiApi, ask: Callable[[Intent], None], *, simulated: bool
+        self,
+        gui: viser.GuiApi,
+        ask: Callable[[Intent], None],
+        *,
+        simulated: bool,
+        recorded: bool = False,
     ) -> None:
-        """Create the buttons in the current panel."""
+        """Create the buttons in the current panel; `recorded`: only those that change what is
+        seen."""
         self._ask, self._simulated = ask, simulated
         self._offered = CONTROLS.keys() - (set() if simulated else {"autopilot"})
+        self._offered -= _OF_A_SESSION if recorded else set()
         self._capture = gui.add_button(say.CAPTURE, icon=viser.Icon.CAMERA, hint=say.CAPTURE_HINT)
         self._capture.on_click(lambda _: ask(Capture()))
         self._compared = gui.add_slider(
@@ -83,7 +94,11 @@ class ControlPanel:
         self._compared.visible = False
         self._compared_shown = 50
         self._compared.on_update(self._compared_to)
-        self._rows = {name: self._row(gui, name) for name in _ROWS}
+        self._rows = {
+            name: self._row(gui, name)
+            for name, row in _ROWS.items()
+            if self._offered.intersection(row)
+        }
 
     @property
     def commands(self) -> tuple[Command, ...]:
@@ -104,7 +119,7 @@ class ControlPanel:
         share = round(100 * state.straight_share)
         if state.over and share != self._compared_shown:  # a person's is shown before it is here
             self._compared_shown = self._compared.value = share
-        useful = useful_in(phase, known=known)
+        useful = useful_in(phase, known=known) & self._offered
         self._capture.visible = "capture" in useful
         for name, row in self._rows.items():
             row.show(self._labels(name, state, useful))

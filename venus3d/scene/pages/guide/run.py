@@ -153,7 +153,7 @@ def _first_words(
     if known is not None:
         said.append(texts.FROM_CAMERA if known.has_uncertainty else texts.FROM_CAMERA_ALONE)
     elif options.known_camera is not None and options.resume is None and state is not None:
-        said.append(texts.FROM_VIEWS.format(count=len(state.views)))
+        said.append(texts.GOING_ON_FROM.format(count=len(state.views)))
     if simulated and not options.autopilot:
         said.append(texts.DRAG_HINT)
     return " ".join(said)
@@ -208,6 +208,15 @@ def _check_known(known: KnownCamera, source: Source) -> None:
 
 
 def _settings(options: GuideOptions, source: Source) -> Settings:
+    return replace(
+        settings_of(options),
+        useful_drop=None if source.is_live or options.source == "sim" else _USEFUL_DROP,
+        still_px=float("inf") if isinstance(source, (Folder, WatchedFolder)) else 2.0,
+    )
+
+
+def settings_of(options: GuideOptions) -> Settings:
+    """A session's settings, but for what depends on the source."""
     return Settings(
         method=options.method,
         cost=options.cost,
@@ -218,8 +227,6 @@ def _settings(options: GuideOptions, source: Source) -> Settings:
         seed=options.seed,
         max_views=options.max_views,
         auto_capture=options.auto_capture,
-        useful_drop=None if source.is_live or options.source == "sim" else _USEFUL_DROP,
         overlap_needed=options.overlap,
-        still_px=float("inf") if isinstance(source, (Folder, WatchedFolder)) else 2.0,
         rule=options.convergence,
     )

@@ -201,7 +201,7 @@ FROM_CAMERA_ALONE = (
     "A known camera is the start; how well it is known, its file does not say. The result comes "
     "from the new views alone."
 )
-FROM_VIEWS = "Going on from {count} views of an earlier calibration."
+GOING_ON_FROM = "Going on from {count} views of an earlier calibration."
 ENDED = "This calibration has ended; no more views are taken."
 NOTHING_TO_CAPTURE = "Nothing to capture: no board is seen, or this view is taken."
 VIEWS_STAY = "This calibration has ended; its views stay as they are."

@@ -66,6 +66,7 @@ class GuideView:
         dark: bool,
         simulated: bool,
         tour: bool,
+        recorded: bool = False,
     ) -> None:
         """Lay everything out, each layer in its own tab.
 
@@ -74,7 +75,9 @@ class GuideView:
             film: the strip of captured views.
             simulated: whether there is a simulated hand.
             tour: show new browsers around.
+            recorded: the session is one of a record, which nothing changes.
         """
+        self._recorded = recorded
         self._server, self._gui = server, server.gui
         self._style = PanelStyle(server.gui)
         self._ask, self._rig = ask, rig
@@ -117,7 +120,7 @@ class GuideView:
         self.diagnoses.content = diagnoses_html(snapshot)
         self.diagnoses.visible = bool(self.diagnoses.content)
         self.progress.content = progress_html(snapshot)
-        self.alternatives.show(snapshot)
+        self.alternatives.show(None if self._recorded else snapshot)
         remaining, target = (
             (None, None) if snapshot is None else (snapshot.remaining, snapshot.target)
         )
@@ -134,13 +137,15 @@ class GuideView:
         self.loop.visible = state.explain
         if state.explain:
             self.loop.content = loop_html(Loop() if snapshot is None else snapshot.loop)
-        self.end_buttons.show(state, phase)
+        if not self._recorded:
+            self.end_buttons.show(state, phase)
         known = None if snapshot is None else snapshot.calibration
         self.controls.show(state, phase, known=known is not None and all(known.free))
         if snapshot is not None:
             self.result.content = result_html(snapshot, saved)
             self.progress.visible = not self.result.content
-            self.method.show(snapshot)
+            if not self._recorded:
+                self.method.show(snapshot)
             self.parameters.show(snapshot)
 
     def _flash(self, snapshot: Snapshot | None) -> str:
@@ -195,17 +200,22 @@ class GuideView:
         self._legend = gui.add_html(picture_legend_html())
         self.loop = gui.add_html("", visible=False)
         self.projections = ProjectionsPanel(gui)
-        self.controls = ControlPanel(gui, self._ask, simulated=self._simulated)
+        self.controls = ControlPanel(
+            gui, self._ask, simulated=self._simulated, recorded=self._recorded
+        )
         title, hint = say.ROWS["page"]
         labels = {name: say.BUTTONS[name][0] for name in ("help", "tour", "fit")}
         ButtonRow(gui, title, labels, self._asked_about_page, hint=hint)
         self.built = BuiltPanel(gui)
         self.end_map = EndMap(gui)
-        self.method = MethodPanel(gui, self._ask)
+        if not self._recorded:
+            self.method = MethodPanel(gui, self._ask)
         self._film.lay_out(gui)
 
     def _make_commands(self, tour: bool) -> None:
-        panels = (self.controls, self.alternatives, *self._layers, self.method)
+        panels = (self.controls, *self._layers)
+        if not self._recorded:
+            panels = (self.controls, self.alternatives, *self._layers, self.method)
         commands = (*(c for panel in panels for c in panel.commands), self._rig.command)
         add_commands(self._server, commands)
         steps = [TourStep(*texts, marks) for texts, marks in zip(say.TOUR, _MARKS, strict=True)]

@@ -74,6 +74,7 @@ class Viewer(Page[ViewState]):
         wording: Wording = "holder",
         language: Language | None = None,
         explain: bool = False,
+        recorded: bool = False,
     ) -> None:
         """Serve the page.
 
@@ -88,6 +89,7 @@ class Viewer(Page[ViewState]):
             wording: whose left and right the page means at the start.
             language: of the page; the first browser's by default.
             explain: whether the loop of the method is shown at the start.
+            recorded: offer nothing that would change the session.
 
         Raises `AddressError` if the address cannot be bound.
         """
@@ -110,9 +112,9 @@ class Viewer(Page[ViewState]):
         self._built = Tiles()
         self._drawn: RemainingSteps | None = None
         self._additions: list[Addition] = []
-        self._draggable, self._tour = draggable_board, tour
+        self._draggable, self._tour, self._recorded = draggable_board, tour, recorded
         uncertainty = self._uncertainty = UncertaintyPanel(
-            lambda number: self._ask(intents.DropView(number)), self.wake
+            None if recorded else lambda number: self._ask(intents.DropView(number)), self.wake
         )
         self.layers: tuple[Layer, ...] = (uncertainty,)
         self._film = FilmStrip(uncertainty.open_view)
@@ -195,7 +197,8 @@ class Viewer(Page[ViewState]):
         is taken."""
         self._additions.append(addition)
         try:
-            self.view.help.explain(addition(self.server))
+            with self.language.spoken():
+                self.view.help.explain(addition(self.server))
         except ValueError:
             self._additions.remove(addition)
             raise
@@ -242,6 +245,7 @@ class Viewer(Page[ViewState]):
             dark=self._state.dark,
             simulated=self._draggable,
             tour=self._tour,
+            recorded=self._recorded,
         )
         self._gizmo = BoardGizmo(server, self._dragged) if self._draggable else None
         for addition in self._additions:

@@ -67,11 +67,12 @@ class UncertaintyPanel:
         """Of its tab."""
         return texts.TAB
 
-    def __init__(self, on_drop: Callable[[int], None], wake: Callable[[], None]) -> None:
+    def __init__(self, on_drop: Callable[[int], None] | None, wake: Callable[[], None]) -> None:
         """Nothing is shown until `lay_out`.
 
         Args:
-            on_drop: called on viser's threads with the number of a view to exclude.
+            on_drop: called on viser's threads with the number of a view to exclude; None: no view
+                can be.
             wake: called on any thread when something must be redrawn.
         """
         self._on_drop, self._wake = on_drop, wake
@@ -176,7 +177,9 @@ class UncertaintyPanel:
             self._forget_old(numbers)
             self._about.content = "" if chosen is None else view_html(snapshot, chosen, picture)
             self._about.visible = chosen is not None
-            self._drop.visible = chosen is not None and len(numbers) > 1
+            self._drop.visible = (
+                self._on_drop is not None and chosen is not None and len(numbers) > 1
+            )
         self._legend.content = _legend(snapshot, state, self._theme)
         self._legend.visible = bool(self._legend.content)
         self._maps.show(_map_labels(state.map))
@@ -225,7 +228,8 @@ class UncertaintyPanel:
             return
         html = view_html(snapshot, number, self._pictures.get(number, ""))
         if html:
-            drop = partial(self._leave_out, number) if len(snapshot.views) > 1 else None
+            may_drop = self._on_drop is not None and len(snapshot.views) > 1
+            drop = partial(self._leave_out, number) if may_drop else None
             self._window.open(client, number, self._theme.sheet + html, drop)
 
     # -- what people do; on viser's threads ------------------------------------------------------
@@ -250,7 +254,7 @@ class UncertaintyPanel:
         self._change(view=later[0] if later else None, views=self.state.views or bool(later))
 
     def _leave_out(self, number: int | None) -> None:
-        if number is not None:
+        if number is not None and self._on_drop is not None:
             self._change(view=None)
             self._on_drop(number)
 

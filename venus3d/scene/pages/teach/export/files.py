@@ -6,6 +6,7 @@ from pathlib import Path
 
 from venus3d.engine.errors import StorageError
 from venus3d.lessons.lesson import Lesson, LessonPage
+from venus3d.render.film import mp4
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.scene.pages.teach.actions import FILE_KINDS, FileKind
@@ -18,7 +19,6 @@ from venus3d.scene.pages.teach.export.film import (
     MP4_WIDTH,
     film,
     gif,
-    mp4,
 )
 from venus3d.scene.pages.teach.export.html_document import PageContent, html_document
 from venus3d.scene.pages.teach.export.scene_recording import player, recording_of

@@ -6,9 +6,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any
 
-import av
 import numpy as np
 from PIL import Image, ImageDraw
 
@@ -105,24 +103,6 @@ def _title_card(lesson: str, page: str, shape: tuple[int, ...], dark: bool) -> P
         at = (shape[1] / 2, middle + (i - (len(lines) - 1) / 2) * line)
         draw.text(at, text, fill=colours.text, font=large, anchor="mm")
     return np.asarray(image)
-
-
-def mp4(pictures: Iterable[Picture], fps: int) -> bytes:
-    """H.264 in MP4, for every browser and projector. Raises `ValueError` without frames."""
-    buffer = io.BytesIO()
-    stream: Any = None
-    with av.open(buffer, "w", format="mp4") as container:
-        for picture in pictures:
-            if stream is None:
-                stream = container.add_stream("libx264", rate=fps, options={"crf": "20"})
-                stream.height, stream.width = picture.shape[:2]
-                stream.pix_fmt = "yuv420p"
-            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
-            container.mux(stream.encode(frame))
-        if stream is None:
-            raise ValueError("a film needs a picture")
-        container.mux(stream.encode())
-    return buffer.getvalue()
 
 
 def gif(pictures: Iterable[Picture], fps: int) -> bytes:

@@ -1,0 +1,120 @@
+"""A replayed session shows what was known at each moment, and nothing of it can be changed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from tests.engine.calibration.test_adjustment import GOOD, observe
+from tests.ports import free_port
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.errors import StorageError
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
+from venus3d.scene.pages.guide.replay import Worker
+from venus3d.scene.pages.guide.replay_bar import Place, ReplayBar, moment_at
+from venus3d.scene.pages.guide.replay_film import known_sentence, replay_film
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.storage.session_folder import SessionFolder
+from venus3d.storage.session_moments import LONGEST_PAUSE_S, moments_of
+
+SETTINGS = Settings(auto_capture=False, method="random")
+VIEWS = 4
+
+
+@pytest.fixture(scope="module")
+def recorded(
+    tmp_path_factory: pytest.TempPathFactory, default_board: Board, paper_camera: Camera
+) -> Path:
+    """A session of four views, the first of them taken back at the end."""
+    directory = tmp_path_factory.mktemp("recorded") / "session"
+    rng = np.random.default_rng(3)
+    folder = SessionFolder.create(directory, {"options": {}}, lambda _: None)
+    session = Session(default_board, paper_camera.image_size, SETTINGS, folder)
+    folder.changed(session.state)
+    for vector in GOOD[:VIEWS]:
+        picture = np.full((720, 1280, 3), 90, np.uint8)
+        seen = observe(paper_camera, default_board, vector, rng, 0.1)
+        session.observe(replace(seen, image=picture))
+        assert session.capture()
+        session.run_pending()
+    session.drop_view(1)
+    session.run_pending()
+    folder.close()
+    return directory
+
+
+def test_what_is_shown_is_what_was_known(recorded: Path, default_board: Board) -> None:
+    """After view k the calibration of exactly the views until then; before it, that of before."""
+    moments = moments_of(recorded)
+    assert [m.kind for m in moments] == ["captured", "calibrated"] * VIEWS + ["changed"]
+    worker = Worker(moments, SETTINGS)
+    snapshots = worker.finish()
+    seen = [moments[2 * k].seen for k in range(VIEWS)]
+    for k in range(2, VIEWS):
+        before, after = snapshots[2 * k], snapshots[2 * k + 1]
+        assert before.captured == tuple(range(1, k + 1))
+        assert after.captured == tuple(range(1, k + 2))
+        assert after.observation is before.observation is seen[k]
+        expected = calibrate(default_board, seen[: k + 1]).camera.parameters
+        assert after.calibration is not None
+        np.testing.assert_allclose(after.calibration.camera.parameters, expected, rtol=1e-6)
+    assert snapshots[0].calibration is None and snapshots[0].captured == ()
+    assert snapshots[-1].captured == (2, 3, 4)
+    assert "not determined" in known_sentence(moments[0], snapshots[0])
+    assert "3 views" in known_sentence(moments[-1], snapshots[-1])
+
+
+def test_the_time_line(recorded: Path) -> None:
+    """It plays at its speed to the end, jumps from view to view, and holds no long pause."""
+    moments = moments_of(recorded)
+    bar = ReplayBar(moments)
+    pauses = np.diff([m.play_s for m in moments])
+    assert (pauses >= 0).all() and (pauses <= LONGEST_PAUSE_S).all()
+    captures = [m.play_s for m in moments if m.kind == "captured"]
+    for expected in captures[1:]:
+        bar.go_by(1)
+        assert bar.place.time_s == expected
+    assert moments[moment_at(moments, bar.place.time_s)].number == VIEWS
+    bar.go_by(-1)
+    assert bar.place.time_s == captures[-2]
+    assert Place(1.0, True, 5).after(2.0, 100.0).time_s == 11.0
+    assert Place(1.0, True, 5).after(2.0, 3.0) == Place(3.0, False, 5)
+    assert Place(1.0).after(2.0, 3.0) == Place(1.0)
+
+
+def test_the_film_can_be_played(recorded: Path, tmp_path: Path) -> None:
+    path = tmp_path / "session.mp4"
+    path.write_bytes(replay_film(moments_of(recorded)[:3], SETTINGS))
+    with av.open(str(path)) as film:
+        frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
+    assert len(frames) == 3 * 20 and frames[0].shape[1] == 1280
+    assert np.abs(frames[0].astype(int) - frames[30]).mean() > 1  # another moment
+
+
+def test_nothing_can_be_changed() -> None:
+    """No button, key or command of the page asks for what a record cannot do."""
+    viewer = Viewer(port=free_port(), recorded=True)
+    try:
+        offered = {command.label for command in viewer.view.controls.commands}
+        live = Viewer(port=free_port())
+        try:
+            gone = {c.label for c in live.view.controls.commands} - offered
+        finally:
+            live.close()
+        assert len(gone) == 7  # capture, skip, undo, finish, go on, new, pause
+    finally:
+        viewer.close()
+
+
+def test_a_session_without_a_view(tmp_path: Path) -> None:
+    folder = SessionFolder.create(tmp_path / "new", {}, lambda _: None)
+    with pytest.raises(StorageError, match="nothing to show"):
+        moments_of(folder.directory)
+    folder.close()

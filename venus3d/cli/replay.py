@@ -1,0 +1,29 @@
+"""`venus3d replay`: a recorded session on the guide's page, or as a film."""
+
+from __future__ import annotations
+
+from venus3d.cli.kept_session import options_of
+from venus3d.cli.options import ReplayOptions
+from venus3d.engine.errors import VenusError
+from venus3d.scene.pages.guide.replay import run_replay
+from venus3d.scene.pages.guide.replay_film import replay_film
+from venus3d.scene.pages.guide.run import settings_of
+from venus3d.storage.folder import prepare, write_bytes
+from venus3d.storage.session_moments import moments_of
+from venus3d.storage.session_reader import read_header
+
+
+def replay(options: ReplayOptions) -> None:
+    """Serve the page until Ctrl-C, or write a film. Raises `VenusError` for a user's mistake."""
+    directory = options.session
+    settings = settings_of(options_of(read_header(directory), directory))
+    moments = moments_of(directory)
+    if options.export is None:
+        run_replay(
+            moments, settings, host=options.host, port=options.port, language=options.language
+        )
+        return
+    if options.export.suffix.lower() != ".mp4":
+        raise VenusError(f"A session is exported as .mp4, not as {options.export.name!r}.")
+    prepare(options.export.parent, "--export")
+    print(f"Written: {write_bytes(options.export, replay_film(moments, settings))}")

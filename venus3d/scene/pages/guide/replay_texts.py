@@ -1,0 +1,41 @@
+"""What the time line of a replayed session says."""
+
+from __future__ import annotations
+
+from venus3d.languages.texts_module import speak
+
+TAB = "Recorded session"
+TIME = "Time"
+TIME_HINT = "Seconds since the first view; pauses are shortened. Shown is what was known then."
+ROW = "Recorded session"
+ROW_HINT = "Play the session, or go from view to view"
+PLAY = "▶ Play"
+PAUSE = "⏸ Pause"
+PREVIOUS = "‹ View"
+NEXT = "View ›"
+SPEED = "Speed"
+SPEED_HINT = "How many times faster than it was"
+VIEW = "Jump to view"
+VIEW_HINT = "The moment at which this view was captured"
+TIMES = "{speed}×"
+WHERE = {
+    "captured": "{at}: view {number} is captured. The calibration is that of before.",
+    "calibrated": "{at}: calibrated with view {number}.",
+    "changed": "{at}: the views or the target were changed.",
+}
+COMING = "Worked out so far: {done} of {all} moments."
+COMMAND_PLAY = "Play or pause"
+COMMAND_PLAY_HINT = "Play the recorded session, or stop it"
+COMMAND_NEXT = "Next view"
+COMMAND_NEXT_HINT = "Go to the next captured view"
+COMMAND_PREVIOUS = "Previous view"
+COMMAND_PREVIOUS_HINT = "Go to the captured view before"
+FILM_TITLES = {
+    "captured": "View {number} is captured",
+    "calibrated": "Calibrated with view {number}",
+    "changed": "Views or target changed",
+}
+FILM_KNOWN = "{at}   {views} views, rms {rms} px, f {fx} ± {sigma} px, uncertainty {error} px"
+FILM_UNKNOWN = "{at}   The camera is not determined yet."
+
+speak(__name__)
