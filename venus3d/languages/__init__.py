@@ -16,6 +16,7 @@ from venus3d.languages.current import (
     LANGUAGES,
     Language,
     PageLanguage,
+    cached_by_language,
     current_language,
     language_from,
 )
@@ -25,6 +26,7 @@ __all__ = [
     "LANGUAGES",
     "Language",
     "PageLanguage",
+    "cached_by_language",
     "catalogue_of",
     "current_language",
     "language_from",

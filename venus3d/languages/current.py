@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Literal, get_args
+from functools import lru_cache, wraps
+from typing import Literal, ParamSpec, TypeVar, get_args
 
 Language = Literal["en", "de"]
 """A language's code, as in HTML."""
 LANGUAGES: tuple[Language, ...] = get_args(Language)
+
+_Given = ParamSpec("_Given")
+_Made = TypeVar("_Made")
 
 
 class PageLanguage:
@@ -38,6 +42,25 @@ def current_language() -> Language:
     """The language spoken now; English where no page speaks."""
     page = _SPOKEN.get()
     return "en" if page is None else page.code
+
+
+def cached_by_language(
+    maxsize: int,
+) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Made]]:
+    """As `functools.lru_cache`, for functions whose results have texts in the language spoken."""
+
+    def decorate(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
+        @lru_cache(maxsize=maxsize)
+        def cached(_: Language, *given: _Given.args, **more: _Given.kwargs) -> _Made:
+            return make(*given, **more)
+
+        @wraps(make)
+        def called(*given: _Given.args, **more: _Given.kwargs) -> _Made:
+            return cached(current_language(), *given, **more)
+
+        return called
+
+    return decorate
 
 
 def language_from(accepted: str) -> Language:

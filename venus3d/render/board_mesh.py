@@ -13,6 +13,7 @@ from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.languages import cached_by_language
 from venus3d.render import texts
 from venus3d.render.shapes import Colour, LineShape, MeshShape
 from venus3d.render.text_drawing import font
@@ -99,7 +100,7 @@ def _textured(vertices: Array, uv: Array, picture: Image.Image) -> trimesh.Trime
     )
 
 
-@lru_cache(maxsize=8)
+@cached_by_language(maxsize=8)
 def _back_mesh(board: Board) -> trimesh.Trimesh:
     """A sheet on the board's back that names its edges, read from behind: the holder's left is the
     board's +x."""

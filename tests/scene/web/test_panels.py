@@ -50,3 +50,21 @@ def test_the_height_is_the_windows_in_css_pixels(
             lambda: next(iter(server.get_clients().values())).camera.image_width == 2000, "came"
         )
     assert seen == [height]
+
+
+def test_the_width_is_fitted_again_when_the_window_was_resized(server: LocalServer) -> None:
+    """The page writes the new height, and the time, into a field that is not seen."""
+    seen: list[int] = []
+
+    def width(told: int) -> int:
+        seen.append(told)
+        return 500
+
+    fit_width(server, server.gui.main_panel, width)
+    with RawClient(server.get_port(), cookie="venus3d-window-height=1080") as tab:
+        tab.look(1920, 1080)
+        field = next(m["uuid"] for m in tab.backlog() if m["type"] == "GuiTextMessage")
+        wait_until(lambda: seen == [1080], "the width was asked for")
+        for text in ("nonsense", "768 5312"):
+            tab.send({"type": "GuiUpdateMessage", "uuid": field, "updates": {"value": text}})
+        wait_until(lambda: seen == [1080, 768], "the width was asked for again")

@@ -51,17 +51,27 @@ class PanelStyle:
 
 
 def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
-    """Give a panel the width that suits the height of the window as it was opened, both in CSS
-    pixels, in each tab of a server separately."""
+    """Give a panel the width that suits the height of the window, both in CSS pixels, in each tab
+    of a server separately: as the window was opened, and again when it has been resized."""
 
-    def fit(client: viser.ClientHandle) -> None:
-        wanted = width(_window_height(client))
-        (panel if client is host else panel_in(client, panel)).set_width(wanted)
+    def fit(client: viser.ClientHandle, height: int) -> None:
+        mine = panel if client is host else panel_in(client, panel)
+        mine.set_width(width(height))
 
     if isinstance(host, viser.ClientHandle):
-        fit(host)
+        fit(host, _window_height(host))
     else:
-        host.on_client_connect(fit)
+        host.on_client_connect(lambda client: fit(client, _window_height(client)))
+    # No message of viser's tells of it: window.js writes the height into a field without a look.
+    host.gui.add_html("<i class='v-window-height'></i>")
+    field = host.gui.add_text("", "")
+
+    def resized(event: Any) -> None:
+        height = str(event.target.value).split(" ")[0]
+        if event.client is not None and _is_height(height):
+            fit(event.client, int(height))
+
+    field.on_update(resized)
 
 
 def _window_height(client: viser.ClientHandle) -> int:
@@ -71,6 +81,10 @@ def _window_height(client: viser.ClientHandle) -> int:
     for line in headers.get_all("cookie"):
         with suppress(CookieError):
             height = SimpleCookie(line).get(_HEIGHT_COOKIE)
-            if height is not None and height.value.isdecimal() and len(height.value) < 6:
+            if height is not None and _is_height(height.value):
                 return int(height.value)
     return client.camera.image_height
+
+
+def _is_height(text: str) -> bool:
+    return text.isascii() and text.isdecimal() and len(text) < 6

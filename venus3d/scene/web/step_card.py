@@ -34,7 +34,7 @@ def picture_line_html(text: str) -> str:
 def picture_legend_html() -> str:
     """Legend of the live picture during the steps."""
     parts = " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)
-    return f"<div class='v-steps'><div class='v-legend'>{parts}</div></div>"
+    return f"<div class='v-steps v-outlines'><div class='v-legend'>{parts}</div></div>"
 
 
 def guide_card(

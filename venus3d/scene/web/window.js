@@ -1,5 +1,5 @@
 /* What only the browser knows of its window: its height, in a cookie that comes with the connection
-   (panels.py); where the scene is in it, for what stands at the scene's lower edge (style.css). And a
+   and, when it has changed, in fields (panels.py); where the scene is in it, for what stands at the scene's lower edge (style.css). And a
    film strip shows its newest picture. */
 (() => {
   const SCENE = "div:has(> div > div > canvas[data-engine])";
@@ -9,7 +9,20 @@
     document.cookie = `venus3d-window-height=${innerHeight}; path=/; SameSite=Strict`;
   };
   tellHeight();
-  addEventListener("resize", tellHeight);
+
+  /* Written as a person would type it; with the time, since React passes over an equal text. */
+  const typed = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
+  let settling = 0;
+  addEventListener("resize", () => {
+    tellHeight();
+    clearTimeout(settling);
+    settling = setTimeout(() => {
+      for (const field of document.querySelectorAll("div:has(> .v-window-height) + div input")) {
+        typed.call(field, `${innerHeight} ${Math.round(performance.now())}`);
+        field.dispatchEvent(new Event("input", { bubbles: true }));
+      }
+    }, 200);
+  });
 
   const waiting = new MutationObserver(() => {
     const scene = document.querySelector(SCENE)?.parentElement;

@@ -6,7 +6,6 @@ meshes for every picture would take longer than all the rest. Names are those of
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import cv2
@@ -17,6 +16,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import AXES, Array, Pose
+from venus3d.languages import cached_by_language
 from venus3d.render.annotated_picture import CASING, draw_line, mark_top, outline_of
 from venus3d.render.arrows import arc_point
 from venus3d.render.board_mesh import board_ghost, board_outline, held_board, outline_segments
@@ -112,7 +112,7 @@ def _step_shapes(view: PracticeViewModel, for_camera: bool) -> list[Shape]:
     ]
 
 
-@lru_cache(maxsize=64)
+@cached_by_language(maxsize=64)
 def _goal_shapes(board: Board, target: Pose, dark: bool) -> tuple[Shape, ...]:
     """The same objects for the same target, so that they are not redrawn."""
     colour = ground(dark).target

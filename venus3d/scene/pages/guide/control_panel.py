@@ -56,9 +56,8 @@ _ROWS: dict[str, tuple[str, ...]] = {
     "view": ("skip", "undo", "finish"),
     "step": ("previous", "play", "next"),
     "show": ("follow", "strip", "theme"),
-    "words": ("words", "built"),
     "run": ("pause", "straight", "autopilot"),
-    "explain": ("explain",),
+    "explain": ("words", "built", "explain"),
 }
 _WITH_A_TARGET = frozenset(
     ("skip", "previous", "play", "next", "follow", "strip", "all_steps", "words", "built")
@@ -145,7 +144,7 @@ def useful_in(phase: Phase, *, known: bool = True) -> frozenset[str]:
     """Names of the controls that are useful in this phase; `known`: whether the lens is."""
     useful = frozenset(CONTROLS) if known else frozenset(CONTROLS) - {"straight"}
     if phase in ("converged", "finished"):
-        useful -= _WITH_A_TARGET
+        useful -= _WITH_A_TARGET | {"autopilot"}
     return useful - _TO_END if phase == "finished" else useful
 
 

@@ -95,19 +95,16 @@ ROWS = {
         "Show",
         "Follow the step that the board is on; spread the steps out; a light or a dark page.",
     ),
-    "words": (
-        "Words",
-        "Left and right of whoever holds the board, or of the camera's picture; and the same pose, "
-        "built step by step from an upright board.",
-    ),
     "run": (
         "Picture",
         "Stop taking pictures and go on; show them without the lens's distortion once it is known.",
     ),
     "end": ("Then", "End and keep the result; go on with all views; begin without any."),
     "explain": (
-        "Method",
-        "The method's loop in a line above the page: what goes on now, and how long it takes.",
+        "Explain",
+        "Left and right of whoever holds the board, or of the camera's picture; the same pose, "
+        "built step by step from an upright board; the method's loop in a line above the page, "
+        "with what goes on now and how long it takes.",
     ),
     "page": (
         "Page",

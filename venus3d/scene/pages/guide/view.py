@@ -44,8 +44,12 @@ from venus3d.scene.web.step_card import Note, picture_legend_html, picture_line_
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
 
-LEFT_WIDTH, _RIGHT_WIDTH = 480, 510
-_SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
+LEFT_WIDTH = 480
+_RIGHT_WIDTHS = (350, 480)
+"""Least and greatest."""
+_LETTERS_AND_BUTTONS, _PICTURES = 545, 1.125
+"""Height of all that stands in the right panel: this many pixels, and the pictures' share of the
+panel's width."""
 JPEG_QUALITY = 75
 _MARKS = ("", "guidance", "pictures", "scene", "guidance")
 """What each step of the tour highlights."""
@@ -159,7 +163,8 @@ class GuideView:
 
     def _right_width(self, height: int) -> int:
         """Width of the right panel in a window of this height, pixels."""
-        return _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
+        least, greatest = _RIGHT_WIDTHS
+        return round(min(max((height - _LETTERS_AND_BUTTONS) / _PICTURES, least), greatest))
 
     def _make_guidance(self) -> None:
         panel = self.guidance_panel = self._gui.add_panel()
@@ -192,7 +197,6 @@ class GuideView:
     def _make_right(self) -> None:
         gui = self._gui
         gui.main_panel.dock_right()
-        gui.main_panel.set_width(_RIGHT_WIDTH)
         self._style.add()
         blank = np.full((PICTURE_WIDTH * 9 // 16, PICTURE_WIDTH, 3), 40, np.uint8)
         self.picture = gui.add_image(blank, format="jpeg", jpeg_quality=JPEG_QUALITY)

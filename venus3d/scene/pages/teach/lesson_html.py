@@ -4,7 +4,6 @@ Right: the current step in words and numbers."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from html import escape
 
 import numpy as np
@@ -13,7 +12,7 @@ from venus3d.engine.amounts import size_deg
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import Prompt, step_prompt
-from venus3d.languages import translated
+from venus3d.languages import cached_by_language, translated
 from venus3d.render.map_pictures import (
     distortion_magnification,
     distortion_picture,
@@ -94,7 +93,7 @@ def focal_uncertainty_html(taught: TaughtPose) -> str:
     )
 
 
-@lru_cache(maxsize=2)
+@cached_by_language(maxsize=2)
 def lens_picture(camera: Camera, dark: bool) -> tuple[Picture, str]:
     """How the lens bends the picture, RGB, and the legend as HTML."""
     times, shift = distortion_magnification(camera), largest_shift_px(camera)

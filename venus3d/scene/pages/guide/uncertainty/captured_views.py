@@ -5,10 +5,9 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.geometry.board import Board
+from venus3d.languages import cached_by_language
 from venus3d.render.board_mesh import board_ghost, board_outline
 from venus3d.render.colour_scale import colour_of, round_up
 from venus3d.render.palette import ground
@@ -23,7 +22,7 @@ def misfit_end_px(views: tuple[View, ...]) -> float:
     return round_up(max((view.rms_px for view in views), default=1.0))
 
 
-@lru_cache(maxsize=4)
+@cached_by_language(maxsize=4)
 def captured_view_shapes(
     board: Board, views: tuple[View, ...], chosen: int | None, dark: bool
 ) -> tuple[Shape, ...]:

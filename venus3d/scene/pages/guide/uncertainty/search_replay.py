@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -30,6 +29,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.search_trace import SearchStep, SearchTrace
+from venus3d.languages import cached_by_language
 from venus3d.render.board_mesh import board_ghost, board_outline, outline_segments
 from venus3d.render.colour_scale import colours_of
 from venus3d.render.palette import ground, mixed, step_colour
@@ -54,7 +54,7 @@ def shown_after(search_trace: SearchTrace, seconds: float) -> int:
     return min(count, 1 + int(count * max(seconds, 0.0) / SECONDS))
 
 
-@lru_cache(maxsize=4)
+@cached_by_language(maxsize=4)
 def search_shapes(
     search_trace: SearchTrace, shown: int, board: Board, dark: bool
 ) -> tuple[Shape, ...]:
@@ -190,7 +190,7 @@ def _chain(points: Array) -> Array:
     return np.array([[a, b] for a, b in pairwise(points)])
 
 
-@lru_cache(maxsize=4)
+@cached_by_language(maxsize=4)
 def _box_shapes(dark: bool, back: float) -> tuple[Shape, ...]:
     """The box's edges; three of them are labelled axes."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
