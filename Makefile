@@ -10,7 +10,7 @@ SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
 PINS := pyproject.toml constraints.txt constraints-3.14.txt scripts/setup.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-all lint format docs gallery pace speed clean
+.PHONY: help run test test-all lint format docs gallery pace soak speed clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -19,6 +19,7 @@ help:
 	@echo "make docs   build the documentation as a site, site/index.html"
 	@echo "make gallery   take the screenshots of docs/gallery.md anew"
 	@echo "make pace   measure how steadily the page is served"
+	@echo "make soak   100,000 frames through the live guide; memory, threads, handles stay flat"
 	@echo "make speed   time the bundle adjustment beside OpenCV's"
 	@echo "make format   let ruff put the code in order"
 	@echo "make clean   remove what the other commands made"
@@ -51,6 +52,10 @@ gallery: $(VENV)/.ready-test
 
 pace: $(VENV)/.ready-test
 	$(BIN)/python scripts/pace.py
+
+# An hour or more; FRAMES=10000 is a tenth of it.
+soak: $(VENV)/.ready-test
+	$(BIN)/python -m tests.soak --frames $(or $(FRAMES),100000)
 
 speed: $(VENV)/.ready-test
 	$(BIN)/python scripts/adjustment_speed.py

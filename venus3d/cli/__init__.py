@@ -24,6 +24,7 @@ from venus3d.cli.options import (
     CalibrateOptions,
     CamerasOptions,
     DecomposeOptions,
+    DoctorOptions,
     ExportOptions,
     ImportOptions,
     ReplayOptions,
@@ -62,6 +63,7 @@ _COMMANDS: dict[str, tuple[type, str]] = {
     "report": (ReportOptions, "venus3d.cli.make_report:report_command"),
     "undistort": (UndistortOptions, "venus3d.cli.undistort:undistort_command"),
     "cameras": (CamerasOptions, "venus3d.cli.cameras:cameras"),
+    "doctor": (DoctorOptions, "venus3d.cli.doctor:doctor"),
     "study": (StudyOptions, "venus3d.cli.study:study"),
 }
 """Each command's options, whose docstring is its description, and the function that takes them."""

@@ -51,6 +51,14 @@ class ReplayOptions:
 
 
 @dataclass(frozen=True)
+class DoctorOptions:
+    """Look at what this machine has: OpenGL, cameras, port, versions, disk, browser."""
+
+    port: int = 8080
+    """The port that shall be free."""
+
+
+@dataclass(frozen=True)
 class DecomposeOptions:
     """Take a pose apart into four steps, in words and pictures."""
 

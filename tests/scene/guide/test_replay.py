@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import av
@@ -118,3 +120,13 @@ def test_a_session_without_a_view(tmp_path: Path) -> None:
     with pytest.raises(StorageError, match="nothing to show"):
         moments_of(folder.directory)
     folder.close()
+
+
+def test_a_clock_that_was_set_back(recorded: Path, tmp_path: Path) -> None:
+    """The time line never goes back, and no pause of an hour is shown."""
+    lines = [json.loads(line) for line in (recorded / "events.jsonl").read_text().splitlines()]
+    for line in lines[3:6]:
+        line["at"] = (datetime.fromisoformat(line["at"]) - timedelta(hours=1)).isoformat()
+    (tmp_path / "events.jsonl").write_text("".join(f"{json.dumps(line)}\n" for line in lines))
+    places = [moment.play_s for moment in moments_of(tmp_path)]
+    assert places == sorted(places) and LONGEST_PAUSE_S <= places[-1] <= 2 * LONGEST_PAUSE_S

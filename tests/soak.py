@@ -1,0 +1,152 @@
+"""Many frames of the simulator through the live guide: memory, threads and handles stay flat.
+
+    python -m tests.soak --frames 100000
+
+Calibration after calibration, each recorded in a folder, with a browser's place that reads along.
+The frames come as fast as they are drawn. Prints the figures as it goes; the exit code is 1 if
+something grows from the first tenth to the end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import gc
+import sys
+import tempfile
+import threading
+import time
+from contextlib import ExitStack, closing, suppress
+from pathlib import Path
+
+import psutil
+
+from tests.ports import free_port
+from tests.scene.raw_client import RawClient
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import PAPER_CAMERA
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.projections import Projections
+from venus3d.scene.pages.guide.intents import Intent, NewSession
+from venus3d.scene.pages.guide.live import LiveGuide
+from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.frame import Frame
+from venus3d.sources.sim import Simulation
+from venus3d.storage.session_folder import SessionFolder
+
+GROWTH_MIB, GROWTH_THREADS, GROWTH_HANDLES = 60, 2, 10
+
+
+class Counted(Simulation):
+    """Counts its frames."""
+
+    frames = 0
+
+    def read(self) -> Frame | None:
+        self.frames += 1
+        return super().read()
+
+
+class Again(Viewer):
+    """Asks for a new calibration when one is over."""
+
+    over = False
+    sessions = 1
+
+    def drain_intents(self) -> list[Intent]:
+        asked = super().drain_intents()
+        if self.over:
+            self.over, self.sessions = False, self.sessions + 1
+            asked.append(NewSession())
+        return asked
+
+
+def figures(process: psutil.Process) -> tuple[float, int, int]:
+    """MiB in memory, threads, handles; memory that is free, but not given back, does not count."""
+    gc.collect()
+    if sys.platform == "linux":
+        ctypes.CDLL("libc.so.6").malloc_trim(0)
+    memory: int = process.memory_info().rss
+    return memory / 2**20, process.num_threads(), process.num_fds()
+
+
+def soak(frames: int) -> bool:
+    """Whether everything stays flat."""
+    with ExitStack() as stack:
+        directory = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        board, port = Board(), free_port()
+        source = Counted(PAPER_CAMERA.scaled((640, 360)), board, speed=3.0, autopilot=True)
+        offscreen = stack.enter_context(closing(Offscreen()))
+        viewer = stack.enter_context(
+            closing(Again(port=port, projections=Projections(offscreen), autopilot=True))
+        )
+        folder = stack.enter_context(
+            closing(SessionFolder.create(directory / "session", {"options": {}}, lambda _: None))
+        )
+        session = Session(board, source.image_size, Settings(max_views=8), folder)
+
+        def keep(snapshot: Snapshot) -> None:
+            viewer.over = snapshot.phase in ("converged", "finished")
+
+        tracker = BoardTracker(Detector(board, find_layout=False))
+        live = LiveGuide(session, source, tracker, viewer, keep, lambda: source)
+        measured: list[tuple[float, int, int]] = []
+        watcher = threading.Thread(
+            target=_watch, args=(live, source, viewer, frames, measured), daemon=True
+        )
+        reader = threading.Thread(target=_read, args=(port,), daemon=True)
+        reader.start()
+        watcher.start()
+        live.run()
+        watcher.join()
+    first, last = measured[1], measured[-1]
+    grown = [after - before for before, after in zip(first, last, strict=True)]
+    print(
+        f"From the first tenth to the end: {grown[0]:+.1f} MiB, {grown[1]:+.0f} threads, "
+        f"{grown[2]:+.0f} handles."
+    )
+    limits = (GROWTH_MIB, GROWTH_THREADS, GROWTH_HANDLES)
+    return all(growth <= limit for growth, limit in zip(grown, limits, strict=True))
+
+
+def _read(port: int) -> None:
+    with suppress(Exception), RawClient(port) as browser:
+        browser.look()
+        while True:
+            browser.window()
+
+
+def _watch(
+    live: LiveGuide,
+    source: Counted,
+    viewer: Again,
+    frames: int,
+    measured: list[tuple[float, int, int]],
+) -> None:
+    process, began = psutil.Process(), time.monotonic()
+    for part in range(11):
+        while source.frames < frames * part / 10:
+            time.sleep(0.2)
+        measured.append(figures(process))
+        memory, threads, handles = measured[-1]
+        print(
+            f"{source.frames:7} frames, {time.monotonic() - began:5.0f} s, {viewer.sessions:3} "
+            f"calibrations: {memory:6.1f} MiB, {threads} threads, {handles} handles",
+            flush=True,
+        )
+    live.stop()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--frames", type=int, default=100_000)
+    sys.exit(0 if soak(parser.parse_args().frames) else 1)
+
+
+if __name__ == "__main__":
+    main()
