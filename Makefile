@@ -44,6 +44,11 @@ lint: $(VENV)/.ready-test
 test-all: test .venv-opencv4/.ready
 	.venv-opencv4/bin/pytest tests/engine
 
+# Minutes of failing live sources. RTSP needs Debian's packages of setup.sh's system-soak.
+soak: $(VENV)/.ready-test
+	@$(SETUP) system-soak
+	$(BIN)/python -m tests.soak.live_sources
+
 docs: $(VENV)/.ready-test
 	$(BIN)/python scripts/docs.py
 

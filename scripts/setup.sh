@@ -2,6 +2,7 @@
 # What the Makefile needs around it. POSIX sh; python3 is the only other program assumed.
 #   setup.sh system-run                       EGL, OpenGL and Mesa for offscreen pictures
 #   setup.sh system-test                      the same, and Chromium for the browser tests
+#   setup.sh system-soak                      an RTSP server, for `make soak`
 #   setup.sh venv DIR REQUIREMENT [NAME==VERSION]   an environment with this project in it, as the
 #                                             constraints pin it but for the one named
 set -eu
@@ -63,6 +64,14 @@ system_test() {
     fi
 }
 
+system_soak() {
+    lacking=$(missing ffmpeg python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-good \
+        gstreamer1.0-plugins-bad)
+    # shellcheck disable=SC2086
+    [ -z "$lacking" ] || apt_install $lacking ||
+        say "Please install: $(echo $lacking) (apt-get install ...); without them RTSP is not tried."
+}
+
 need_python() {
     command -v "$python" >/dev/null 2>&1 || { say "Please install Python 3.10 or newer."; exit 1; }
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' || {
@@ -104,9 +113,10 @@ make_venv() {
 case "${1:-}" in
 system-run) system_run ;;
 system-test) system_test ;;
+system-soak) system_soak ;;
 venv) make_venv "$2" "$3" "${4:-}" ;;
 *)
-    say "usage: setup.sh system-run | system-test | venv DIR REQUIREMENT [NAME==VERSION]"
+    say "usage: setup.sh system-run | system-test | system-soak | venv DIR REQUIREMENT [NAME==VERSION]"
     exit 2
     ;;
 esac

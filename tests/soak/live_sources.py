@@ -1,0 +1,232 @@
+"""Live sources that fail, on real servers on loopback, for minutes: `make soak`.
+
+MJPEG over HTTP and, where Debian's ffmpeg, python3-gi and gir1.2-gst-rtsp-server-1.0 are
+installed, RTSP: the real video (or, without it, a test picture) with stalls of 3, 10 and 30 s,
+restarts, damaged pictures, 1 and 120 pictures a second. Prints a row for each and ends with 1 if
+one did not come back.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tests.ports import free_port
+from tests.sources.network_camera import NetworkCamera, network_camera
+from venus3d.engine.errors import SourceError
+from venus3d.sources.live import Live
+from venus3d.sources.open_frame_source import open_frame_source
+from venus3d.sources.reconnection import Outage
+
+_VIDEO = Path(os.environ.get("VENUS3D_DATA", "../shared/data")) / "wpilib-charuco-12x8.mp4"
+_PATIENCE_S = 40.0
+_SYSTEM_PYTHON = "/usr/bin/python3"
+
+
+class Watcher:
+    """Reads a source and keeps what has happened."""
+
+    def __init__(self, address: str) -> None:
+        end_s = time.monotonic() + 20
+        while True:
+            try:
+                source = open_frame_source(address)
+                break
+            except SourceError:  # the server is not up yet
+                if time.monotonic() > end_s:
+                    raise
+                time.sleep(0.5)
+        assert isinstance(source, Live), f"{address} has an end"
+        self.source = source
+        self.frames, self.tries = 0, 0
+        source.on_trouble = self._note
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def _note(self, trouble: object) -> None:
+        self.tries += isinstance(trouble, Outage) and trouble.tries > 0
+
+    def _read(self) -> None:
+        while self.source.read() is not None:
+            self.frames += 1
+
+    def run(self, name: str, spoil: Callable[[], None], mend: Callable[[], None], s: float) -> bool:
+        """Spoil for so many seconds, mend, and wait for pictures; prints the row."""
+        time.sleep(1.0)
+        tries = self.tries
+        spoil()
+        time.sleep(s)
+        mend()
+        mended_s, before = time.monotonic(), self.frames
+        while self.frames < before + 3 or self.source.trouble is not None:
+            if time.monotonic() - mended_s > _PATIENCE_S:
+                print(f"{name:<28} did not come back within {_PATIENCE_S:g} s", flush=True)
+                return False
+            time.sleep(0.01)
+        back_s = time.monotonic() - mended_s
+        print(
+            f"{name:<28} back after {back_s:5.2f} s, tries {self.tries - tries}, damaged "
+            f"{self.source.damaged}",
+            flush=True,
+        )
+        return True
+
+    def close(self) -> None:
+        self.source.close()
+        self._thread.join(10)
+        assert not self._thread.is_alive()
+
+
+def _pictures() -> list[NDArray[np.uint8]]:
+    capture, pictures = cv2.VideoCapture(str(_VIDEO)), list[NDArray[np.uint8]]()
+    while len(pictures) < 40:
+        good, picture = capture.read()
+        if not good:
+            break
+        pictures.append(np.asarray(cv2.resize(picture, (1280, 720)), dtype=np.uint8))
+    return pictures or [np.full((720, 1280, 3), 128, np.uint8)]
+
+
+def mjpeg() -> bool:
+    pictures = _pictures()
+
+    def picture(number: int) -> NDArray[np.uint8]:
+        return pictures[number % len(pictures)]
+
+    with network_camera(picture, rate=25) as camera:
+        watcher = Watcher(camera.address)
+        good = [
+            *(
+                watcher.run(
+                    f"MJPEG, stall of {s} s",
+                    lambda: setattr(camera, "stalled", True),
+                    lambda: setattr(camera, "stalled", False),
+                    s,
+                )
+                for s in (3, 10, 30)
+            ),
+            watcher.run("MJPEG, gone for 5 s", camera.unplug, camera.plug_in, 5),
+            watcher.run(
+                "MJPEG, damaged for 3 s",
+                lambda: setattr(camera, "damaged", True),
+                lambda: setattr(camera, "damaged", False),
+                3,
+            ),
+            _often(watcher, camera),
+            _at_rate(watcher, camera, 1),
+            _at_rate(watcher, camera, 120, pictures),
+        ]
+        watcher.close()
+    return all(good)
+
+
+def _often(watcher: Watcher, camera: NetworkCamera) -> bool:
+    """50 restarts in a minute."""
+    began_s, threads = time.monotonic(), threading.active_count()
+    good = True
+    for _ in range(50):
+        camera.unplug()
+        time.sleep(0.3)
+        camera.plug_in()
+        before, end_s = watcher.frames, time.monotonic() + _PATIENCE_S
+        while watcher.frames == before and time.monotonic() < end_s:
+            time.sleep(0.01)
+        good = good and watcher.frames > before
+    left = threading.active_count() - threads
+    print(
+        f"MJPEG, 50 restarts in {time.monotonic() - began_s:.0f} s: threads {left:+d}", flush=True
+    )
+    return good and left < 5
+
+
+def _at_rate(
+    watcher: Watcher,
+    camera: NetworkCamera,
+    rate: float,
+    pictures: list[NDArray[np.uint8]] | None = None,
+) -> bool:
+    """Ten seconds at another rate; small pictures where the sender could not keep up."""
+    if pictures is not None:
+        pictures[:] = [np.ascontiguousarray(picture[::4, ::4]) for picture in pictures]
+        camera.rate = rate
+        time.sleep(1.0)
+        watcher.source.accept_size()
+    camera.rate = rate
+    time.sleep(1.0)
+    sent, read, tries = camera.sent, watcher.frames, watcher.tries
+    time.sleep(10)
+    sent, read = camera.sent - sent, watcher.frames - read
+    print(f"MJPEG, {rate:g} pictures/s: {sent / 10:.1f} sent, {read / 10:.1f} read", flush=True)
+    return watcher.tries == tries and read > 0.7 * min(sent, 60 * 10)
+
+
+def rtsp() -> bool:
+    if shutil.which("ffmpeg") is None or not _has_gst():
+        print("RTSP: not run, ffmpeg or python3-gi with gir1.2-gst-rtsp-server-1.0 is missing")
+        return True
+    with tempfile.TemporaryDirectory() as folder:
+        video, port = Path(folder, "long.mp4"), free_port()
+        source = ["-stream_loop", "-1", "-i", str(_VIDEO)]
+        if not _VIDEO.exists():
+            source = ["-f", "lavfi", "-i", "testsrc=size=1280x720:rate=25"]
+        encode = "-t 180 -an -vf scale=1280:720 -r 25 -c:v libx264 -preset ultrafast -g 25 -bf 0"
+        command = ["ffmpeg", "-v", "error", *source, *encode.split(), "-pix_fmt", "yuv420p", video]
+        subprocess.run(command, check=True)
+        return _rtsp(video, port)
+
+
+def _rtsp(video: Path, port: int) -> bool:
+    server = Path(__file__).with_name("rtsp_server.py")
+    command = [_SYSTEM_PYTHON, str(server), str(port), str(video)]
+    process = [subprocess.Popen(command)]
+
+    def start() -> None:
+        process.append(subprocess.Popen(command))
+
+    try:
+        watcher = Watcher(f"rtsp://127.0.0.1:{port}/video")
+        good = [
+            *(
+                watcher.run(
+                    f"RTSP, stall of {s} s",
+                    lambda: process[-1].send_signal(signal.SIGSTOP),
+                    lambda: process[-1].send_signal(signal.SIGCONT),
+                    s,
+                )
+                for s in (3, 10, 30)
+            ),
+            *(
+                watcher.run(f"RTSP, killed, {n}", lambda: (process[-1].kill(), None)[1], start, 3)
+                for n in (1, 2, 3)
+            ),
+        ]
+        watcher.close()
+        return all(good)
+    finally:
+        for one in process:
+            one.kill()
+            one.wait()
+
+
+def _has_gst() -> bool:
+    asks = "import gi; gi.require_version('GstRtspServer', '1.0')"
+    try:
+        return subprocess.run([_SYSTEM_PYTHON, "-c", asks], capture_output=True).returncode == 0
+    except OSError:
+        return False
+
+
+if __name__ == "__main__":
+    sys.exit(0 if all([mjpeg(), rtsp()]) else 1)
