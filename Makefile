@@ -10,7 +10,7 @@ SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
 PINS := pyproject.toml constraints.txt constraints-3.14.txt scripts/setup.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-all lint format docs gallery pace soak speed clean
+.PHONY: help run test test-all lint format docs gallery pace soak soak-live speed clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -44,10 +44,11 @@ lint: $(VENV)/.ready-test
 test-all: test .venv-opencv4/.ready
 	.venv-opencv4/bin/pytest tests/engine
 
-# Minutes of failing live sources. RTSP needs Debian's packages of setup.sh's system-soak.
-soak: $(VENV)/.ready-test
+# Minutes of failing live sources, and a session on a network camera that is cut off.
+soak-live: $(VENV)/.ready-test
 	@$(SETUP) system-soak
-	$(BIN)/python -m tests.soak.live_sources
+	$(BIN)/python -m tests.sources.soak.live_sources
+	$(BIN)/python -m tests.sources.soak.session
 
 docs: $(VENV)/.ready-test
 	$(BIN)/python scripts/docs.py

@@ -2,7 +2,7 @@
 # What the Makefile needs around it. POSIX sh; python3 is the only other program assumed.
 #   setup.sh system-run                       EGL, OpenGL and Mesa for offscreen pictures
 #   setup.sh system-test                      the same, and Chromium for the browser tests
-#   setup.sh system-soak                      an RTSP server, for `make soak`
+#   setup.sh system-soak                      an RTSP server, for `make soak-live`
 #   setup.sh venv DIR REQUIREMENT [NAME==VERSION]   an environment with this project in it, as the
 #                                             constraints pin it but for the one named
 set -eu
@@ -65,8 +65,8 @@ system_test() {
 }
 
 system_soak() {
-    lacking=$(missing ffmpeg python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-good \
-        gstreamer1.0-plugins-bad)
+    lacking=$(missing python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-good \
+        gstreamer1.0-plugins-ugly)
     # shellcheck disable=SC2086
     [ -z "$lacking" ] || apt_install $lacking ||
         say "Please install: $(echo $lacking) (apt-get install ...); without them RTSP is not tried."

@@ -13,6 +13,7 @@ import cv2
 from tyro.conf import arg
 
 from venus3d.engine.errors import SourceError
+from venus3d.engine.sentences import Sentence
 
 _Setting = Annotated[str | None, arg(metavar="NUMBER|auto|lock", help_behavior_hint="(as it is)")]
 
@@ -62,6 +63,10 @@ _AUTOMATIC = {
     "focus": cv2.CAP_PROP_AUTOFOCUS,
     "white_balance": cv2.CAP_PROP_AUTO_WB,
 }
+_AUTOFOCUS = Sentence(
+    "{name} focuses by itself, which changes the camera that is being calibrated; lock it with "
+    "--camera.focus lock."
+)
 _EXPOSURE_BY_V4L2 = (1.0, 3.0)
 """Manual and automatic as V4L2's menu numbers them; elsewhere OpenCV has 0.25 and 0.75."""
 
@@ -88,10 +93,7 @@ def apply_settings(capture: Adjustable, settings: CameraSettings, name: str) -> 
 def settings_notes(capture: Adjustable, name: str) -> tuple[str, ...]:
     """Warnings about a camera as it is set now."""
     if capture.get(cv2.CAP_PROP_AUTOFOCUS) == 1:
-        return (
-            f"{name} focuses by itself, which changes the camera that is being calibrated; lock it "
-            "with --camera.focus lock.",
-        )
+        return (_AUTOFOCUS.format(name=name),)
     return ()
 
 

@@ -70,7 +70,8 @@ class Reconnection:
             return True
         allowed_s = self._silence_s if self._state == "connected" else self._patience_s
         if not alive or now_s - self._since_s >= allowed_s:
-            self._state, self._reason = "waiting", reason or self._reason
+            silent = f"no picture for {allowed_s:g} s" if alive else ""
+            self._state, self._reason = "waiting", silent or reason or self._reason
             self._next_s = now_s + DELAYS_S[min(self._tries, len(DELAYS_S) - 1)]
         return False
 

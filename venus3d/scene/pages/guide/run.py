@@ -20,6 +20,7 @@ from venus3d.engine.guidance.record import Recorder, SessionState
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import translated
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.scene.pages.guide import terminal_texts, texts
@@ -34,6 +35,7 @@ from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
+from venus3d.sources.live import Live
 from venus3d.sources.sim import Simulation
 from venus3d.sources.source_news import tell_of_trouble
 from venus3d.sources.watched_folder import WatchedFolder
@@ -128,12 +130,15 @@ def run_guide(
         )
         for number, picture in pictures:
             viewer.keep_view(number, picture)
-        announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes, *source.notes)
+        warned = source.notes if isinstance(source, Live) else ()
+        announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes, *warned)
         on_viewer(viewer)
         # What is said from here on is for the page.
         stack.enter_context(viewer.language.spoken())
         if said := _first_words(options, truth is not None, known, state):
             viewer.say(said, seconds=60)
+        for warning in warned:
+            viewer.warn(translated(warning), seconds=60)
 
         def again() -> Source:
             return _opened(options, board)

@@ -174,9 +174,9 @@ class Viewer(Page[ViewState]):
         """Show a sentence for some seconds."""
         self._tell(Note(text), seconds)
 
-    def warn(self, text: str) -> None:
+    def warn(self, text: str, seconds: float = _NOTE_SECONDS) -> None:
         """Show for some seconds that something went wrong."""
-        self._tell(Note(text, warns=True), _NOTE_SECONDS)
+        self._tell(Note(text, warns=True), seconds)
 
     def no_pictures(self, text: str, *, other_size: bool = False) -> None:
         """Say instead of an instruction that no pictures come, or that they have another size;
