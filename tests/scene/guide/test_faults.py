@@ -60,9 +60,9 @@ class LostContext:
 def test_a_live_session_goes_on(tmp_path: Path) -> None:
     """The clock jumps, the renderer raises, and a browser reconnects as often as in a minute."""
     board, port = Board(), free_port()
-    source = JumpingClock(PAPER_CAMERA.scaled((640, 360)), board, realtime=True, speed=8.0)
+    source = JumpingClock(PAPER_CAMERA.scaled((640, 360)), board, realtime=True, speed=3.0)
     folder = SessionFolder.create(tmp_path / "session", {"options": {}}, lambda _: None)
-    session = Session(board, source.image_size, Settings(method="random", hold_frames=1), folder)
+    session = Session(board, source.image_size, Settings(method="random"), folder)
     folder.changed(session.state)
     with (
         closing(folder),
