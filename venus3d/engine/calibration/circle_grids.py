@@ -23,7 +23,10 @@ Grey = NDArray[np.uint8]
 _Place = tuple[int, int]
 
 _FEWEST, _FEWEST_CIRCLES, _MOST_CIRCLES = 3, 12, 400
-_LEAST_PIXELS = 2000
+_LEAST_AREA, _LEAST_PIXELS = 20.0, 2000
+_ELLIPTIC, _AROUND = 0.98, 0.6
+"""See `_ellipticity`: drawn circles have 1.000, what is in the squares of small boards up to 0.96.
+It is looked at up to this share of the way to the nearest neighbour."""
 _ROUND = 0.82
 """Circularity of a blob: a square has 0.79, an ellipse twice as long as wide 0.84."""
 _NEAR = 0.35
@@ -56,14 +59,36 @@ def find_circles(grey: Grey) -> CircleGrid | None:
         return None
     parameters = cv2.SimpleBlobDetector.Params()
     parameters.filterByCircularity, parameters.minCircularity = True, _ROUND
-    parameters.minArea, parameters.maxArea = 20.0, grey.size / 50
+    parameters.minArea, parameters.maxArea = _LEAST_AREA, grey.size / 50
     for picture in (grey, np.asarray(255 - grey, dtype=np.uint8)):
         centres = _alike(cv2.SimpleBlobDetector.create(parameters).detect(picture))
         if _FEWEST_CIRCLES <= len(centres) <= _MOST_CIRCLES:
             found = _arranged(centres)
-            if found is not None:
+            if found is not None and _ellipticity(picture, centres) > _ELLIPTIC:
                 return found
     return None
+
+
+def _ellipticity(grey: Grey, centres: Array) -> float:
+    """How much the dark blobs at most centres (N, 2) are ellipses: their area by that of the
+    ellipse with the same second moments. 1 for an ellipse, 0.955 for a square, however seen."""
+    apart = np.linalg.norm(centres[:, None] - centres, axis=2)
+    radii = _AROUND * np.sort(apart, axis=1)[:, 1]
+    found: list[float] = []
+    for (x, y), radius in zip(centres, radii, strict=True):
+        side = 2 * int(np.ceil(radius)) + 1
+        cut: Any = cv2.getRectSubPix(grey, (side, side), (float(x), float(y)))
+        patch: Any = cv2.resize(cut, None, fx=4, fy=4, interpolation=cv2.INTER_CUBIC)
+        dark = (patch < (float(patch.min()) + float(patch.max())) / 2).astype(np.uint8)
+        labels = np.asarray(cv2.connectedComponents(dark)[1])
+        middle = labels[len(labels) // 2, len(labels) // 2]
+        if middle == 0:
+            continue
+        m = cv2.moments((labels == middle).astype(np.uint8), binaryImage=True)
+        spread = m["mu20"] * m["mu02"] - m["mu11"] ** 2
+        if spread > 0:
+            found.append(m["m00"] ** 2 / (4 * np.pi * np.sqrt(spread)))
+    return float(np.median(found)) if 2 * len(found) > len(centres) else 0.0
 
 
 def _alike(blobs: Any) -> Array:

@@ -34,6 +34,11 @@ _NEEDED = Sentence(
     "a calibration needs at least {fewest} different views, better 10 with the board tilted in "
     "different directions"
 ).format(fewest=FEWEST_VIEWS)
+_NONE = Sentence(
+    "The board was found in none of {looked} pictures; check its size (columns and rows swapped?), "
+    "its dictionary, that the pictures are sharp, and that its squares are at least {legible} px "
+    "wide."
+)
 _ALL_ALIKE = Sentence(
     "{counted}, but all are alike: they make 1 view, and {needed}; move the board or the camera in "
     "between."
@@ -90,6 +95,9 @@ def calibrate_or_refuse(
         CalibrationError: with the cause that the observations themselves show.
     """
     seen = tuple(o for o in observations if o.count)
+    if not seen and looked is not None and looked > 1:
+        legible = f"{legible_square_px(board):.0f}"
+        raise CalibrationError(_NONE.format(looked=looked, legible=legible))
     kept = _Kept(looked, seen, len(seen) - len(repeated(seen)))
     if seen and kept.different < FEWEST_VIEWS:
         raise CalibrationError(_too_few(board, kept))
