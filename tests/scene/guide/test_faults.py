@@ -82,7 +82,8 @@ def test_a_live_session_goes_on(tmp_path: Path) -> None:
             offscreen._renderer = LostContext()  # pyright: ignore[reportPrivateUsage]
             wait_for_views(session, len(session.snapshot().views) + 1)
             assert thread.is_alive()
-            assert offscreen.backend == "painter" and "OpenGL failed" in offscreen.note
+            wait_until(lambda: offscreen.backend == "painter", "the other renderer draws")
+            assert "OpenGL failed" in offscreen.note
         finally:
             live.stop()
             thread.join(_PATIENCE_S)

@@ -18,6 +18,7 @@ from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.observation_stream import ObservationStream
+from venus3d.sources.source_news import tell_of_trouble
 from venus3d.storage.formats import record_in
 from venus3d.storage.result_reader import read_result
 
@@ -35,6 +36,7 @@ def run_measure(options: MeasureOptions) -> None:
     )
     with ExitStack() as stack:
         source = stack.enter_context(closing(_opened(options, board)))
+        tell_of_trouble(source)
         if source.image_size != by.camera.image_size:
             (w, h), (other_w, other_h) = by.camera.image_size, source.image_size
             raise SourceError(
