@@ -16,9 +16,10 @@ from venus3d.lessons.lesson import Lesson, LessonPage, Question
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground
 from venus3d.render.shapes import LabelShape, MeshShape
+from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.actions import LookFrom, PageAction, after_action
 from venus3d.scene.pages.teach.comparison import comparison_words
-from venus3d.scene.pages.teach.controls import HOTKEYS
+from venus3d.scene.pages.teach.controls import HOTKEYS, labels_of
 from venus3d.scene.pages.teach.lesson_html import card_html, heading_html, steps_html
 from venus3d.scene.pages.teach.pictures import TeachPictures
 from venus3d.scene.pages.teach.scene_shapes import board_pose_at, camera_shapes_at, scene_shapes
@@ -116,6 +117,11 @@ def test_lessons_set_the_page_and_turn_into_each_other() -> None:
     assert (state.lesson, state.page, state.answer) == (1, 0, None)
     assert state.page_turned(1) == state.opened(None), "after the last page of all"
     assert state.page_turned(-1).page == 1
+    names = [labels_of((PageAction.NEXT_PAGE,), one) for one in (state, state.page_turned(-1))]
+    assert [list(n.values()) for n in names] == [
+        [texts.LABELS[PageAction.NEXT_PAGE]],
+        [texts.ON_TO_LESSON],
+    ], "the button says where it leads"
     assert state.opened(None).vector == FREE_VECTOR
     swapped = state.opened(None).next_order()
     assert swapped.arrangement == "order", "what it changes is shown first"

@@ -182,6 +182,8 @@ def _label_of(action: Action, state: TeachState, leads: bool) -> str:
         return texts.DARK
     if action is PageAction.LEAD and leads:
         return texts.LET_GO
+    if action is PageAction.NEXT_PAGE and state.ends_lesson:
+        return texts.ON_TO_LESSON
     if isinstance(action, Save):
         return texts.SAVE_LABELS[action.kind]
     text = texts.LABELS[action].format(speed=texts.SPEED_NAMES[state.speed])

@@ -206,6 +206,15 @@ class TeachState:
             return self.opened(self.lesson - 1, len(self.lessons[self.lesson - 1].pages) - 1)
         return self.opened(self.lesson, page)
 
+    @property
+    def ends_lesson(self) -> bool:
+        """Whether the next page is another lesson's."""
+        return (
+            self.lesson is not None
+            and self.lesson + 1 < len(self.lessons)
+            and self.page + 1 == len(self.lessons[self.lesson].pages)
+        )
+
     def next_lesson(self) -> TeachState:
         """The lesson after this one, cyclically."""
         if not self.lessons:

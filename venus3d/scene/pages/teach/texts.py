@@ -155,6 +155,7 @@ NOTHING_TO_SAVE = "Files cannot be written here."
 FILE_NAME = "venus3d-{name}.{kind}"
 ANNOUNCED = "Lessons"
 
+ON_TO_LESSON = "Next lesson  PgDn ▶"
 PAUSE, DARK = "❚❚ Pause ␣", "Dark  B"
 IS_ON = "✓ {label}"
 LABELS: dict[Action, str] = {
@@ -209,7 +210,10 @@ COMMANDS: dict[Action, tuple[str, str]] = {
         "Another order",
         "Compare X, Y, Z with the next of the other five orders of turns",
     ),
-    PageAction.NEXT_PAGE: ("Next page", "The next page; after the last one, your own poses"),
+    PageAction.NEXT_PAGE: (
+        "Next page",
+        "The next page; after a lesson's last, the next lesson",
+    ),
     PageAction.PREVIOUS_PAGE: ("Previous page", "The page before"),
     PageAction.NEXT_LESSON: ("Next lesson", "Open the next lesson"),
     PageAction.FREE: ("Try it yourself", "No lesson: just the sliders"),
