@@ -125,9 +125,8 @@ GUIDE_ROWS = (
     ("skip", "undo", "finish"),
     ("previous", "play", "next"),
     ("follow", "strip", "theme"),
-    ("words", "built"),
     ("pause", "autopilot"),
-    ("explain",),
+    ("words", "built", "explain"),
 )
 
 

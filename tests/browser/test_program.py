@@ -34,6 +34,9 @@ def views_on(page: Any) -> int:
     return int(found.group(1))
 
 
+MORE_VIEWS_THAN = r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) > n"
+
+
 def wait_for_views(page: Any, count: int) -> None:
     page.wait_for_function(
         r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) === n",
@@ -52,17 +55,14 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.goto(simulated.url)
-    wait_for_views(page, 1)  # the autopilot has walked the first four steps by itself
+    # The autopilot has walked the steps by itself; fewer views would be no result.
+    page.wait_for_function(MORE_VIEWS_THAN, arg=2, timeout=_PATIENCE_MS)
     page.keyboard.press("Shift+P")  # takes its hand off the board, which stays in sight
     page.wait_for_timeout(1500)  # it may have had the board in its place just then
     page.wait_for_selector(".v-title:has-text('Step')", timeout=_PATIENCE_MS)
     before = views_on(page)
     page.keyboard.press("c")
-    page.wait_for_function(
-        r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) > n",
-        arg=before,
-        timeout=_PATIENCE_MS,
-    )
+    page.wait_for_function(MORE_VIEWS_THAN, arg=before, timeout=_PATIENCE_MS)
     taken = views_on(page)
 
     page.reload()
