@@ -200,7 +200,7 @@ def judged(rows: Sequence[Row]) -> list[Bar]:
             _quartiles(gains),
         ),
         Bar(
-            "error that came over the uncertainty promised, with shared errors",
+            "error over the uncertainty promised, shared errors: root mean square",
             kept,
             "0.8 ... 1.25",
             0.8 <= kept <= 1.25,
