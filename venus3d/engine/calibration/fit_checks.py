@@ -266,12 +266,12 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "rolling-shutter",
             Sentence(
-                "The board or the camera moved while pictures were read row by row: {alike}, as a "
-                "rolling shutter shears them."
+                "Each picture is bent in its own way: {alike}, as a rolling shutter shears them when "
+                "the board or the camera moves, or a loose board bends in the hand."
             ).format(alike=alike),
             Sentence(
-                "Hold still for each picture, use shorter exposures, or a camera with a global "
-                "shutter."
+                "Hold still for each picture, or use a camera with a global shutter; fix the board "
+                "to a flat plate."
             ),
         )
     else:
