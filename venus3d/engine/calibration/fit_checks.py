@@ -266,8 +266,8 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "rolling-shutter",
             Sentence(
-                "Each picture is bent in its own way: {alike}, as a rolling shutter shears them when "
-                "the board or the camera moves, or a loose board bends in the hand."
+                "Each picture is bent in its own way: {alike}, as a rolling shutter shears them "
+                "when the board or the camera moves, or a loose board bends in the hand."
             ).format(alike=alike),
             Sentence(
                 "Hold still for each picture, or use a camera with a global shutter; fix the board "
