@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any
 
 import cv2
@@ -33,7 +34,6 @@ from venus3d.render.map_pictures import (
 from venus3d.report.document import (
     PICTURE_WIDTH,
     code,
-    colour_legend,
     document,
     paragraph,
     photograph,
@@ -43,6 +43,7 @@ from venus3d.report.document import (
     table,
 )
 from venus3d.report.usage import cpp_lines, python_lines, ros_lines
+from venus3d.scene.web.legend import scale_html
 
 _THUMBNAIL = 360
 _CORNER = (80, 220, 40)  # BGR
@@ -149,7 +150,7 @@ def _doubts(doubts: Sequence[str]) -> str:
     if not doubts:
         return section("Doubts", paragraph("None was found."))
     items = "".join(
-        f"<p class='v-report-lead v-report-doubtful'>{_text(doubt)}</p>" for doubt in doubts
+        f"<p class='v-report-lead v-report-doubtful'>{escape(doubt)}</p>" for doubt in doubts
     )
     return section("Doubts", items)
 
@@ -163,7 +164,7 @@ def _maps(calibration: Calibration) -> str:
         picture(
             "Where the corners of all views were. Striped parts were never used.",
             coverage_picture(views, camera.image_size, size, dark=False),
-            colour_legend((0.0, round_up(counts) / 2, round_up(counts)), "corners"),
+            scale_html((0.0, round_up(counts) / 2, round_up(counts)), "corners"),
         ),
         picture(
             "Residuals: lines from each corner's calculated place towards where it was seen, "
@@ -174,7 +175,7 @@ def _maps(calibration: Calibration) -> str:
             "What the lens does: arrows from where an ideal lens would put a point to where this "
             f"one does, {distortion_magnification(camera):.0f} times as long.",
             distortion_picture(camera, size, dark=False),
-            colour_legend((0.0, shift / 2, shift), "px"),
+            scale_html((0.0, shift / 2, shift), "px"),
         ),
     ]
     if np.isfinite(calibration.uncertainty_px):
@@ -185,7 +186,7 @@ def _maps(calibration: Calibration) -> str:
             picture(
                 "How far off a projected point may be, by its place in the picture.",
                 uncertainty_picture(known, (low, high), size, dark=False),
-                colour_legend((low, float(np.sqrt(low * high)), high), "px"),
+                scale_html((low, float(np.sqrt(low * high)), high), "px"),
             ),
         )
     return section("Over the picture", side_by_side(*figures))
@@ -272,7 +273,3 @@ def _made_with(made_with: Mapping[str, Any], board: Board) -> str:
         "printed board tells; no picture of the same board can."
     )
     return section("Made with", table(["", ""], rows, numbers=()), paragraph(note))
-
-
-def _text(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;")

@@ -11,8 +11,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.amounts import figure
-from venus3d.render.colour_scale import gradient_css
 from venus3d.scene.web.theme import Theme, style_sheet
 
 PICTURE_WIDTH = 900
@@ -84,19 +82,6 @@ def photograph(caption: str, bgr: NDArray[np.uint8]) -> str:
 def side_by_side(*figures: str) -> str:
     """Figures in a row."""
     return f"<div class='v-report-figures'>{''.join(figures)}</div>"
-
-
-def colour_legend(ticks: Sequence[float], unit: str) -> str:
-    """The colour scale of all maps with evenly spaced numbers, the last with its unit."""
-    last = len(ticks) - 1
-    spans = "".join(
-        f"<span>{figure(tick)}{f' {escape(unit)}' if index == last else ''}</span>"
-        for index, tick in enumerate(ticks)
-    )
-    return (
-        f"<div class='v-scale'><div style='background:{gradient_css()}'></div>"
-        f"<div class='v-ticks'>{spans}</div></div>"
-    )
 
 
 def _png(rgb: NDArray[np.uint8]) -> str:

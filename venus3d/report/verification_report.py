@@ -13,7 +13,6 @@ from venus3d.render.colour_scale import round_up
 from venus3d.render.map_pictures import coverage_picture, difference_picture
 from venus3d.report.document import (
     PICTURE_WIDTH,
-    colour_legend,
     document,
     paragraph,
     picture,
@@ -21,6 +20,7 @@ from venus3d.report.document import (
     side_by_side,
     table,
 )
+from venus3d.scene.web.legend import scale_html
 
 _LOOK: dict[Verdict, str] = {
     "good": "v-report-good",
@@ -147,7 +147,7 @@ def verification_report(found: Verification, name: str) -> str:
                     picture(
                         "How far the two calibrations put one point apart.",
                         difference_picture(found.diff_map, high, size, dark=False),
-                        colour_legend((0.0, high / 2, high), "px"),
+                        scale_html((0.0, high / 2, high), "px"),
                     ),
                     picture(
                         "Where the corners of the fresh views were: elsewhere the difference is "

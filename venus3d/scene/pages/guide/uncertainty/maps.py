@@ -14,7 +14,7 @@ from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.uncertainty import ProjectionUncertainty
 from venus3d.languages import number
-from venus3d.render.colour_scale import gradient_css, round_down, round_up
+from venus3d.render.colour_scale import round_down, round_up
 from venus3d.render.map_pictures import (
     Picture,
     coverage,
@@ -28,6 +28,7 @@ from venus3d.render.map_pictures import (
 )
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.texts import MapKind
+from venus3d.scene.web.legend import scale_html
 from venus3d.scene.web.projections_panel import encoded
 
 MAP_KINDS: tuple[MapKind, ...] = get_args(MapKind)
@@ -87,19 +88,6 @@ def map_html(shown: ShownMap) -> str:
     return (
         f"<div class='v-progress' data-panel='uncertainty'>{title}<div class='v-map'>{image}"
         f"{_figures(shown)}</div>{legend}{sentence}</div>"
-    )
-
-
-def scale_html(ticks: tuple[float, ...], unit: str) -> str:
-    """The legend of the colour scale, with its numbers."""
-    last = len(ticks) - 1
-    figures = "".join(
-        f"<span>{number(figure(tick))}{f' {unit}' if index == last else ''}</span>"
-        for index, tick in enumerate(ticks)
-    )
-    return (
-        f"<div class='v-scale'><div style='background:{gradient_css()}'></div>"
-        f"<div class='v-ticks'>{figures}</div></div>"
     )
 
 

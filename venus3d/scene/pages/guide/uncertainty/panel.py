@@ -28,7 +28,6 @@ from venus3d.scene.pages.guide.uncertainty.maps import (
     even_ticks,
     map_html,
     map_of,
-    scale_html,
 )
 from venus3d.scene.pages.guide.uncertainty.search_replay import SearchReplay
 from venus3d.scene.pages.guide.uncertainty.view_card import ViewWindow, view_html
@@ -36,6 +35,7 @@ from venus3d.scene.web import texts as web_texts
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
+from venus3d.scene.web.legend import scale_html
 from venus3d.scene.web.projections_panel import encoded
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.theme import Theme
