@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.calibration.board_recognition import some_mirrored
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
@@ -57,7 +58,8 @@ class Recording:
     """The source's notes."""
     is_video: bool
     instead: tuple[Diagnosis, ...] = ()
-    """What most images show instead of the board, if it is in less than half of them."""
+    """What most images show instead of the board, if it is in less than half of them; that some
+    are mirrored, however few."""
 
 
 def observe_recording(
@@ -91,6 +93,9 @@ def observe_recording(
 
 def _shown_instead(recording: Recording, detector: Detector) -> tuple[Diagnosis, ...]:
     shown = sum(o.count > 0 for o in recording.observations)
+    mirrored = some_mirrored(detector.board, detector.missed_images) if shown else None
+    if mirrored is not None:
+        return (mirrored,)
     return detector.explain_misses() if 2 * shown < len(recording.observations) else ()
 
 

@@ -149,14 +149,17 @@ class Detector:
             found.append(thin)
         return tuple(dict.fromkeys(found))
 
+    @property
+    def missed_images(self) -> tuple[Grey, ...]:
+        """The first and the last whole images (H, W) in which the board was not found."""
+        return (*self._first_missed, *self._missed)
+
     def explain_misses(self) -> tuple[Diagnosis, ...]:
         """What images without the board show instead; may take a second. A board that can be read
         is read from now on: detect in all images again if `board` has changed."""
-        finding = best_finding(self._board, [*self._first_missed, *self._missed])
+        finding = best_finding(self._board, self.missed_images)
         if finding is None:
-            small = small_board(
-                self._board, [*self._first_missed, *self._missed], self.copy().detect
-            )
+            small = small_board(self._board, self.missed_images, self.copy().detect)
             return () if small is None else (small,)
         if finding.board is not None and self._find_layout:
             self._adopt(finding.board)
