@@ -8,13 +8,16 @@ from collections.abc import Callable
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from tests.cli.conftest import Ran
 from venus3d.cli import main
+from venus3d.engine.calibration.adjustment import LeftOut, LeftOutReason
 from venus3d.engine.geometry.camera import PAPER_CAMERA
+from venus3d.report.calibration_report import ReportInput, calibration_report
 from venus3d.storage.formats import export_camera
 from venus3d.storage.result_reader import read_result
 
@@ -109,6 +112,15 @@ def test_a_report_says_what_the_result_holds(run: Run, calibrated: Path, tmp_pat
     exec("import numpy as np\n" + lines, names)
     np.testing.assert_allclose(names["K"], calibration.camera.K, rtol=1e-8)
     np.testing.assert_allclose(names["distortion"], calibration.camera.distortion, rtol=1e-8)
+
+
+@pytest.mark.parametrize("reason", get_args(LeftOutReason))
+def test_a_report_names_what_was_left_out_and_why(calibrated: Path, reason: LeftOutReason) -> None:
+    calibration = read_result(calibrated / "result.json").calibration
+    seen = replace(calibration.views[0].observation, name="<b>again&.png")
+    gone = replace(calibration, left_out=(LeftOut(7, seen, reason),))
+    page = Page(calibration_report(ReportInput(gone)))
+    assert re.search(r"View 7 \(<b>again&\.png\) is left out: it[^.]{10}", page.text)
 
 
 def test_a_sessions_report_shows_its_pictures_and_how_it_was_made(run: Run, tmp_path: Path) -> None:

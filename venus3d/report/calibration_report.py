@@ -51,6 +51,7 @@ _LEFT_OUT: dict[LeftOutReason, str] = {
     "undetermined": "its corners fix no pose",
     "misfit": "its corners fit no pose of this board",
     "repeat": "it shows what another view shows",
+    "turned": "its picture is turned by 180° against the others",
 }
 
 
