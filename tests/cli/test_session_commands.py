@@ -69,3 +69,10 @@ def test_from_what_does_not_go_together(
     assert "1280 x 720" in small.sentence
     assert "cannot be read" in run(*asked, "--from", tmp_path / "none.yaml").sentence
     assert not (tmp_path / "on" / "session.json").exists()
+
+
+def test_a_source_that_cannot_be_opened_leaves_no_session(run: Run, tmp_path: Path) -> None:
+    """Nor is it said that one is kept."""
+    ran = run("guide", tmp_path / "nothing.mp4", "--output", tmp_path / "new")
+    assert "nothing.mp4" in ran.sentence and "kept" not in ran.err
+    assert not (tmp_path / "new").exists()

@@ -43,6 +43,8 @@ class KeptSession:
     """Where a session is gone on with."""
     known: KnownCamera | None = None
     """The camera that it starts from."""
+    where: str = ""
+    """The sentence that says where it is kept; empty if it is not."""
 
     def pictures(self) -> Iterable[tuple[int, NDArray[np.uint8]]]:
         """Numbers and pictures of the views that there are already."""
@@ -67,12 +69,12 @@ def opened_session(options: GuideOptions, tell: Callable[[str], None]) -> KeptSe
         return KeptSession(options, None, files, start.state, start.camera)
     directory = options.output or _unused(SESSIONS / f"{datetime.now():%Y-%m-%d_%H-%M-%S}")
     folder = SessionFolder.create(directory, _header(options), tell)
-    tell(f"This session is kept in {directory}.")
     try:
         if start.state is not None:
             folder.adopt(start.state.views)
         files, options = ResultFolder(directory, tell), replace(options, output=directory)
-        return KeptSession(options, folder, files, start.state, start.camera)
+        where = f"This session is kept in {directory}."
+        return KeptSession(options, folder, files, start.state, start.camera, where)
     except BaseException:
         folder.close()
         raise
@@ -98,10 +100,10 @@ def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]
         files.adopt()
         state = folder.state()
         views = 0 if state is None else len(state.views)
-        tell(f"Going on with {views} view{'' if views == 1 else 's'} in {directory}.")
+        where = f"Going on with {views} view{'' if views == 1 else 's'} in {directory}."
         chosen = replace(before, **{**anew, "output": directory, "resume": directory})
         start = known_start(chosen, tell) if state is None else KnownStart()
-        return KeptSession(chosen, folder, files, state or start.state, start.camera)
+        return KeptSession(chosen, folder, files, state or start.state, start.camera, where)
     except BaseException:
         folder.close()
         raise

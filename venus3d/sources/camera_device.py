@@ -89,7 +89,7 @@ def _camera_capture(device: str, size: tuple[int, int] | None) -> cv2.VideoCaptu
 
 def _pipeline_capture(pipeline: str) -> cv2.VideoCapture:
     silence_opencv()
-    if cv2.CAP_GSTREAMER not in cv2.videoio_registry.getBackends():
+    if not cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER):
         raise SourceError(
             "This OpenCV was built without GStreamer, as its packages are; build it with "
             "GStreamer, or have the pipeline send RTSP or MJPEG and give that address."

@@ -59,6 +59,7 @@ def run_guide(
     keep: Callable[[GuideResult], str] = lambda _: "",
     *,
     monitors: Sequence[SecondMonitor] = (),
+    on_open: Callable[[], None] = lambda: None,
     on_viewer: Callable[[Viewer], None] = lambda _: None,
     recorder: Recorder | None = None,
     state: SessionState | None = None,
@@ -72,6 +73,7 @@ def run_guide(
 
     Args:
         monitors: are shown what the viewer is shown; the caller closes them.
+        on_open: called once the source is open and goes with the rest.
         on_viewer: called with the open viewer, to add to its page.
         recorder: keeps the session as it goes on.
         state: of a session to go on with, and the `pictures` of its views by their numbers.
@@ -95,6 +97,7 @@ def run_guide(
             session.restore(state)
         elif recorder is not None:
             recorder.changed(session.state)
+        on_open()
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
             said = (*source.notes, *tracker.detector.notes, *snapshot.warnings, *notes)
