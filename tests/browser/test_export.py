@@ -18,8 +18,8 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
 from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.teach.export.files import export_files
-from venus3d.scene.pages.teach.export.scene_recording import ASPECT
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
+from venus3d.scene.web.scene_recording import ASPECT
 
 pytestmark = pytest.mark.browser
 

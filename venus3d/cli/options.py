@@ -36,12 +36,13 @@ class CalibrateOptions:
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """Show a recorded session in the browser, with a time line, or write it as a film."""
+    """Show a recorded session in the browser, with a time line, or write it as a film or a page."""
 
     session: Annotated[Positional[Path], arg(metavar="DIR")]
     """The folder of a session, as venus3d guide keeps it."""
-    export: Annotated[Path | None, arg(metavar="FILE.mp4", help_behavior_hint="(optional)")] = None
-    """Write a film instead: each view's picture with its target, under what was known then."""
+    export: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
+    """Write a file instead. FILE.mp4: a film, each view's picture with its target, under what was
+    known then. FILE.html: a page to hand out that works offline, with the scene of every view."""
     language: LanguageOption = None
     """Language of the page."""
     host: str = "127.0.0.1"

@@ -1,11 +1,13 @@
-"""`venus3d replay`: a recorded session on the guide's page, or as a film."""
+"""`venus3d replay`: a recorded session on the guide's page, as a film, or as a document."""
 
 from __future__ import annotations
 
 from venus3d.cli.kept_session import options_of
 from venus3d.cli.options import ReplayOptions
 from venus3d.engine.errors import VenusError
+from venus3d.languages import PageLanguage
 from venus3d.scene.pages.guide.replay import run_replay
+from venus3d.scene.pages.guide.replay_document import replay_document
 from venus3d.scene.pages.guide.replay_film import replay_film
 from venus3d.scene.pages.guide.run import settings_of
 from venus3d.storage.folder import prepare, write_bytes
@@ -14,7 +16,7 @@ from venus3d.storage.session_reader import read_header
 
 
 def replay(options: ReplayOptions) -> None:
-    """Serve the page until Ctrl-C, or write a film. Raises `VenusError` for a user's mistake."""
+    """Serve the page until Ctrl-C, or write a file. Raises `VenusError` for a user's mistake."""
     directory = options.session
     settings = settings_of(options_of(read_header(directory), directory))
     moments = moments_of(directory)
@@ -23,7 +25,14 @@ def replay(options: ReplayOptions) -> None:
             moments, settings, host=options.host, port=options.port, language=options.language
         )
         return
-    if options.export.suffix.lower() != ".mp4":
-        raise VenusError(f"A session is exported as .mp4, not as {options.export.name!r}.")
+    suffix = options.export.suffix.lower()
+    if suffix not in (".mp4", ".html"):
+        raise VenusError(f"A session is exported as .mp4 or .html, not as {options.export.name!r}.")
     prepare(options.export.parent, "--export")
-    print(f"Written: {write_bytes(options.export, replay_film(moments, settings))}")
+    with PageLanguage(options.language).spoken():
+        content = (
+            replay_film(moments, settings)
+            if suffix == ".mp4"
+            else replay_document(moments, settings, directory.resolve().name)
+        )
+    print(f"Written: {write_bytes(options.export, content)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -21,6 +22,7 @@ from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.scene.pages.guide.replay import Worker
 from venus3d.scene.pages.guide.replay_bar import Place, ReplayBar, moment_at
+from venus3d.scene.pages.guide.replay_document import replay_document
 from venus3d.scene.pages.guide.replay_film import known_sentence, replay_film
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.storage.session_folder import SessionFolder
@@ -98,6 +100,19 @@ def test_the_film_can_be_played(recorded: Path, tmp_path: Path) -> None:
         frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
     assert len(frames) == 3 * 20 and frames[0].shape[1] == 1280
     assert np.abs(frames[0].astype(int) - frames[30]).mean() > 1  # another moment
+
+
+def test_the_document_shows_a_view_on_each_page_and_loads_nothing(recorded: Path) -> None:
+    """Each with its picture and recording, then the result; what was taken back is said."""
+    moments = moments_of(recorded)
+    page = replay_document([*moments[:2], moments[-1]], SETTINGS, "<b>lab</b>").decode()
+    assert re.findall(r"<h2>(.*?)</h2>", page) == ["View 1", "The result"]
+    assert "This view was taken back later." in page and "&lt;b&gt;lab" in page
+    assert page.count("<img class='lens'") == 1
+    recordings = re.search(r"id='recordings'>(.*?)</script>", page)
+    assert recordings is not None and len(set(json.loads(recordings[1]))) == 2
+    assert not re.search(r"(src|href)=.https?:", page) and "default-src 'none'" in page
+    assert "3 views" in page.rpartition("The result")[2]
 
 
 def test_nothing_can_be_changed() -> None:

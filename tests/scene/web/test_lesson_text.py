@@ -20,11 +20,11 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
 from venus3d.scene.pages.teach.export.animation import exported_pages
 from venus3d.scene.pages.teach.export.html_document import PageContent, html_document
-from venus3d.scene.pages.teach.export.scene_recording import player, player_scripts
 from venus3d.scene.pages.teach.lesson_html import lesson_html, question_html
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import PoseAnalysis
 from venus3d.scene.web.lesson_text import lesson_text_html
+from venus3d.scene.web.scene_recording import player, player_scripts
 from venus3d.scene.web.theme import Theme
 
 _POSE = (25.0, -30.0, 20.0, 40.0, -20.0, 520.0)

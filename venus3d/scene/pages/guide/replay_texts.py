@@ -37,5 +37,18 @@ FILM_TITLES = {
 }
 FILM_KNOWN = "{at}   {views} views, rms {rms} px, f {fx} ± {sigma} px, uncertainty {error} px"
 FILM_UNKNOWN = "{at}   The camera is not determined yet."
+DOCUMENT_TITLE = "Session {name}"
+DOCUMENT_SUMMARY = (
+    "A guided calibration of {began}: {views} views, as they were asked for and taken."
+)
+DOCUMENT_VIEW = "View {number}"
+DOCUMENT_RESULT = "The result"
+BEFORE = "Known before this view"
+AFTER = "Known with it"
+STEPS = "The four steps from the view before"
+STEPS_FROM_UPRIGHT = "The four steps from an upright board"
+STEP_ALT = "Step {number} as the camera sees it"
+TAKEN_BACK = "This view was taken back later."
+NO_PICTURE = "The picture of this view was not kept."
 
 speak(__name__)

@@ -1,5 +1,5 @@
 """The exported pages of a lesson, and the board's path through the steps on each. The states are
-those the teaching page plays; `film` and `scene_recording` draw them."""
+those the teaching page plays; `film` and `files` draw them."""
 
 from __future__ import annotations
 

@@ -11,7 +11,11 @@ from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.scene.pages.teach.actions import FILE_KINDS, FileKind
 from venus3d.scene.pages.teach.export import texts
-from venus3d.scene.pages.teach.export.animation import ExportedPage, exported_pages
+from venus3d.scene.pages.teach.export.animation import (
+    ExportedPage,
+    animation_states,
+    exported_pages,
+)
 from venus3d.scene.pages.teach.export.film import (
     GIF_FPS,
     GIF_WIDTH,
@@ -21,14 +25,20 @@ from venus3d.scene.pages.teach.export.film import (
     gif,
 )
 from venus3d.scene.pages.teach.export.html_document import PageContent, html_document
-from venus3d.scene.pages.teach.export.scene_recording import player, recording_of
 from venus3d.scene.pages.teach.export.sheet import sheet
+from venus3d.scene.pages.teach.scene_shapes import scene_shapes, scene_view_of
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import AnalysePose
-from venus3d.scene.web.server import start_server
+from venus3d.scene.web.scene_recording import (
+    ASPECT,
+    FPS,
+    player,
+    recording_of,
+    recording_server,
+)
+from venus3d.scene.web.server import LocalServer
 
 _PICTURE_SIZE_PX = 640
-_FIRST_PORT = 8900
 
 
 def kind_of(path: Path) -> FileKind:
@@ -73,8 +83,7 @@ def export_files(
 
 def _page_contents(pages: list[ExportedPage], offscreen: Offscreen) -> list[PageContent]:
     projections, contents = Projections(offscreen), list[PageContent]()
-    server, _ = start_server("127.0.0.1", _FIRST_PORT)  # only for recording; not announced
-    try:
+    with recording_server() as server:
         for page in pages:
             camera, board = page.taught.camera, page.taught.board
             size = (_PICTURE_SIZE_PX, round(_PICTURE_SIZE_PX * camera.height / camera.width))
@@ -84,7 +93,12 @@ def _page_contents(pages: list[ExportedPage], offscreen: Offscreen) -> list[Page
                 ).result()
                 for step in page.taught.steps
             )
-            contents.append(PageContent(page, pictures, recording_of(server, page)))
-    finally:
-        server.stop()
+            contents.append(PageContent(page, pictures, _recording(server, page)))
     return contents
+
+
+def _recording(server: LocalServer, page: ExportedPage) -> str:
+    states = animation_states(page, FPS)
+    moments = [scene_shapes(page.taught, state) for state in states]
+    view = scene_view_of(page.taught, states[0], moments[0], ASPECT)
+    return recording_of(server, moments, view, dark=page.state.dark)

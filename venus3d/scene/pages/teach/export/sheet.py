@@ -19,6 +19,7 @@ from venus3d.scene.pages.teach.export.sentences import pose_sentence
 from venus3d.scene.pages.teach.lesson_html import holder_sentence
 from venus3d.scene.pages.teach.state import Vector
 from venus3d.scene.pages.teach.view_model import TaughtPose
+from venus3d.scene.web import offline_texts
 
 DPI = 300
 SIZE_PX = (3508, 2480)
@@ -59,7 +60,9 @@ def sheet(
         corner = (_MARGIN + column * (width + _GAP), _TOP + row * (height + _GAP))
         _cell(draw, image, corner, (width, height), step.number, words, picture.result())
     foot = (SIZE_PX[0] - _MARGIN, SIZE_PX[1] - 60)
-    draw.text(foot, texts.MADE_WITH, fill=ground(False).quiet_text, font=font(40), anchor="rs")
+    draw.text(
+        foot, offline_texts.MADE_WITH, fill=ground(False).quiet_text, font=font(40), anchor="rs"
+    )
     buffer = io.BytesIO()
     image.save(buffer, "PNG", dpi=(DPI, DPI))
     return buffer.getvalue()

@@ -2,21 +2,13 @@
 
 from venus3d.languages.texts_module import speak
 
-MADE_WITH = "Made with venus3d"
 SHEET_REFUSED = "A person is not asked for this pose. {why}"
 SHEET_START = (
     "From the upright board, {millimetres} mm in front of the camera. The turns are about the "
     "camera's axes."
 )
 
-PAGE_OF = "Page {page} of {pages}"
-BACK, ON = "Back", "Next page"
 STEPS_TITLE = "The four steps, as the camera sees them"
-SCENE_TITLE = "The way there"
-SCENE_HINT = (
-    "Play, stop and go back and forth with the bar below the scene; turn it with the mouse or a "
-    "finger."
-)
 POSE_TITLE = "The pose in six numbers"
 QUESTION = "A question"
 RIGHT, WRONG = "Right.", "Not quite."
@@ -31,7 +23,6 @@ PLACES = (
 )
 AWAY = "{amount} mm away"
 AND = " and "
-NO_SCRIPT = "This page needs JavaScript for its moving scene; the pictures show the steps without."
 TARGET_TITLE = "A pose in four steps"
 TARGET_PAGE = "The pose"
 TARGET_TEXT = "Six numbers say where the board is and how it is turned; four steps bring it there."

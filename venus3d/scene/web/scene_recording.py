@@ -1,25 +1,27 @@
 """A page's 3D scene as a recording for viser's own player, offline too. A recording has no panels,
-so labels carry what the scene must say; `html_document` adds the words."""
+so labels carry what the scene must say; `offline_document` adds the words."""
 
 from __future__ import annotations
 
 import base64
 import json
 import re
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
 import zstandard
 
+from venus3d.render.shapes import Shape
 from venus3d.render.viewpoints import SceneCamera
-from venus3d.scene.pages.teach.export.animation import ExportedPage, animation_states
-from venus3d.scene.pages.teach.scene_shapes import scene_shapes, scene_view_of
 from venus3d.scene.web.camera_rig import FAR, NEAR
 from venus3d.scene.web.scene_view import SceneView
-from venus3d.scene.web.server import LocalServer
+from venus3d.scene.web.server import LocalServer, start_server
 
 FPS = 15
-_BEFOREHAND = 8  # states; every step is longer
+_FIRST_PORT = 8900
+_BEFOREHAND = 8  # moments; every step is longer
 ASPECT = 1.3
 """Minimum aspect of the scene in the document, where the view cannot be adapted."""
 _LOADER = re.compile(
@@ -31,19 +33,30 @@ _LOADER = re.compile(
 the unpacker, and its digits."""
 
 
-def recording_of(server: LocalServer, page: ExportedPage) -> str:
-    """The base64 recording of the page's animation on this server, which needs no browser."""
+@contextmanager
+def recording_server() -> Generator[LocalServer]:
+    """A server for recording only; nobody is told of it."""
+    server, _ = start_server("127.0.0.1", _FIRST_PORT)
+    try:
+        yield server
+    finally:
+        server.stop()
+
+
+def recording_of(
+    server: LocalServer, moments: Sequence[tuple[Shape, ...]], view: SceneCamera, *, dark: bool
+) -> str:
+    """The base64 recording of these moments, `FPS` a second, seen from `view`. The server needs no
+    browser."""
     server.scene.reset()
-    view = SceneView(server, plain_labels=True)
-    states, dark = animation_states(page, FPS), page.state.dark
-    shapes = [scene_shapes(page.taught, state) for state in states]
-    _look(server, scene_view_of(page.taught, states[0], shapes[0], ASPECT))
+    scene = SceneView(server, plain_labels=True)
+    _look(server, view)
     # Created hidden beforehand: a new shape appears at the camera for a moment.
-    for now in (*shapes[::_BEFOREHAND], shapes[0]):
-        view.draw(now, dark=dark)
+    for now in (*moments[::_BEFOREHAND], moments[0]):
+        scene.draw(now, dark=dark)
     serializer = server.get_scene_serializer()
-    for now in shapes[1:]:
-        view.draw(now, dark=dark)
+    for now in moments[1:]:
+        scene.draw(now, dark=dark)
         serializer.insert_sleep(1 / FPS)
     return base64.b64encode(serializer.serialize()).decode("ascii")
 
