@@ -40,6 +40,7 @@ PAGES = {
     " --audience {port}",
     "teach": "teach --port {port}",
     "practice": "practice --output {folder} --port {port}",
+    "measure": "measure --port {port}",
 }
 _FLOOD_S = float(os.environ.get("VENUS3D_FLOOD_S", "3"))
 _TABS_S = float(os.environ.get("VENUS3D_CROWD_S", "3"))

@@ -123,6 +123,12 @@ def test_an_end_is_asked_about_told_and_taken_back(guided: Any, tmp_path: Path) 
     copied = guided.evaluate("navigator.clipboard.readText()")
     assert float(copied) == pytest.approx(kept["intrinsics"]["fx"], rel=1e-8)
 
+    # One measures with it in another tab, in the picture that goes on coming.
+    with guided.context.expect_page() as opened:
+        guided.click(".v-copies a")
+    opened.value.wait_for_selector(".v-measure:has-text('first point')", timeout=_PATIENCE_MS)
+    opened.value.close()
+
     guided.keyboard.press(pressed(KEYS["resume"]))
     guided.wait_for_selector(".v-title:has-text('Ended')", state="detached")
     guided.wait_for_selector(".v-chip")

@@ -24,6 +24,7 @@ from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.guide.result_saver import is_over
 from venus3d.scene.pages.guide.run import GuideResult, run_guide
 from venus3d.scene.pages.guide.viewer import Viewer
+from venus3d.scene.pages.measure.monitor import MeasureMonitor
 from venus3d.scene.web.monitor import audience_address
 from venus3d.scene.web.page import announce
 from venus3d.storage.result import summary_of
@@ -75,12 +76,14 @@ def _guided(options: GuideOptions, kept: KeptSession) -> GuideResult:
     )
     try:
         with ExitStack() as stack:
+            measuring = MeasureMonitor(options.host, options.port + 1, options.language)
+            stack.enter_context(closing(measuring))
             # Open this first: its port was promised to somebody, while the viewer may take another.
             audience = open_audience(options)
-            if audience is None:
-                return run()
-            stack.enter_context(closing(audience))
-            return run(monitors=(audience,), on_viewer=partial(_attach, audience))
+            monitors = (measuring,) if audience is None else (measuring, audience)
+            if audience is not None:
+                stack.enter_context(closing(audience))
+            return run(monitors=monitors, on_viewer=partial(_attach, audience, measuring))
     except BaseException as error:
         if files is not None and files.is_written:
             _tell_written(files)
@@ -109,8 +112,12 @@ def open_audience(options: GuideOptions) -> Audience | None:
     return Audience(host, port, state, options.language, options.audience_token)
 
 
-def _attach(audience: Audience, viewer: Viewer) -> None:
-    """Connect the operator's choice for the second monitor, and its failures."""
+def _attach(audience: Audience | None, measuring: MeasureMonitor, viewer: Viewer) -> None:
+    """Connect the operator's choice for the second monitor, and its failures; the link to
+    measuring."""
+    measuring.on_open = viewer.measure_at
+    if audience is None:
+        return
     audience.on_failure = viewer.warn
     viewer.extend(lambda server: AudienceControls(server, audience).commands)
     announce(announcement(audience))

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
+from tests.ports import free_port
 from tests.scene.guided import guided_session
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
@@ -21,6 +22,7 @@ from venus3d.scene.pages.guide.end_panel import fields_of_view, result_html
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import EndNow, Finish, GoOn, Straighten, Toggle
 from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.pages.measure.monitor import MeasureMonitor
 from venus3d.scene.web.step_card import NO_NOTE
 from venus3d.scene.web.theme import Theme
 
@@ -141,3 +143,28 @@ def test_the_picture_is_compared_at_the_end_and_whole_before(guided: Snapshot) -
     assert over.after(Straighten(0.8)).seeing(ended(guided)).straight_share == 0.8
     assert over.after(Toggle("straight")).straight_share == 0.0
     assert over.seeing(guided).straight_share == 0.0, "guiding again shows the picture as it comes"
+
+
+def test_one_measures_with_the_camera_once_the_calibration_is_over(guided: Snapshot) -> None:
+    """The page opens then, knows how well the camera is known, and follows a later result."""
+    monitor, told = MeasureMonitor("127.0.0.1", free_port()), list[str]()
+    monitor.on_open = told.append
+    try:
+        monitor.show(guided)
+        assert monitor.page is None and not told
+        monitor.show(ended(guided))
+        page, known = monitor.page, guided.calibration
+        assert page is not None and known is not None and told == [page.url]
+        assert f"href='{page.url}'" in result_html(ended(guided), "", page.url)
+        assert "href" not in result_html(ended(guided), "")
+        page.show(known.views[0].observation)
+        for corner in known.board.corners[[0, -1]]:
+            page.click(known.views[0].pose.apply(corner[None])[0], 1.0)
+        measured, ends = page.state.measured, known.board.corners[[0, -1]]
+        assert measured is not None
+        true = float(np.linalg.norm(ends[1] - ends[0]))
+        assert abs(measured.length_m - true) < 4 * measured.sigma_m < 0.004
+        monitor.show(replace(ended(guided), calibration=replace(known, rms_px=1.0)))
+        assert page.state.measured is None and len(told) == 1
+    finally:
+        monitor.close()

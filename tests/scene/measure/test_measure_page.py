@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.ports import free_port
+from tests.waiting import wait_until
 from venus3d.engine.calibration.measurement import MeasuringCamera
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import VenusError
@@ -116,6 +117,15 @@ def test_the_cube_stands_on_the_side_that_is_seen() -> None:
         [ends.min(axis=0), ends.max(axis=0)], [[0.01, 0.02, -0.04], [0.05, 0.06, 0]]
     )
     assert POSE.apply(ends)[:, 2].min() < POSE.apply(np.array([[0.01, 0.02, 0]]))[0, 2]
+
+
+def test_a_cube_is_not_said_to_have_an_uncertainty(page: MeasurePage) -> None:
+    def note() -> str:
+        return page._note.content  # pyright: ignore[reportPrivateUsage]
+
+    wait_until(lambda: "±" in note() and "percent" not in note())
+    page.change(lambda state: state.with_tool("cube"))
+    wait_until(lambda: "A cube has no ±" in note())
 
 
 def test_nothing_is_drawn_without_a_board_or_points() -> None:

@@ -1,15 +1,14 @@
 """Live sources that fail, on real servers on loopback, for minutes: `make soak-live`.
 
 The real video as MJPEG over HTTP and, where GStreamer's RTSP server is installed (setup.sh's
-system-soak), a test picture over RTSP: stalls of 3, 10 and 30 s, restarts, damaged pictures, 1 and
+system-soak), as H.264 over RTSP: stalls of 3, 10 and 30 s, restarts, damaged pictures, 1 and
 120 pictures a second. Prints a row for each and ends with 1 if one did not come back.
 """
 
 from __future__ import annotations
 
+import itertools
 import os
-import signal
-import subprocess
 import sys
 import threading
 import time
@@ -20,8 +19,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.ports import free_port
 from tests.sources.network_camera import NetworkCamera, network_camera
+from tests.sources.soak.rtsp_camera import has_rtsp, rtsp_camera
 from venus3d.engine.errors import SourceError
 from venus3d.sources.live import Live
 from venus3d.sources.open_frame_source import open_frame_source
@@ -29,7 +28,6 @@ from venus3d.sources.reconnection import Outage
 
 _VIDEO = Path(os.environ.get("VENUS3D_DATA", "../shared/data")) / "wpilib-charuco-12x8.mp4"
 _PATIENCE_S = 40.0
-_SYSTEM_PYTHON = "/usr/bin/python3"
 
 
 class Watcher:
@@ -170,47 +168,21 @@ def _at_rate(
 
 
 def rtsp() -> bool:
-    if not _has_gst():
+    if not has_rtsp():
         print("RTSP: not run, python3-gi with gir1.2-gst-rtsp-server-1.0 is missing")
         return True
-    server, port = Path(__file__).with_name("rtsp_server.py"), free_port()
-    command = [_SYSTEM_PYTHON, str(server), str(port)]
-    process = [subprocess.Popen(command)]
-
-    def start() -> None:
-        process.append(subprocess.Popen(command))
-
-    try:
-        watcher = Watcher(f"rtsp://127.0.0.1:{port}/video")
+    pictures = itertools.cycle(_pictures())
+    with rtsp_camera(lambda: next(pictures), (1280, 720), 25) as camera:
+        watcher = Watcher(camera.address)
         good = [
             *(
-                watcher.run(
-                    f"RTSP, stall of {s} s",
-                    lambda: process[-1].send_signal(signal.SIGSTOP),
-                    lambda: process[-1].send_signal(signal.SIGCONT),
-                    s,
-                )
+                watcher.run(f"RTSP, stall of {s} s", camera.stall, camera.go_on, s)
                 for s in (3, 10, 30)
             ),
-            *(
-                watcher.run(f"RTSP, killed, {n}", lambda: (process[-1].kill(), None)[1], start, 3)
-                for n in (1, 2, 3)
-            ),
+            *(watcher.run(f"RTSP, killed, {n}", camera.kill, camera.start, 3) for n in (1, 2, 3)),
         ]
         watcher.close()
-        return all(good)
-    finally:
-        for one in process:
-            one.kill()
-            one.wait()
-
-
-def _has_gst() -> bool:
-    asks = "import gi; gi.require_version('GstRtspServer', '1.0')"
-    try:
-        return subprocess.run([_SYSTEM_PYTHON, "-c", asks], capture_output=True).returncode == 0
-    except OSError:
-        return False
+    return all(good)
 
 
 if __name__ == "__main__":

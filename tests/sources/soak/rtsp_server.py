@@ -1,9 +1,11 @@
-"""An RTSP server for `live_sources.py`, by GStreamer; run by the system's Python, which has `gi`.
+"""An RTSP server for `rtsp_camera.py`, by GStreamer; run by the system's Python, which has `gi`.
 
-/usr/bin/python3 rtsp_server.py PORT      a moving test picture as H.264, 1280 x 720, 25 a second
+/usr/bin/python3 rtsp_server.py PORT WIDTH HEIGHT RATE      sends as H.264 the pictures (BGR bytes)
+                                                            that come on stdin; ends with them
 """
 
 import sys
+import threading
 
 import gi  # type: ignore[import-not-found]
 
@@ -11,15 +13,35 @@ gi.require_version("Gst", "1.0")
 gi.require_version("GstRtspServer", "1.0")
 from gi.repository import GLib, Gst, GstRtspServer  # type: ignore[import-not-found]  # noqa: E402
 
+port, (width, height, rate) = sys.argv[1], map(int, sys.argv[2:])
+sources = []
+
+
+def feed() -> None:
+    """Hand each picture to the media that there is now."""
+    while len(picture := sys.stdin.buffer.read(3 * width * height)) == 3 * width * height:
+        for source in sources[-1:]:
+            source.emit("push-buffer", Gst.Buffer.new_wrapped(picture))
+    loop.quit()
+
+
 Gst.init(None)
-server = GstRtspServer.RTSPServer(service=sys.argv[1])
+server = GstRtspServer.RTSPServer(service=port)
 factory = GstRtspServer.RTSPMediaFactory()
 factory.set_launch(
-    "( videotestsrc is-live=true pattern=ball ! video/x-raw,width=1280,height=720,framerate=25/1 "
-    "! x264enc tune=zerolatency speed-preset=ultrafast key-int-max=25 "
+    "( appsrc name=pictures is-live=true do-timestamp=true format=time max-buffers=2 max-bytes=0 "
+    f"leaky-type=downstream caps=video/x-raw,format=BGR,width={width},height={height},"
+    f"framerate={rate}/1 ! videoconvert ! video/x-raw,format=I420 "
+    f"! x264enc tune=zerolatency speed-preset=ultrafast pass=quant quantizer=14 key-int-max={rate} "
     "! rtph264pay name=pay0 pt=96 config-interval=1 )"
 )
 factory.set_shared(True)
+factory.connect(
+    "media-configure",
+    lambda _, media: sources.append(media.get_element().get_by_name("pictures")),
+)
 server.get_mount_points().add_factory("/video", factory)
 server.attach(None)
-GLib.MainLoop().run()
+loop = GLib.MainLoop()
+threading.Thread(target=feed, daemon=True).start()
+loop.run()

@@ -1,115 +1,154 @@
-"""A whole guided session on a network camera that is cut off three times and stalls once.
+"""A whole guided session on an RTSP camera, by the real program, with its report.
 
-The simulated camera's pictures go over HTTP as MJPEG; the simulated hand is told the target by what
-a second monitor is shown. Prints what happened and ends with 1 unless the calibration converged.
+The camera is cut off three times and stalls once, and the program is killed by SIGKILL once and
+resumed. The camera's pictures are those of the simulated camera, as H.264 over GStreamer's RTSP
+server; the simulated hand is told the target that the program's page shows. Prints what happened,
+and ends with 1 unless the calibration converged with every view that had been reported.
+
+    python -m tests.sources.soak.session [FOLDER]     keeps the session and its report there
 """
 
 from __future__ import annotations
 
+import os
+import pickle
+import re
+import signal
+import subprocess
 import sys
+import tempfile
 import threading
 import time
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tests.ports import free_port
-from tests.sources.network_camera import NetworkCamera, network_camera
-from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.observation import Observation
+from tests.sources.soak.rtsp_camera import RtspCamera, has_rtsp, rtsp_camera
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA
-from venus3d.engine.guidance.session import Session
-from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.guidance.work import Settings
-from venus3d.render.annotated_picture import LivePicture
-from venus3d.scene.pages.guide.live import LiveGuide
-from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.sources.board_tracker import BoardTracker
-from venus3d.sources.live import Live
-from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.sim import Simulation
-from venus3d.sources.source_news import tell_of_trouble
 
-_PATIENCE_S = 400.0
-
-
-class Holder:
-    """The simulated hand, which sees what a second monitor shows; it cuts the camera off."""
-
-    def __init__(self, hand: Simulation, camera: NetworkCamera) -> None:
-        self._hand, self._camera, self._cuts = hand, camera, 0
-
-    def show(self, snapshot: Snapshot) -> None:
-        taken = snapshot.captured or ()
-        self._hand.follow(snapshot.target, snapshot.pose, begins=not taken)
-        if self._cuts < 4 and len(taken) > self._cuts:
-            self._cuts += 1
-            threading.Thread(target=self._cut, args=(self._cuts,), daemon=True).start()
-
-    def _cut(self, number: int) -> None:
-        if number == 4:
-            self._camera.stalled = True
-            time.sleep(7)
-            self._camera.stalled = False
-            return
-        self._camera.unplug()
-        time.sleep(2.0 * number)
-        self._camera.plug_in()
-
-    def show_picture(self, image: LivePicture, observation: Observation | None = None) -> None: ...
-
-    def pause(self, on: bool) -> None: ...
-
-    def no_pictures(self, since: str) -> None: ...
+_SIZE, _RATE = (960, 540), 12
+_PATIENCE_S = 600.0
+_CUTS_S = {1: 3.0, 2: 6.0, 3: 12.0}
+"""After so many views the camera is cut off for so many seconds."""
+_STALL_AFTER, _STALL_S = 5, 10.0
+_KILL_AFTER = 4
+_REPORTED = re.compile(r"View (\d+) is kept")
 
 
-def main() -> int:
-    hand = Simulation(PAPER_CAMERA, Board(), realtime=True, fps=15.0, speed=1.5)
-    lock = threading.Lock()
+class Program:
+    """`venus3d guide`, and what its page shows."""
 
-    def picture(number: int) -> NDArray[np.uint8]:
-        with lock:
-            frame = hand.read()
+    def __init__(self, folder: Path) -> None:
+        self.folder, self._told, self._log = folder, folder.with_suffix(".told"), None
+        self.log = folder.with_suffix(".log")
+        self._port = free_port()
+
+    def start(self, *arguments: str) -> None:
+        self._told.unlink(missing_ok=True)
+        command = [sys.executable, "-m", "tests.sources.soak.told", "guide", *arguments]
+        with self.log.open("ab") as log:
+            self.process = subprocess.Popen(
+                [*command, "--port", str(self._port), "--no-tour"],
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env={**os.environ, "TOLD": str(self._told)},
+            )
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """Empty until there is something."""
+        try:
+            return pickle.loads(self._told.read_bytes())
+        except FileNotFoundError:
+            return {}
+
+    @property
+    def reported(self) -> set[int]:
+        return {int(number) for number in _REPORTED.findall(self.log.read_text())}
+
+
+def _spoil(camera: RtspCamera, views: int) -> None:
+    """Cut the camera off, or let it stall, once there are so many views."""
+    if views in _CUTS_S:
+        camera.kill()
+        time.sleep(_CUTS_S[views])
+        camera.start()
+    elif views == _STALL_AFTER:
+        camera.stall()
+        time.sleep(_STALL_S)
+        camera.go_on()
+
+
+def guided(folder: Path) -> tuple[dict[str, Any], set[int]]:
+    """What the page shows at the end, and the numbers of the views that were reported."""
+    hand = Simulation(PAPER_CAMERA.scaled(_SIZE), Board(), realtime=True, fps=_RATE, speed=1.5)
+
+    def picture() -> NDArray[np.uint8]:
+        frame = hand.read()
         assert frame is not None
         return frame.image
 
-    with network_camera(picture, rate=1000) as camera:
-        source = open_frame_source(camera.address)
-        assert isinstance(source, Live)
-        tell_of_trouble(source, lambda text: print(text, flush=True))
-        viewer = Viewer(port=free_port())
-        session = Session(Board(), source.image_size, Settings())
-        tracker = BoardTracker(Detector(Board(), find_layout=False))
-        live = LiveGuide(
-            session,
-            source,
-            tracker,
-            viewer,
-            lambda _: None,
-            lambda: source,
-            (Holder(hand, camera),),
-        )
-        began_s = time.monotonic()
-        running = threading.Thread(target=live.run, daemon=True)
-        running.start()
-        while session.phase not in ("converged", "finished") and running.is_alive():
-            if time.monotonic() - began_s > _PATIENCE_S:
+    program, began_s, views, killed = Program(folder), time.monotonic(), 0, False
+    with rtsp_camera(picture, _SIZE, _RATE) as camera:
+        time.sleep(1.5)
+        program.start(camera.address, "--output", str(folder))
+        shown: dict[str, Any] = {}
+        while shown.get("phase") not in ("converged", "finished"):
+            time.sleep(0.05)
+            if program.process.poll() is not None or time.monotonic() - began_s > _PATIENCE_S:
                 break
-            time.sleep(0.1)
-        live.stop()
-        running.join(20)
-        viewer.close()
-    end = session.snapshot()
-    print(
-        f"{end.phase} after {time.monotonic() - began_s:.0f} s with {len(end.views)} views, "
-        f"{camera.connections} connections; off the true camera by "
-        f"{projection_diff_px(PAPER_CAMERA, end.camera):.3f} px, rms "
-        f"{end.calibration.rms_px if end.calibration else float('nan'):.3f} px"
-    )
+            shown = program.shown or shown
+            if not shown:
+                continue
+            hand.follow(shown["target"], shown["pose"], begins=not shown["captured"])
+            if len(shown["captured"]) > views:
+                views = len(shown["captured"])
+                print(f"{time.monotonic() - began_s:4.0f} s: view {views}", flush=True)
+                threading.Thread(target=_spoil, args=(camera, views), daemon=True).start()
+            if views == _KILL_AFTER and not killed:
+                killed = True
+                program.process.kill()
+                program.process.wait()
+                print("        killed, resumed", flush=True)
+                program.start("--resume", str(folder))
+        program.process.send_signal(signal.SIGINT)
+        program.process.wait(60)
     hand.close()
-    return 0 if end.phase == "converged" and not running.is_alive() else 1
+    print(f"{time.monotonic() - began_s:4.0f} s: {shown.get('phase', 'nothing')}")
+    return shown, program.reported
+
+
+def main() -> int:
+    if not has_rtsp():
+        print("Not run: python3-gi with gir1.2-gst-rtsp-server-1.0 is missing")
+        return 0
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(sys.argv[1] if sys.argv[1:] else scratch) / "session"
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        shown, reported = guided(folder)
+        trouble = [line for line in folder.with_suffix(".log").read_text().splitlines() if line]
+        print(
+            *(f"    {line}" for line in trouble if "picture" in line or "again" in line), sep="\n"
+        )
+        report = [sys.executable, "-m", "venus3d", "report", str(folder)]
+        made = subprocess.run(report, capture_output=True, text=True)
+        print(made.stdout + made.stderr, end="")
+        lost = reported - set(shown.get("captured", ()))
+        if shown:
+            truth = PAPER_CAMERA.scaled(_SIZE)
+            print(
+                f"{len(reported)} views reported, lost: {sorted(lost) or 'none'}; rms "
+                f"{shown['rms_px']:.3f} px, off the true camera by "
+                f"{projection_diff_px(truth, shown['camera']):.3f} px"
+            )
+        good = shown.get("phase") == "converged" and not lost and made.returncode == 0
+        return 0 if good else 1
 
 
 if __name__ == "__main__":

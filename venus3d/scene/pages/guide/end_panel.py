@@ -106,9 +106,9 @@ def _focal_text(calibration: Calibration) -> str:
     return say.FOCAL.format(value=value, sigma=sigma, views=views)
 
 
-def result_html(snapshot: Snapshot, saved: str) -> str:
+def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
     """The result of a calibration that is over: parameters to copy, field of view, where it is
-    saved; empty before."""
+    saved, the page on which one measures with it; empty before."""
     known = snapshot.calibration
     if known is None or snapshot.phase not in OVER:
         return ""
@@ -128,7 +128,16 @@ def result_html(snapshot: Snapshot, saved: str) -> str:
         f"<div class='v-progress' data-panel='result'>{title}<div class='v-figures'>{cells}</div>"
         f"<div class='v-line' title='{escape(say.FIELD_OF_VIEW_HINT)}'>{view}</div>"
         f"<div class='v-line' title='{escape(say.UNCERTAINTY_HINT)}'>{line}</div>"
-        f"<div class='v-copies'>{copies}</div>{where}</div>"
+        f"<div class='v-copies'>{copies}{_measure_link(measure_url)}</div>{where}</div>"
+    )
+
+
+def _measure_link(url: str) -> str:
+    if not url:
+        return ""
+    return (
+        f"<a href='{escape(url, quote=True)}' target='_blank' rel='noopener' "
+        f"title='{escape(say.MEASURE_HINT)}'>{escape(say.MEASURE)} ↗</a>"
     )
 
 

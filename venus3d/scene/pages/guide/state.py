@@ -64,6 +64,8 @@ class ViewState:
     """0 ... 1: how much of it, from the left, once the calibration is over; before, all of it."""
     explain: bool = False
     """Whether the loop of the method is shown above the page."""
+    measure_url: str = ""
+    """Address of the page on which one measures with the camera; empty if there is none."""
     over: bool = False
     """Whether no more views are asked for."""
 

@@ -63,6 +63,11 @@ END_NOW, GO_ON, NEW_SESSION = "End now", "Go on", "New session"
 RESULT_TITLE = "The camera"
 RESULT_HINT = "Each value with its uncertainty (one standard deviation)."
 HELD = "held fixed"
+MEASURE = "Measure with this camera"
+MEASURE_HINT = (
+    "Another tab: two clicks in the live picture are a length on the board, to be checked with a "
+    "tape"
+)
 RESULT_LINE = "<b>{views}</b> views captured, rms <b>{rms}</b> px, uncertainty <b>{error}</b> px"
 FIELD_OF_VIEW = (
     "Field of view: <b>{wide:.1f}°</b> horizontal, <b>{high:.1f}°</b> vertical, "

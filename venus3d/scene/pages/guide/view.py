@@ -146,7 +146,7 @@ class GuideView:
         known = None if snapshot is None else snapshot.calibration
         self.controls.show(state, phase, known=known is not None and all(known.free))
         if snapshot is not None:
-            self.result.content = result_html(snapshot, saved)
+            self.result.content = result_html(snapshot, saved, state.measure_url)
             self.progress.visible = not self.result.content
             if not self._recorded:
                 self.method.show(snapshot)

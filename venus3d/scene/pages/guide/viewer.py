@@ -187,6 +187,10 @@ class Viewer(Page[ViewState]):
         """Show how pictures flow: rates, age, what was left out; empty: nothing."""
         self.change(lambda state: replace(state, flow=text))
 
+    def measure_at(self, url: str) -> None:
+        """Link to the page on which one measures with the camera, once the calibration is over."""
+        self.change(lambda state: replace(state, measure_url=url))
+
     def saved(self, text: str) -> None:
         """Show where the result is, as long as the calibration has ended."""
         self._saved = text

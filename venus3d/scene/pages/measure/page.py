@@ -68,6 +68,16 @@ class MeasurePage(Page[MeasureState]):
         self._remark = ""
         self._open()
 
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """(width, height) of the pictures of the camera that is measured with."""
+        return self._by.camera.image_size
+
+    def measure_by(self, by: MeasuringCamera, board: Board) -> None:
+        """Measure with another camera from now on, and begin anew."""
+        self._seen, self._by, self._board = None, by, board
+        self.clear()
+
     def show(self, observation: Observation) -> None:
         """Show this picture with the board that is in it; from one thread."""
         before = None if self._seen is None else self._seen[1]
@@ -145,7 +155,6 @@ class MeasurePage(Page[MeasureState]):
         )
         add_commands(server, commands)
         self._help = HelpOverlay(server, commands)
-        self._note.content = self._note_html()
         server.scene.on_click()(self._clicked)
 
     def _choose(self, tool: Tool) -> None:
@@ -170,6 +179,7 @@ class MeasurePage(Page[MeasureState]):
             if self._style.show(theme):
                 self._help.show(theme)
             self._edge.visible = state.tool == "cube"
+            self._note.content = self._note_html(state)
             self._text.content = self._text_html(state, seen)
             if seen is not None:
                 self._draw_picture(seen[0])
@@ -200,7 +210,9 @@ class MeasurePage(Page[MeasureState]):
         )
         return f"<div class='v-measure'>{found}<p>{escape(what)}</p>{held}{remark}</div>"
 
-    def _note_html(self) -> str:
+    def _note_html(self, state: MeasureState) -> str:
+        if state.tool == "cube":
+            return f"<div class='v-measure-note'><p>{escape(say.CHECK_CUBE)}</p></div>"
         square = number(f"{1000 * self._board.square:.4g}")
         check = say.CHECK if self._by.covariance is not None else say.CHECK_WITHOUT_CAMERA
         check = check.format(percent=_SCALE_PERCENT, square=square)

@@ -31,6 +31,10 @@ CHECK_WITHOUT_CAMERA = (
     "given ({square} mm), every length would be {percent} % longer, and no picture of this board "
     "can show that. A ruler on the print can."
 )
+CHECK_CUBE = (
+    "Hold a real one beside it: its edges must be where these are drawn. A cube has no ±; that of "
+    "its edge on the board is a length's: choose Length and click both ends."
+)
 MISSED = "That point is not on the board's plane."
 CLEAR_COMMAND = "Take the points away"
 CLEAR_COMMAND_HINT = "begins a new length"
