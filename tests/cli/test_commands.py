@@ -148,9 +148,21 @@ def test_decompose_about_the_boards_own_axes(run: Run, tmp_path: Path) -> None:
 
 def test_board(run: Run, tmp_path: Path) -> None:
     ran = run("board", "--output", tmp_path / "here")
-    assert ran.code == 0 and "Print it at 100 %" in ran.out
-    with Image.open(tmp_path / "here" / "board.png") as image:
+    assert ran.code == 0 and "Print it at 100 %" in ran.out and "297 x 210 mm" in ran.out
+    assert (tmp_path / "here" / "board.pdf").read_bytes().startswith(b"%PDF")
+    assert run("board", "--plain", "--output", tmp_path / "board.png").code == 0
+    with Image.open(tmp_path / "board.png") as image:
         assert image.size == (3215, 2222)
+    assert run("board", "--paper", "a3", "--output", tmp_path / "board.svg").code == 0
+    assert "width='420.0000mm'" in (tmp_path / "board.svg").read_text()
+
+
+def test_a_board_larger_than_the_paper(run: Run, tmp_path: Path) -> None:
+    large = ["--board.square-mm", "50", "--board.marker-mm", "37", "--paper", "a4"]
+    ran = run("board", *large, "--output", tmp_path / "board.pdf")
+    assert "4 pages to be put together of 297 x 210 mm" in ran.out
+    assert "--paper fit" in run("board", *large, "--output", tmp_path / "board.png").sentence
+    assert run("board", "--paper", "a5", "--output", tmp_path).sentence.startswith("There is no")
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from PIL import Image
 
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import StorageError
@@ -16,7 +15,6 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PARAMETERS, Camera
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.planning.forecast import Forecast
-from venus3d.storage.board_image import board_picture, write_board
 from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
 from venus3d.storage.folder import prepare, write_bytes
 from venus3d.storage.result import summary_of
@@ -94,38 +92,6 @@ def test_result_json(
         pixels, _ = cv2.projectPoints(points, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], K, d)
         errors = np.array(view["corners_px"]) - pixels.reshape(-1, 2)
         np.testing.assert_allclose(errors, view["errors_px"], atol=1e-6)
-
-
-@pytest.mark.parametrize("inverted", [False, True])
-def test_printed_board_has_its_size_and_is_read(tmp_path: Path, inverted: bool) -> None:
-    board = Board(inverted=inverted)
-    path = tmp_path / "board.png"
-    width, height, dpi = write_board(path, board, dpi=150, margin_mm=10)
-    with Image.open(path) as image:
-        assert image.size == (width, height)
-        assert image.info["dpi"][0] == pytest.approx(dpi, abs=0.02)
-        grey = np.asarray(image.convert("L"))
-    assert set(np.unique(grey)) == {0, 255}
-    square_px = dpi / 25.4 * 28
-    assert square_px == pytest.approx(round(square_px))
-    assert width / dpi * 25.4 == pytest.approx(9 * 28 + 20, abs=0.4)
-    # OpenCV finds every corner where the printed size says it is.
-    detector = cv2.aruco.CharucoDetector(board.cv_board)
-    corners, ids, _, _ = detector.detectBoard(255 - grey if inverted else grey)
-    assert np.asarray(ids).size == 40
-    order = np.argsort(np.asarray(ids).ravel())
-    centre = (np.array([width, height]) - 1) / 2
-    metres = (np.asarray(corners).reshape(-1, 2)[order] - centre) / (dpi / 0.0254)
-    np.testing.assert_allclose(metres, board.corners[:, :2], atol=0.0001)
-
-
-def test_resolution_that_makes_no_picture() -> None:
-    with pytest.raises(StorageError, match="too coarse"):
-        board_picture(Board(), dpi=10)
-    with pytest.raises(StorageError, match="over 400 million pixels"):
-        board_picture(Board(), dpi=10000)
-    with pytest.raises(StorageError, match="must be positive"):
-        board_picture(Board(), dpi=float("nan"))
 
 
 def test_folder_is_made_and_tried(tmp_path: Path) -> None:

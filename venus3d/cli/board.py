@@ -1,26 +1,78 @@
-"""`venus3d board`: the board as an image to print."""
+"""`venus3d board`: the board to print, or to show on a screen."""
 
 from __future__ import annotations
 
+import webbrowser
+from pathlib import Path
+
 from venus3d.cli.options import BoardCommand
 from venus3d.engine.errors import StorageError
-from venus3d.storage.board_image import write_board
+from venus3d.engine.geometry.board import Board
+from venus3d.storage.board_file import board_text
+from venus3d.storage.board_sheet.files import pdf_of, picture_of_sheet, png_of, svg_of
+from venus3d.storage.board_sheet.screen import screen_page
+from venus3d.storage.board_sheet.sheet import Sheet, lay_out, paper_size, tiles
+from venus3d.storage.folder import write_bytes
+
+_KINDS = (".pdf", ".svg", ".png")
 
 
 def board_command(options: BoardCommand) -> None:
     """Write the board and print instructions. Raises `VenusError` for a user's mistake."""
     board = options.board.board()
-    path = options.output
-    if path.suffix.lower() not in ("", ".png"):
-        raise StorageError(f"The board is written as a PNG, not as {path.suffix}; name it .png.")
-    if not path.suffix:
-        path = path / "board.png"
-    width, height, dpi = write_board(path, board, dpi=options.dpi, margin_mm=options.margin_mm)
+    if options.show:
+        _show(board, options.output)
+        return
+    path = options.output if options.output.suffix else options.output / "board.pdf"
+    kind = path.suffix.lower()
+    if kind not in _KINDS:
+        raise StorageError(
+            f"The board is written as PDF, SVG or PNG, not as {path.suffix}; name it .pdf, .svg or "
+            ".png."
+        )
+    # A picture is as large as the board unless paper is asked for.
+    paper = paper_size(options.paper or ("a4" if kind == ".pdf" else "fit"))
+    sheet = _sheet(board, paper, options)
+    pages = tiles(sheet, paper)
+    if kind != ".pdf" and len(pages) > 1:
+        raise StorageError(
+            f"The board does not fit on this paper: with its border it is {sheet.width:.0f} x "
+            f"{sheet.height:.0f} mm. Write a .pdf, which has several pages, or use --paper fit."
+        )
+    size = f"{board.columns} x {board.rows} squares of {options.board.square_mm:g} mm"
+    if kind == ".pdf":
+        write_bytes(path, pdf_of(sheet, pages, f"venus3d board: {size}"))
+        made = f"{len(pages)} pages to be put together" if len(pages) > 1 else "one page"
+        width, height = pages[0].page
+        print(f"{path}: {made} of {width:g} x {height:g} mm, {size}.")
+    elif kind == ".svg":
+        write_bytes(path, svg_of(sheet, f"venus3d board: {size}").encode())
+        print(f"{path}: {sheet.width:g} x {sheet.height:g} mm, {size}.")
+    else:
+        picture, dpi = picture_of_sheet(sheet, options.dpi, options.board.square_mm)
+        write_bytes(path, png_of(picture, dpi))
+        print(f"{path}: {picture.shape[1]} x {picture.shape[0]} px at {dpi:.1f} dpi, {size}.")
+    ruler = "" if options.plain else "check that the ruler is 100 mm long, "
     print(
-        f"{path}: {width} x {height} px at {dpi:.1f} dpi, {board.columns} x {board.rows} squares "
-        f"of {options.board.square_mm:g} mm."
+        f"Print it at 100 %, {ruler}glue it onto something flat and stiff, measure a square and "
+        "give its size with --board.square-mm (and the marker's with --board.marker-mm)."
     )
-    print(
-        "Print it at 100 %, glue it onto something flat and stiff, measure a square and give its "
-        "size with --board.square-mm (and the marker's with --board.marker-mm)."
+
+
+def _sheet(board: Board, paper: tuple[float, float] | None, options: BoardCommand) -> Sheet:
+    words = (
+        f"ChArUco, {board.columns} x {board.rows} squares of {options.board.square_mm:g} mm, "
+        f"markers of {options.board.marker_mm:g} mm, {board.dictionary}",
+        "Print at 100 %: the ruler is 100 mm long. If not, measure: --board.square-mm",
     )
+    if not 0 <= options.margin_mm < 1000:
+        raise StorageError("--margin-mm must be a number from 0 to 1000.")
+    code = "" if options.plain else board_text(board)
+    return lay_out(board, paper, margin=options.margin_mm, words=words, code=code)
+
+
+def _show(board: Board, output: Path) -> None:
+    path = output.with_suffix(".html") if output.suffix else output / "board.html"
+    write_bytes(path, screen_page(board).encode())
+    opened = webbrowser.open(path.absolute().as_uri())
+    print(f"{path}: " + ("opened in the browser." if opened else "open it in a browser."))

@@ -89,15 +89,24 @@ class DecomposeOptions:
 
 @dataclass(frozen=True)
 class BoardCommand:
-    """Write the board as a picture to print."""
+    """Write the board to print: PDF, SVG or PNG, at true scale. Or show it on a screen."""
 
     board: BoardOptions = field(default_factory=BoardOptions)
-    dpi: float = 300.0
-    """Resolution in dots per inch, adapted a little so that a square is a whole number of dots."""
+    paper: Annotated[
+        str | None, arg(metavar="PAPER", help_behavior_hint="(usual: a4 for PDF, else fit)")
+    ] = None
+    """a4, a3, letter, a size such as 500x700 (mm), or fit, as large as the board. A board that is
+    larger comes on several pages (PDF) with marks to cut by."""
     margin_mm: float = 10.0
-    """Free border around the board in millimetres."""
-    output: Annotated[Path, arg(metavar="PATH")] = Path("board.png")
-    """The image to write; in a folder board.png."""
+    """Free border around a board that is larger than the paper, or with fit, in millimetres."""
+    dpi: float = 300.0
+    """PNG: dots per inch, adapted a little so that a square is a whole number of dots."""
+    plain: Switch = False
+    """Only the board: no ruler, words and QR code."""
+    show: Switch = False
+    """Open a page that shows the board on this screen in true size instead."""
+    output: Annotated[Path, arg(metavar="PATH")] = Path("board.pdf")
+    """The file to write, .pdf, .svg or .png; in a folder board.pdf."""
 
 
 @dataclass(frozen=True)
