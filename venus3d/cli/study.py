@@ -133,6 +133,15 @@ class HalvesOptions:
     output: _TableFolder = Path("venus3d-study/halves")
 
 
+@dataclass(frozen=True)
+class FlatnessOptions:
+    """What a board that is not flat costs, by simulated bows."""
+
+    repeats: _Repeats = 20
+    seed: _Seed = 0
+    output: _TableFolder = Path("venus3d-study/flatness")
+
+
 # The empty name keeps the field's own, "what", out of the headings of --help.
 @dataclass(frozen=True)
 class StudyOptions:
@@ -145,7 +154,8 @@ class StudyOptions:
             | Annotated[Table1Options, subcommand("table1")]
             | Annotated[Table2Options, subcommand("table2")]
             | Annotated[Table3Options, subcommand("table3")]
-            | Annotated[HalvesOptions, subcommand("halves")],
+            | Annotated[HalvesOptions, subcommand("halves")]
+            | Annotated[FlatnessOptions, subcommand("flatness")],
             arg(name=""),
         ]
     ]
@@ -167,6 +177,8 @@ def study(options: StudyOptions) -> None:
         _table2(what)
     elif isinstance(what, HalvesOptions):
         _halves(what)
+    elif isinstance(what, FlatnessOptions):
+        _flatness(what)
     else:
         _table3(what)
 
@@ -298,6 +310,16 @@ def _halves(options: HalvesOptions) -> None:
     rows = halves(pool, options.cuts, options.seed)
     write_bytes(folder / "rows.csv", csv_of(rows))
     _deliver(halves_text(pool, rows), folder)
+
+
+def _flatness(options: FlatnessOptions) -> None:
+    from venus3d.study.flatness import flatness, flatness_text
+    from venus3d.study.runner import csv_of
+
+    folder = prepare(options.output)
+    rows = flatness(options.repeats, options.seed)
+    write_bytes(folder / "rows.csv", csv_of(rows))
+    _deliver(flatness_text(rows), folder)
 
 
 def _deliver(text: str, folder: Path, name: str = "table.md") -> None:
