@@ -16,8 +16,8 @@ def main(folder: str, output: str = ".") -> None:
     for view in calibration.views:
         print(f"{view.observation.name}: {view.observation.count} corners, {view.rms_px:.3f} px")
 
-    values, sigmas = calibration.camera.parameters, calibration.sigma
-    for name, value, sigma in zip(venus3d.PARAMETERS, values, sigmas, strict=True):
+    named = calibration.camera.named
+    for (name, value), sigma in zip(named.items(), calibration.sigma, strict=True):
         print(f"{name} = {value:.5g} ± {sigma:.2g}")
     # The rms says how well the model fits these pictures, the uncertainty how well the camera is
     # known: the error to expect of a projected point.

@@ -37,8 +37,9 @@ if TYPE_CHECKING:
         VenusError,
     )
     from venus3d.engine.geometry.board import Board
-    from venus3d.engine.geometry.camera import PARAMETERS, Camera
+    from venus3d.engine.geometry.camera import Camera
     from venus3d.engine.geometry.decomposition import Step, decompose
+    from venus3d.engine.geometry.lenses import LENSES, LensModel
     from venus3d.engine.geometry.pose import Pose
     from venus3d.engine.guidance.prompts import Prompt, step_prompt
     from venus3d.engine.guidance.session import Session
@@ -64,7 +65,8 @@ __version__ = "0.1.0"
 __all__ = [  # noqa: RUF022
     "Board",
     "Camera",
-    "PARAMETERS",
+    "LENSES",
+    "LensModel",
     "Pose",
     "Detector",
     "Observation",
@@ -120,7 +122,8 @@ _NAMES_IN = {
         "VenusError",
     ),
     "engine.geometry.board": ("Board",),
-    "engine.geometry.camera": ("PARAMETERS", "Camera"),
+    "engine.geometry.camera": ("Camera",),
+    "engine.geometry.lenses": ("LENSES", "LensModel"),
     "engine.geometry.decomposition": ("Step", "decompose"),
     "engine.geometry.pose": ("Pose",),
     "engine.guidance.prompts": ("Prompt", "step_prompt"),

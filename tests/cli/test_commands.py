@@ -18,10 +18,12 @@ from tests.cli.conftest import Ran
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from venus3d import __version__
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import Simulation
 from venus3d.storage.camera_yaml import read_camera_yaml
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 Run = Callable[..., Ran]
 LIFECAM = ["--board.columns", "8", "--board.rows", "8", "--board.square-mm", "25.4"]
@@ -30,6 +32,7 @@ WPILIB = ["--board.columns", "12", "--board.rows", "8", "--board.square-mm", "18
 WPILIB += ["--board.marker-mm", "13.9954", "--board.dictionary", "DICT_5X5_1000"]
 KEYS = {
     "schema",
+    "model",
     "rms_px",
     "views",
     "intrinsics",

@@ -25,11 +25,12 @@ def _rays(camera: Camera) -> NDArray[np.float32]:
     u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     xd, yd = (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy
     x, y = xd.copy(), yd.copy()
+    k1, k2, p1, p2, k3 = camera.coefficients
     for _ in range(25):  # fixed point of eq. (4)
         r2 = x * x + y * y
-        radial = 1 + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3))
-        dx = 2 * camera.p1 * x * y + camera.p2 * (r2 + 2 * x * x)
-        dy = camera.p1 * (r2 + 2 * y * y) + 2 * camera.p2 * x * y
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        dx = 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+        dy = p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
         x, y = (xd - dx) / radial, (yd - dy) / radial
     return np.stack([x, y], axis=-1)
 

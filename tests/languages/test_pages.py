@@ -25,7 +25,7 @@ from tests.scene.teach_server import served_teaching
 from tests.waiting import wait_until
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence
 from venus3d.engine.guidance.session import Session
@@ -65,6 +65,8 @@ NAMES = re.compile(
     r"\(?[a-z]+(-[a-z]+)+\)?|--[\w.-]+|\w+\.(yaml|json|csv)|venus3d|Gimbal Lock|ROS|"
     r"Roll, Pitch, Yaw"
 )
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 
 def english_in(text: str) -> list[str]:

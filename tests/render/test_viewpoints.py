@@ -42,7 +42,7 @@ def test_through_the_camera_the_window_holds_its_picture(
     view = view_from("camera", paper_camera, [[0, 0, 0.5]], aspect)
     corners = np.array([[0, 0], [1279, 0], [1279, 719], [0, 719.0]])
     rays = paper_camera.without_distortion().unproject(corners)
-    window = in_window(view, np.column_stack([rays, np.ones(4)]), aspect)
+    window = in_window(view, rays, aspect)
     assert np.abs(window).max() < 1.0 < np.abs(window).max() + 0.08
     assert not view.position.any()
 

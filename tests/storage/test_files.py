@@ -12,13 +12,15 @@ import pytest
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
 from venus3d.storage.folder import prepare, write_bytes
 from venus3d.storage.result import summary_of
 from venus3d.storage.result_folder import ResultFolder
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 
 def test_opencv_reads_camera_yaml(

@@ -17,11 +17,13 @@ from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.storage.result import full_result, summary_of, to_json, write_result
 from venus3d.storage.result_reader import read_result
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "result-format.md"
 LAYOUT = Diagnosis("wrong-layout", "The layout is the old one.", "Say so.", (2,))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from venus3d.cli.export import export_command
 from venus3d.cli.options import ExportOptions, ImportOptions
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.storage.formats import import_camera
 
 
@@ -21,5 +20,5 @@ def import_command(options: ImportOptions) -> None:
         )
     )
     print(f"  {camera.width} x {camera.height} px")
-    for name, value in zip(PARAMETERS, camera.parameters, strict=True):
+    for name, value in camera.named.items():
         print(f"  {name} {value:12.6g}")

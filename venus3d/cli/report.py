@@ -11,7 +11,7 @@ from typing import Any
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.errors import StorageError
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
 from venus3d.engine.printable import printable
@@ -20,17 +20,17 @@ from venus3d.storage.result_folder import ResultFolder
 
 
 def parameter_table(calibration: Calibration, truth: Camera | None = None) -> str:
-    """The nine parameters with their standard deviations, and the truth if known."""
+    """The parameters with their standard deviations, and the truth if known."""
     head = f"{'':4}{'value':>12}   {'± σ':>10}" + ("" if truth is None else f"{'truth':>12}")
     rows = [head]
-    for index, name in enumerate(PARAMETERS):
+    for index, name in enumerate(calibration.camera.parameter_names):
         value, sigma = calibration.camera.parameters[index], calibration.sigma[index]
         unit, digits = ("px", 2) if index < 4 else ("", 5)
         known = f"± {sigma:.{digits}f}" if calibration.free[index] else "held"
         row = f"{name:4}{value:12.{digits}f}   {known:>10}"
         if truth is not None:
             row += f"{truth.parameters[index]:12.{digits}f}"
-        rows.append(f"{row}  {unit:2}  {PARAMETER_DESCRIPTIONS[index]}")
+        rows.append(f"{row}  {unit:2}  {PARAMETER_DESCRIPTIONS[name]}")
     return "\n".join(rows)
 
 

@@ -10,7 +10,6 @@ from venus3d.cli.report import print_note
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.verification import CHANCE, Verdict, Verification, verify
 from venus3d.engine.errors import CalibrationError, VenusError
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.printable import printable
 from venus3d.report.verification_report import (
     CHANGES_HEAD,
@@ -120,11 +119,9 @@ def _json(found: Verification) -> dict[str, Any]:
         "fresh_rms_px": fresh.rms_px,
         "views": len(fresh.views),
         "image_size": list(found.camera.image_size),
-        "intrinsics": _named(found.camera.parameters.tolist()),
-        "fresh_intrinsics": _named(fresh.camera.parameters.tolist()),
-        "changes_sigma": _named(found.changes.tolist()),
+        "intrinsics": found.camera.named,
+        "fresh_intrinsics": fresh.camera.named,
+        "changes_sigma": dict(
+            zip(fresh.camera.parameter_names, found.changes.tolist(), strict=True)
+        ),
     }
-
-
-def _named(values: list[float]) -> dict[str, float]:
-    return dict(zip(PARAMETERS, values, strict=True))

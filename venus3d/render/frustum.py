@@ -76,7 +76,7 @@ def border_segments(camera: Camera) -> Array:
     corners = np.array([[-0.5, -0.5], [w, -0.5], [w, h], [-0.5, h]])
     edges = [a + along * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)]
     rays = camera.unproject(np.stack(edges))
-    points = np.concatenate([rays, np.ones((*rays.shape[:-1], 1))], axis=-1) * DEPTH
+    points = rays / rays[..., 2:] * DEPTH
     segments = np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3)
     return segments[np.isfinite(segments).all(axis=(1, 2))]
 

@@ -86,4 +86,5 @@ def _unprojected_grid(camera: Camera, step_px: float) -> tuple[Array, Array, Arr
     columns, rows = (max(5, int(n / step_px) + 2) for n in camera.image_size)
     x = np.linspace(0, camera.width - 1, columns, dtype=np.float64)
     y = np.linspace(0, camera.height - 1, rows, dtype=np.float64)
-    return camera.unproject(np.stack(np.meshgrid(x, y), axis=-1)), x, y
+    rays = camera.unproject(np.stack(np.meshgrid(x, y), axis=-1))
+    return rays[..., :2] / rays[..., 2:], x, y

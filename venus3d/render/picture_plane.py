@@ -91,7 +91,8 @@ def _reach(camera: Camera) -> tuple[Array, Array]:
     rays = camera.unproject(np.concatenate(sides))
     if not np.isfinite(rays).all():
         return ideal[0], ideal[1]
+    xy = rays[:, :2] / rays[:, 2:]
     return (
-        np.maximum(rays.min(axis=0), _SPARE * ideal[0]),
-        np.minimum(rays.max(axis=0), _SPARE * ideal[1]),
+        np.maximum(xy.min(axis=0), _SPARE * ideal[0]),
+        np.minimum(xy.max(axis=0), _SPARE * ideal[1]),
     )

@@ -16,7 +16,7 @@ from venus3d.engine.calibration.adjustment import Calibration, LeftOutReason
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import uncertainty_map
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
 from venus3d.engine.planning.uncertainty import MAP, influences
@@ -100,7 +100,7 @@ def calibration_report(told: ReportInput) -> str:
 def _result(calibration: Calibration) -> str:
     camera = calibration.camera
     rows: list[list[str]] = []
-    for index, name in enumerate(PARAMETERS):
+    for index, name in enumerate(camera.parameter_names):
         unit, digits = (" px", 2) if index < 4 else ("", 5)
         known = f"± {calibration.sigma[index]:.{digits}f}{unit}"
         rows.append(
@@ -108,7 +108,7 @@ def _result(calibration: Calibration) -> str:
                 name,
                 f"{camera.parameters[index]:.{digits}f}{unit}",
                 known if calibration.free[index] else "not estimated",
-                str(PARAMETER_DESCRIPTIONS[index]),
+                str(PARAMETER_DESCRIPTIONS[name]),
             ]
         )
     across, down, diagonal = _fields_of_view(camera)
@@ -139,10 +139,7 @@ def _fields_of_view(camera: Camera) -> tuple[float, float, float]:
     pairs = [[(0, camera.cy), (u, camera.cy)], [(camera.cx, 0), (camera.cx, v)], [(0, 0), (u, v)]]
     found: list[float] = []
     for pair in pairs:
-        rays = np.concatenate(
-            [camera.unproject(np.array(pair, dtype=float)), [[1.0], [1.0]]], axis=1
-        )
-        a, b = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+        a, b = camera.unproject(np.array(pair, dtype=float))
         found.append(float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))))
     return (found[0], found[1], found[2])
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.verification import CHANCE, Verdict, Verification
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.render.colour_scale import round_up
 from venus3d.render.map_pictures import coverage_picture, difference_picture
 from venus3d.report.document import (
@@ -114,7 +113,7 @@ def figures_of(found: Verification) -> list[list[str]]:
 def changes_of(found: Verification) -> list[list[str]]:
     """Each parameter before and now, and by how many standard deviations it differs."""
     rows: list[list[str]] = []
-    for index, name in enumerate(PARAMETERS):
+    for index, name in enumerate(found.camera.parameter_names):
         unit, digits = (" px", 2) if index < 4 else ("", 5)
         before, now = found.camera.parameters[index], found.fresh.camera.parameters[index]
         change = found.changes[index]

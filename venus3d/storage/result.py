@@ -17,7 +17,7 @@ from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.planning.forecast import Forecast
@@ -49,9 +49,10 @@ def summary_of(
         "schema": SCHEMA,
         "rms_px": calibration.rms_px,
         "views": len(calibration.views),
-        "intrinsics": _named(camera.parameters),
-        "std": _named(calibration.sigma),
-        "std_noise_only": _named(calibration.sigma_noise_only),
+        "model": camera.lens.name,
+        "intrinsics": camera.named,
+        "std": _named(camera, calibration.sigma),
+        "std_noise_only": _named(camera, calibration.sigma_noise_only),
         "image_size": list(camera.image_size),
         "board": board_summary(calibration.board),
         "warnings": [*warnings, *map(str, diagnoses)],
@@ -68,7 +69,7 @@ def summary_of(
             "looked_ahead": forecast.looked_ahead,
         }
     if truth is not None:
-        summary["truth"] = _named(truth.parameters)
+        summary["truth"] = truth.named
         summary["projection_diff_px"] = projection_diff_px(truth, camera)
     return summary
 
@@ -93,7 +94,7 @@ def full_result(
     """The summary with the covariance, each view and the history of the estimate."""
     return {
         **summary,
-        "parameters": list(PARAMETERS),
+        "parameters": list(calibration.camera.parameter_names),
         "free": list(calibration.free),
         "covariance": calibration.covariance.tolist(),
         "covariance_noise_only": calibration.covariance_noise_only.tolist(),
@@ -110,11 +111,11 @@ def full_result(
             {
                 "views": progress.views,
                 "rms_px": progress.rms_px,
-                "intrinsics": _named(progress.parameters),
-                "std": _named(progress.sigma),
+                "intrinsics": _by_name(progress.names, progress.parameters),
+                "std": _by_name(progress.names, progress.sigma),
                 "uncertainty_px": progress.uncertainty_px,
                 # As predicted by the target; null for a view not taken at one.
-                "promised_std": _named(progress.predicted_sigma),
+                "promised_std": _by_name(progress.names, progress.predicted_sigma),
                 "promised_uncertainty_px": progress.predicted_uncertainty_px,
             }
             for progress in history
@@ -189,8 +190,12 @@ def _shape(calibration: Calibration) -> dict[str, Any]:
     }
 
 
-def _named(values: Array) -> dict[str, float]:
-    return {name: float(value) for name, value in zip(PARAMETERS, values, strict=True)}
+def _named(camera: Camera, values: Array) -> dict[str, float]:
+    return _by_name(camera.parameter_names, values)
+
+
+def _by_name(names: Sequence[str], values: Array) -> dict[str, float]:
+    return {name: float(value) for name, value in zip(names, values, strict=True)}
 
 
 def _finite(content: Any) -> Any:

@@ -16,7 +16,8 @@ from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS, Camera
+from venus3d.engine.geometry.lenses import BROWN5, lens_called
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.storage.folder import reason
 from venus3d.storage.result import SCHEMA
@@ -47,7 +48,7 @@ class Result:
 
     @property
     def covariance(self) -> Array:
-        """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed."""
+        """(p, p) of the camera's parameters; zero rows and columns for parameters held fixed."""
         return self.calibration.covariance
 
     @property
@@ -95,9 +96,12 @@ def _no_result(path: Path | str) -> StorageError:
 
 def _result_of(content: Mapping[str, Any]) -> Result:
     width, height = (int(side) for side in content["image_size"])
-    named = content["intrinsics"]
+    named, lens = content["intrinsics"], lens_called(content.get("model", BROWN5.name))
+    names = (*PINHOLE_PARAMETERS, *lens.coefficient_names)
+    camera = Camera.from_parameters([named[name] for name in names], (width, height), lens)
+    p = len(camera.parameters)
     free = tuple(bool(value) for value in content["free"])
-    if len(free) != len(PARAMETERS):
+    if len(free) != p:
         raise ValueError("not one flag for each parameter")
     board, shape_sigma = _shaped(board_of(content["board"]), content.get("board_shape", _FLAT))
     diagnoses = tuple(
@@ -108,9 +112,9 @@ def _result_of(content: Mapping[str, Any]) -> Result:
         schema=content["schema"],
         calibration=Calibration(
             board=board,
-            camera=Camera.from_parameters([named[name] for name in PARAMETERS], (width, height)),
-            covariance=_array(content["covariance"]).reshape(9, 9),
-            covariance_noise_only=_array(content["covariance_noise_only"]).reshape(9, 9),
+            camera=camera,
+            covariance=_array(content["covariance"]).reshape(p, p),
+            covariance_noise_only=_array(content["covariance_noise_only"]).reshape(p, p),
             free=free,
             residual_sigma_px=float(content["residual_sigma_px"]),
             corner_errors=CornerErrors(

@@ -11,8 +11,9 @@ import numpy as np
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS, Camera
 from venus3d.engine.geometry.decomposition import decompose
+from venus3d.engine.geometry.lenses import BROWN5, lens_called
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.known_camera import KnownCamera
@@ -22,6 +23,8 @@ from venus3d.engine.planning.heuristic_poses import HeuristicState, Window
 from venus3d.engine.planning.target import Target
 from venus3d.storage.result import board_summary
 from venus3d.storage.result_reader import board_of
+
+_BROWN5 = (*PINHOLE_PARAMETERS, *BROWN5.coefficient_names)
 
 
 def captured_event(view: CapturedView, picture: str | None) -> dict[str, Any]:
@@ -157,6 +160,7 @@ def _progress(progress: Progress) -> dict[str, Any]:
         "uncertainty_px": _number(progress.uncertainty_px),
         "promised_std": _numbers(progress.predicted_sigma),
         "promised_uncertainty_px": _number(progress.predicted_uncertainty_px),
+        "names": list(progress.names),
     }
 
 
@@ -169,12 +173,13 @@ def _progress_of(content: Mapping[str, Any]) -> Progress:
         float(_array(content["uncertainty_px"])),
         _array(content["promised_std"]),
         float(_array(content["promised_uncertainty_px"])),
+        tuple(content.get("names", _BROWN5)),
     )
 
 
 def _rule_of(content: Mapping[str, Any]) -> HeuristicState:
     return HeuristicState(
-        tuple(content["counts"]),
+        tuple(content.get("made", ())),
         tuple(Window(**window) for window in content["windows"]),
         tuple(content["sigma"]),
         content["aimed"],
@@ -183,12 +188,17 @@ def _rule_of(content: Mapping[str, Any]) -> HeuristicState:
 
 
 def _camera(camera: Camera) -> dict[str, Any]:
-    return {"image_size": list(camera.image_size), "parameters": camera.parameters.tolist()}
+    return {
+        "image_size": list(camera.image_size),
+        "model": camera.lens.name,
+        "parameters": camera.parameters.tolist(),
+    }
 
 
 def _camera_of(content: Mapping[str, Any]) -> Camera:
     width, height = content["image_size"]
-    return Camera.from_parameters(content["parameters"], (int(width), int(height)))
+    lens = lens_called(content.get("model", BROWN5.name))
+    return Camera.from_parameters(content["parameters"], (int(width), int(height)), lens)
 
 
 def _known(known: KnownCamera) -> dict[str, Any]:
@@ -196,7 +206,9 @@ def _known(known: KnownCamera) -> dict[str, Any]:
 
 
 def _known_of(content: Mapping[str, Any]) -> KnownCamera:
-    return KnownCamera(_camera_of(content), _array(content["information"]).reshape(9, 9))
+    camera = _camera_of(content)
+    p = len(camera.parameters)
+    return KnownCamera(camera, _array(content["information"]).reshape(p, p))
 
 
 def _numbers(values: Array) -> list[float | None]:

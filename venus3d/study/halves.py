@@ -17,7 +17,7 @@ from venus3d.engine.calibration.projection_uncertainty import (
     projection_uncertainty_px,
 )
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS
 from venus3d.engine.geometry.pose import Array
 from venus3d.study.pool import ViewPool
 from venus3d.study.runner import Row
@@ -25,7 +25,6 @@ from venus3d.study.text import table
 
 FEWEST = 8
 """Views of a recording that can be cut into halves."""
-_PINHOLE = PARAMETERS[:4]
 _KINDS = {"noise_only": "independent noise", "shared": "with shared errors"}
 
 
@@ -68,7 +67,7 @@ def _compared(one: Calibration, other: Calibration) -> Row:
     }
     for kind, covariance in joint.items():
         sigmas = off / np.sqrt(np.diag(covariance))
-        for name, value in zip(_PINHOLE, sigmas, strict=False):
+        for name, value in zip(PINHOLE_PARAMETERS, sigmas, strict=False):
             row[f"{kind}_{name}"] = round(float(value), 4)
         predicted = projection_uncertainty_px(one.camera, covariance)
         row[f"{kind}_distance"] = round(apart / predicted, 4)
@@ -79,7 +78,7 @@ def halves_text(pool: ViewPool, rows: Sequence[Row]) -> str:
     """The share of parameters beyond 2 sigma and the median distance, as a table."""
     lines: list[list[str]] = []
     for kind, name in _KINDS.items():
-        sigmas = np.array([[float(row[f"{kind}_{p}"]) for p in _PINHOLE] for row in rows])
+        sigmas = np.array([[float(row[f"{kind}_{p}"]) for p in PINHOLE_PARAMETERS] for row in rows])
         beyond = 100 * (np.abs(sigmas) > 2).mean(axis=0)
         distance = np.median([float(row[f"{kind}_distance"]) for row in rows])
         lines.append(
@@ -90,4 +89,6 @@ def halves_text(pool: ViewPool, rows: Sequence[Row]) -> str:
                 f"{distance:.2f}",
             ]
         )
-    return table(["beyond 2 σ (5 % is right)", "all", *_PINHOLE, "distance / predicted"], lines)
+    return table(
+        ["beyond 2 σ (5 % is right)", "all", *PINHOLE_PARAMETERS, "distance / predicted"], lines
+    )

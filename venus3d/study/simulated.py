@@ -159,7 +159,7 @@ def _following(before: Work | None, settings: Settings, board: Board, seen: Obse
 
 
 def true_information(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAMERA) -> Array:
-    """(9, 9) true information of views under these poses, for corner noise of one pixel."""
+    """(p, p) true information of views under these poses, for corner noise of one pixel."""
     R = np.array([pose.R for pose in poses])
     t = np.array([pose.t for pose in poses])
     return np.asarray(view_information(truth, board.corners, R, t).sum(axis=0))
@@ -169,7 +169,7 @@ def true_error_px(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAM
     """Mean projection error over the image after views under these poses, pixels.
 
     From the true camera and noise, so methods are compared by their poses alone. Infinite while the
-    views do not determine all nine parameters.
+    views do not determine all parameters.
     """
     try:
         covariance = covariance_of(true_information(board, poses, truth), NOISE_PX)
@@ -181,8 +181,8 @@ def true_error_px(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAM
 
 def points_before(truth: Camera, depth: float = 1.0) -> Array:
     """(96, 3) points that the true camera sees in a grid over its whole image, at one depth (m)."""
-    xy = truth.unproject(grid_pixels(truth.image_size))
-    return depth * np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
+    rays = truth.unproject(grid_pixels(truth.image_size))
+    return depth * rays / rays[:, 2:]
 
 
 @dataclass(frozen=True)
@@ -266,7 +266,6 @@ def abs_rms_err_px(truth: Camera, estimate: Camera) -> float:
     """
     points = points_before(truth)
     # Without a radius limit: also beyond the fold of a bad estimate.
-    xy = estimate.distort(points[:, :2] / points[:, 2:])
-    pixels = xy * [estimate.fx, estimate.fy] + [estimate.cx, estimate.cy]
+    pixels = estimate.pixels_of(np.ascontiguousarray(points.T)).T
     off = pixels - truth.project(points)
     return float(np.sqrt((off**2).sum(axis=1).mean()))

@@ -21,10 +21,12 @@ from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.limits import Limits
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 RUNS = 300
 

@@ -25,10 +25,12 @@ from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 STILLS = Board(8, 8, 0.0254, 0.01905, "DICT_4X4_1000")
 NOISE_PX = 0.3
@@ -285,7 +287,8 @@ def test_a_lens_model_that_folds_back(
     # Where the distorted radius stops growing, found by trying.
     r = np.linspace(0, 1, 200_001)
     camera = found.camera
-    bent = r * (1 + camera.k1 * r**2 + camera.k2 * r**4 + camera.k3 * r**6)
+    k1, k2, _, _, k3 = camera.coefficients
+    bent = r * (1 + k1 * r**2 + k2 * r**4 + k3 * r**6)
     turn = bent[np.argmax(np.diff(bent) < 0)] * (camera.fx + camera.fy) / 2
     assert f"{turn:.0f} px from the centre" in told.cause
     good = calibrated(paper_camera, default_board, spread_out(30, [0.35, 0.5]), rng)

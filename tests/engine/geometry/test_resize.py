@@ -58,7 +58,7 @@ def test_derivatives_are_those_of_the_camera() -> None:
         moved = CAMERA.parameters + step * np.eye(9)[index]
         shifted = resize.camera(type(CAMERA).from_parameters(moved, SIZE)).parameters
         change = (shifted - resize.camera(CAMERA).parameters) / step
-        np.testing.assert_allclose(change, resize.derivatives * np.eye(9)[index], atol=1e-9)
+        np.testing.assert_allclose(change, resize.derivatives(CAMERA) * np.eye(9)[index], atol=1e-9)
 
 
 def test_another_shape_needs_an_answer() -> None:

@@ -21,7 +21,7 @@ from venus3d.engine.calibration.projection_uncertainty import (
 )
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Array, Pose, rotations_of
 from venus3d.engine.planning.costs import PoseCost, expected_distance, make_cost, with_surcharge
 from venus3d.engine.planning.posterior import Posterior
@@ -36,6 +36,8 @@ VIEWS = np.array(
         [-20, -20, 0, -0.1, -0.05, 0.5],
     ]
 )
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 SIGMA = float(np.sqrt(0.1))
 
 
@@ -65,8 +67,7 @@ def test_projection_variance_by_monte_carlo(
 
 def test_mean_projection_error_against_another_minimiser(paper_camera: Camera) -> None:
     other = Camera(1280, 720, 1075, 1079, 640, 350, 0.01, -0.19, -0.002, -0.004, 0.2)
-    xy = paper_camera.unproject(grid_pixels(paper_camera.image_size))
-    rays = np.column_stack([xy, np.ones(len(xy))])
+    rays = paper_camera.unproject(grid_pixels(paper_camera.image_size))
 
     def mean_square(rotvec: Array) -> float:
         turned = Rotation.from_rotvec(rotvec).apply(rays)
@@ -184,8 +185,7 @@ def test_max_ere_by_monte_carlo(
     )
     u, v = np.meshgrid(np.linspace(0, 1279, 5), np.linspace(0, 719, 5))
     pixels = np.stack([u.ravel(), v.ravel()], axis=1)
-    xy = paper_camera.unproject(pixels)
-    rays = np.column_stack([xy, np.ones(25)])
+    rays = paper_camera.unproject(pixels)
     distances: list[Array] = []
     for parameters in rng.multivariate_normal(paper_camera.parameters, covariance, size=400):
         drawn = Camera.from_parameters(parameters, paper_camera.image_size)

@@ -11,7 +11,7 @@ from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
@@ -27,6 +27,8 @@ from venus3d.engine.planning.settings import (
 )
 from venus3d.engine.planning.suggest import NextTarget
 from venus3d.engine.planning.target import reason_for
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 SIGMA = float(np.sqrt(0.1))
 FIRST = Pose.from_vector([45, 0, 0, 0, 0, 0.4])

@@ -88,7 +88,7 @@ def test_map_is_what_cameras_drawn_from_the_covariance_do(
     of finite differences."""
     camera, size = known.camera, known.camera.image_size
     pixels = grid_pixels(size)
-    rays = np.c_[camera.unproject(pixels), np.ones(len(pixels))]
+    rays = camera.unproject(pixels)
 
     def opencv(parameters: Array, rotvec: Array) -> Array:
         fx, fy, cx, cy, *d = parameters

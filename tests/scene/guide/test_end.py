@@ -13,7 +13,7 @@ import pytest
 from tests.ports import free_port
 from tests.scene.guided import guided_session
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.convergence import Convergence
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -25,6 +25,8 @@ from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.measure.monitor import MeasureMonitor
 from venus3d.scene.web.step_card import NO_NOTE
 from venus3d.scene.web.theme import Theme
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 
 @pytest.fixture(scope="module")

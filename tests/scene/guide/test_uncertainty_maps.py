@@ -11,7 +11,7 @@ import pytest
 
 from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.diagnosis import Diagnosis
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.colour_scale import (
     colour_of,
@@ -40,6 +40,8 @@ from venus3d.scene.pages.guide.uncertainty.maps import (
 )
 from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html, sparkline
 from venus3d.scene.pages.guide.uncertainty.view_card import judgement, view_html
+
+PARAMETERS = PAPER_CAMERA.parameter_names
 
 SIZE = (640, 360)
 

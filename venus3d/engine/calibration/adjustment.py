@@ -36,7 +36,8 @@ from venus3d.engine.calibration.robust_fit import (
 from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.lenses import BROWN5, LensModel
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.sentences import Sentence, listed, said_by
 
@@ -63,12 +64,12 @@ class Calibration:
     """The board whose corners the views show, with the bow and the stretch that were found."""
     camera: Camera
     covariance: Array
-    """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed. With the errors
-    that the corners of a view share."""
+    """(p, p) of the camera's parameters; zero rows and columns for parameters held fixed. With the
+    errors that the corners of a view share."""
     covariance_noise_only: Array
-    """(9, 9) the same as if each corner's error were independent, as OpenCV reports it."""
+    """(p, p) the same as if each corner's error were independent, as OpenCV reports it."""
     free: tuple[bool, ...]
-    """Which of the nine parameters were estimated."""
+    """Which of the parameters were estimated."""
     residual_sigma_px: float
     """Standard deviation of one corner coordinate, from the residuals, pixels."""
     corner_errors: CornerErrors
@@ -84,18 +85,18 @@ class Calibration:
 
     @property
     def sigma(self) -> Array:
-        """(9,) standard deviations of the `PARAMETERS`; 0 where a parameter was held fixed."""
+        """(p,) standard deviations of the parameters; 0 where a parameter was held fixed."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
     def sigma_noise_only(self) -> Array:
-        """(9,) the same of `covariance_noise_only`: OpenCV's `stdDeviationsIntrinsics`."""
+        """(p,) the same of `covariance_noise_only`: OpenCV's `stdDeviationsIntrinsics`."""
         return np.sqrt(np.diag(self.covariance_noise_only))
 
     @property
     def uncertainty_px(self) -> float:
         """Projection uncertainty: expected rms error of a projected point over the image. Common
-        rotations of the camera are removed. NaN unless all nine parameters were estimated."""
+        rotations of the camera are removed. NaN unless all parameters were estimated."""
         if not all(self.free):
             return float("nan")
         return projection_uncertainty_px(self.camera, self.covariance)
@@ -110,11 +111,6 @@ UNDETERMINED = 0.1
 # Lower bound of the corner noise: exact corners must not make a degenerate set look determined.
 # Higher for the start-up model, which mistakes distortion for focal length.
 _NOMINAL_NOISE_PX: dict[Model, float] = {"full": 0.05, "startup": 0.25}
-_BASIS: dict[Model, Array] = {
-    "full": np.eye(len(PARAMETERS)),
-    # One parameter moves fx and fy together.
-    "startup": np.array([[float(name in ("fx", "fy"))] for name in PARAMETERS]),
-}
 _UNTIED = Sentence(
     "The focal length is not determined by these views: {why}; "
     "tilt the board by 20-45° in different directions."
@@ -142,8 +138,8 @@ _TOO_FEW_A_VIEW = Sentence(
     "line; bring the board nearer, or more of it into the picture."
 )
 _TOO_FEW = Sentence(
-    "{count} corners in {views} views are too few for the nine parameters; take more views, or "
-    "views that show more of the board."
+    "{count} corners in {views} views are too few for the {parameters} parameters; take more "
+    "views, or views that show more of the board."
 )
 _OUTSIDE = Sentence(
     "The result makes no sense (principal point at {x}, {y} px, outside the image); check the "
@@ -156,6 +152,8 @@ def calibrate(
     observations: Sequence[Observation],
     *,
     model: Model = "full",
+    lens: LensModel | None = None,
+    square_pixels: bool = False,
     start: Camera | None = None,
     numbers: Sequence[int] | None = None,
 ) -> Calibration:
@@ -168,9 +166,11 @@ def calibrate(
     Args:
         board: its corners are relative to its centre, so a view's pose is `T_camera_board`.
         observations: views of one image size; one that determines no pose is left out.
-        model: "full" estimates all nine parameters. "startup" (3.1) estimates one focal length
-            (fx = fy, as a board tilted about one axis does not show both) and assumes no distortion
-            and the principal point at the image's centre.
+        model: "full" estimates all parameters. "startup" (3.1) estimates one focal length (fx = fy,
+            as a board tilted about one axis does not show both) and assumes no distortion and the
+            principal point at the image's centre.
+        lens: None: that of `start`, or brown5.
+        square_pixels: one focal length, fx = fy, also for the full model.
         start: initial guess; None: several starts, the best is kept.
         numbers: the views' numbers; 1, 2, ... if not given.
 
@@ -181,8 +181,11 @@ def calibrate(
     size = _common_size(observations)
     counted = range(1, len(observations) + 1) if numbers is None else numbers
     usable, corners, left_out = _usable(board, list(zip(counted, observations, strict=True)), size)
+    if lens is None:
+        lens = BROWN5 if start is None else start.lens
+    basis = _basis(lens, model, square_pixels)
     try:
-        fit = _fitted(board, _checked_count(corners, model), size, model, start)
+        fit = _fitted(board, _checked_count(corners, basis), size, lens, model, basis, start)
         calibration = _calibration(board, [usable[i] for i in fit.kept], fit, model)
         _check_result(calibration)
     except CalibrationError as error:
@@ -233,13 +236,29 @@ def _usable(
     return usable, Corners(corners.points[good], corners.pixels[good], weights[good]), left_out
 
 
+def _basis(lens: LensModel, model: Model, square_pixels: bool) -> Array:
+    """(p, q) the adjusted parameters' effect on the camera's; see `Problem`."""
+    every = np.eye(4 + len(lens.coefficient_names))
+    if model == "full" and not square_pixels:
+        return every
+    # One parameter moves fx and fy together.
+    focal = every[:, :1] + every[:, 1:2]
+    return focal if model == "startup" else np.concatenate([focal, every[:, 2:]], axis=1)
+
+
 def _fitted(
-    board: Board, corners: Corners, size: tuple[int, int], model: Model, start: Camera | None
+    board: Board,
+    corners: Corners,
+    size: tuple[int, int],
+    lens: LensModel,
+    model: Model,
+    basis: Array,
+    start: Camera | None,
 ) -> RobustFit:
-    problem = Problem(corners, _BASIS[model])
+    problem = Problem(corners, basis)
     try:
         if start is None:
-            solution = from_several_starts(problem, size)
+            solution = from_several_starts(problem, size, lens)
         else:
             solution = adjust(problem, located_by(corners, start))
         if model == "startup":
@@ -256,9 +275,10 @@ def _calibration(
 ) -> Calibration:
     parameters, sigma = fit.solution.parameters, fit.sigma_px
     errors, covariance, noise_only = _covariances(board, fit, model)
-    shape, free = parameters.shape, np.flatnonzero(fit.problem.basis[len(PARAMETERS) :].any(axis=1))
+    p = len(parameters.camera.parameters)
+    shape, free = parameters.shape, np.flatnonzero(fit.problem.basis[p:].any(axis=1))
     shape_sigma = np.zeros(3)
-    shape_sigma[free] = np.sqrt(np.diag(covariance)[len(PARAMETERS) :])
+    shape_sigma[free] = np.sqrt(np.diag(covariance)[p + free])
     if len(shape):
         bow = (board.bow[0] + float(shape[0]), board.bow[1] + float(shape[1]))
         board = replace(board, bow=bow, stretch=board.stretch + float(shape[2]))
@@ -268,7 +288,6 @@ def _calibration(
         for (number, seen), pose, used in zip(views, parameters.poses, weights, strict=True)
     )
     squares = sum(view.observation.count * view.rms_px**2 for view in found)
-    p = len(PARAMETERS)
     return Calibration(
         board=board,
         camera=parameters.camera,
@@ -284,24 +303,23 @@ def _calibration(
 
 
 def _covariances(board: Board, fit: RobustFit, model: Model) -> tuple[CornerErrors, Array, Array]:
-    """The corners' errors and the covariances of the camera's nine parameters and those of the
-    shape that are free, with shared errors and without."""
+    """The corners' errors and the covariances of the camera's parameters and of those of the
+    shape, zero where they were held fixed, with shared errors and without."""
     sigma = fit.sigma_px
     try:
         with np.errstate(divide="ignore", invalid="ignore"):  # an exactly frontal view
             unit = covariance_of(fit.solution.information)
     except np.linalg.LinAlgError as error:
         raise CalibrationError(_UNTIED.format(why=_MAYBE_PARALLEL)) from error
-    if model == "startup":
-        basis = fit.problem.basis
-        unit = basis @ unit @ basis.T
+    basis = fit.problem.basis
+    unit = basis @ unit @ basis.T
     _check_determined(fit.solution.parameters.camera, unit, sigma, model)
     errors, noise_only = CornerErrors(sigma), sigma**2 * unit
     covariance = noise_only
     if model == "full":
         found = uncertainty_of(board, fit)
         if found.errors.shared_px > 0:
-            errors, covariance = found.errors, found.covariance
+            errors, covariance = found.errors, basis @ found.covariance @ basis.T
     return errors, covariance, noise_only
 
 
@@ -338,13 +356,13 @@ def _common_size(observations: Sequence[Observation]) -> tuple[int, int]:
     return sizes[0]
 
 
-def _checked_count(corners: Corners | None, model: Model) -> Corners:
+def _checked_count(corners: Corners | None, basis: Array) -> Corners:
     """The corners; raises if they are too few for the model."""
     if corners is None or not len(corners.weights):
         raise CalibrationError(_TOO_FEW_A_VIEW)
     count, views = int(corners.weights.sum()), len(corners.weights)
-    if 2 * count - _BASIS[model].shape[1] - 6 * views <= 0:
-        raise CalibrationError(_TOO_FEW.format(count=count, views=views))
+    if 2 * count - basis.shape[1] - 6 * views <= 0:
+        raise CalibrationError(_TOO_FEW.format(count=count, views=views, parameters=basis.shape[1]))
     return corners
 
 

@@ -39,8 +39,9 @@ def estimate_pose(
         return None
     try:
         flat = points[seen] * [1.0, 1.0, 0.0]
+        plane = np.ascontiguousarray(rays[seen, :2] / rays[seen, 2:])
         _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
-            flat, rays[seen], np.eye(3), np.zeros(5), flags=cv2.SOLVEPNP_IPPE
+            flat, plane, np.eye(3), np.zeros(5), flags=cv2.SOLVEPNP_IPPE
         )
         candidates = [Pose.from_rvec_tvec(r, t) for r, t in zip(rvecs, tvecs, strict=True)]
         refined = [_refined(camera, board, observation, pose) for pose in candidates]

@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from venus3d.engine.calibration.bundle import adjust, derivatives, one_step
 from venus3d.engine.calibration.information import covariance_of
@@ -28,7 +29,6 @@ from venus3d.engine.calibration.shared_errors import (
     robust_covariance,
 )
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.geometry.pose import Array
 
 EARNED = 5.0
@@ -74,10 +74,11 @@ def uncertainty_of(board: Board, fit: RobustFit) -> Uncertainty:
 def with_shape(board: Board, flat: RobustFit) -> RobustFit | None:
     """A fit of the full model with the parameters of the board's shape that it earns; None if it
     earns none."""
-    problem, sigma, p = flat.problem, flat.sigma_px, len(PARAMETERS)
+    problem, sigma = flat.problem, flat.sigma_px
+    p = problem.basis.shape[1]
     if len(problem.corners.points) < FEWEST_VIEWS:
         return None
-    every = np.eye(p + len(_PRIOR))
+    every = block_diag(problem.basis, np.eye(len(_PRIOR)))
     whole = replace(
         problem,
         basis=every,

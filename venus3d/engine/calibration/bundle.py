@@ -216,9 +216,9 @@ def _by_shape(problem: Problem, at: Parameters, by_point: Array) -> Array:
 def _errors(problem: Problem, at: Parameters) -> Array | None:
     """(N, 2, M) observed minus projected; None with a point behind the lens."""
     xyz = at.R @ _points(problem, at.shape).swapaxes(1, 2) + at.t[:, :, None]
-    if not xyz[:, 2].min() > 0:
+    if at.camera.lens.is_perspective and not xyz[:, 2].min() > 0:
         return None
-    pixels = at.camera.distorted_pixels(xyz[:, 0] / xyz[:, 2], xyz[:, 1] / xyz[:, 2])
+    pixels = at.camera.pixels_of(xyz.swapaxes(0, 1))
     errors = problem.corners.pixels - pixels.swapaxes(0, 1)
     return errors if np.isfinite(errors).all() else None
 
@@ -246,7 +246,9 @@ def _moved(
     change = problem.basis @ shared
     p = len(change) - len(at.shape)
     try:
-        camera = Camera.from_parameters(at.camera.parameters + change[:p], at.camera.image_size)
+        camera = Camera.from_parameters(
+            at.camera.parameters + change[:p], at.camera.image_size, at.camera.lens
+        )
     except CalibrationError:
         return None
     turns = np.asarray(Rotation.from_rotvec(poses[:, :3]).as_matrix(), dtype=np.float64)

@@ -18,7 +18,7 @@ from venus3d.engine.calibration.adjustment import Calibration, largest_angle_deg
 from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.other_cameras import other_cameras
-from venus3d.engine.geometry.camera import PARAMETERS, planning_camera
+from venus3d.engine.geometry.camera import planning_camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.sentences import Sentence, listed
 
@@ -47,7 +47,6 @@ NEAREST_M, FARTHEST_M = 0.04, 20.0
 fits into a wide picture at 44 mm."""
 
 _TILT = Sentence("Add views tilted by 20-45° in different directions.")
-_GROUPS = ("f", "f", "cx", "cy", "k", "k", "p1", "p2", "k")
 # Minimum relative spread of the views' rms: corner noise alone gives 8 % (40 corners, two axes).
 _LEAST_SPREAD = 0.08
 
@@ -60,7 +59,7 @@ class _Check:
     final: int
     find: Callable[[Calibration], Iterable[Diagnosis]]
     needs_full: bool = True
-    """Only if all nine parameters were estimated."""
+    """Only if all parameters were estimated."""
 
 
 def diagnose(calibration: Calibration, *, growing: bool = False) -> tuple[Diagnosis, ...]:
@@ -103,11 +102,11 @@ def _folding(calibration: Calibration) -> Iterator[Diagnosis]:
     if planning_camera(camera) is camera:
         return
     farthest = float(np.linalg.norm(camera.image_corners - [camera.cx, camera.cy], axis=1).max())
-    limit = camera.radius_limit
-    if np.isfinite(limit):
-        edge = limit * (1 + camera.k1 * limit**2 + camera.k2 * limit**4 + camera.k3 * limit**6)
+    limit = camera.angle_limit
+    if limit < np.pi / 2:
+        edge = camera.lens.image(camera.coefficients, np.array([np.sin(limit), 0, np.cos(limit)]))
         where = Sentence("{edge} px from the centre").format(
-            edge=whole(edge * (camera.fx + camera.fy) / 2)
+            edge=whole(float(edge[0]) * (camera.fx + camera.fy) / 2)
         )
     else:
         where = Sentence("by its tangential part")
@@ -253,9 +252,11 @@ def _correlated(calibration: Calibration) -> Iterator[Diagnosis]:
     sigma = calibration.sigma
     correlation = np.abs(calibration.covariance / np.outer(sigma, sigma))
     # Each pair's distance from |correlation| 1 over the least allowed; below 1: too near.
+    names = calibration.camera.parameter_names
+    groups = [_group(name) for name in names]
     pairs = [
-        ((1 - float(correlation[i, j])) / (1 - _allowed(i, j)), i, j)
-        for i, j in combinations(range(9), 2)
+        ((1 - float(correlation[i, j])) / (1 - _allowed(groups[i], groups[j])), i, j)
+        for i, j in combinations(range(len(names)), 2)
     ]
     tight = [pair for pair in sorted(pairs) if pair[0] < 1]
     if _focal_share(calibration) > WEAK_SIGMA or largest_angle_deg(calibration) < WEAK_ANGLE_DEG:
@@ -263,23 +264,28 @@ def _correlated(calibration: Calibration) -> Iterator[Diagnosis]:
     if not tight:
         return
     i, j = tight[0][1:]
-    if _GROUPS[i] == "f" == _GROUPS[j]:
+    if groups[i] == "f" == groups[j]:
         cause, cure = _FOCAL_TOGETHER
     else:
-        cause, cure = _SAME_GROUP if _GROUPS[i] == _GROUPS[j] else _TWO_GROUPS
+        cause, cure = _SAME_GROUP if groups[i] == groups[j] else _TWO_GROUPS
     cause = cause.format(
-        one=PARAMETERS[i],
-        other=PARAMETERS[j],
+        one=names[i],
+        other=names[j],
         correlation=correlation[i, j],
         share=figure(100 * _focal_share(calibration)),
     )
     yield Diagnosis("correlated", cause, cure)
 
 
-def _allowed(i: int, j: int) -> float:
-    """The largest |correlation| of two parameters, by their indices, in good sets."""
-    same = _GROUPS[i] == _GROUPS[j]
-    return CORRELATED if not same else CORRELATED_FOCAL if _GROUPS[i] == "f" else CORRELATED_RADIAL
+def _group(name: str) -> str:
+    return name[0] if name[0] in "fks" else name
+
+
+def _allowed(one: str, other: str) -> float:
+    """The largest |correlation| of parameters of two groups in good sets."""
+    if one != other:
+        return CORRELATED
+    return CORRELATED_FOCAL if one == "f" else CORRELATED_RADIAL
 
 
 _TOO_NEAR = Sentence(

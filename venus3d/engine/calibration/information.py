@@ -1,13 +1,13 @@
-"""Fisher information of a view on the nine intrinsic parameters, before it is taken.
+"""Fisher information of a view on the intrinsic parameters, before it is taken.
 
 With unit noise, a view's corners have Jacobians Ji by the intrinsics and Je by the view's pose. The
 pose is a nuisance parameter, eliminated by the Schur complement:
 
-    I_view = Ji^T Ji - Ji^T Je (Je^T Je)^-1 Je^T Ji        (9, 9)
+    I_view = Ji^T Ji - Ji^T Je (Je^T Je)^-1 Je^T Ji        (p, p)
 
 Views are independent, so their informations add, and `sigma^2 (sum I)^-1` is the covariance of the
 intrinsics (Triggs et al. 2000, "Bundle Adjustment", section 6; its diagonal is the square of
-OpenCV's `stdDeviationsIntrinsics`). A hypothetical view is one 9 x 9 addition.
+OpenCV's `stdDeviationsIntrinsics`). A hypothetical view is one p x p addition.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def view_information(
     *,
     shared: Array | None = None,
 ) -> Array:
-    """Information (N, 9, 9) of views of board points (M, 3) under poses (N, 3, 3), (N, 3).
+    """Information (N, p, p) of views of board points (M, 3) under poses (N, 3, 3), (N, 3).
     For corner noise of one pixel per axis. All points must be in front of the lens. `shared`: see
     `normal_matrices`."""
     gram = normal_matrices(camera, points, R, t, shared=shared)
@@ -47,7 +47,7 @@ def view_information(
 def information_of(
     camera: Camera, board: Board, seen: Observation, pose: Pose, shared_ratio: float = 0.0
 ) -> Array:
-    """Information (9, 9) of one observation under its pose; `shared_ratio`: see `shared_share`."""
+    """Information (p, p) of one observation under its pose; `shared_ratio`: see `shared_share`."""
     points = board.points_of(seen.ids)
     shared = shared_share(board, points, shared_ratio)
     return view_information(camera, points, pose.R[None], pose.t[None], shared=shared)[0]
@@ -88,7 +88,7 @@ def normal_matrices(
     weights: ArrayLike | None = None,
     shared: Array | None = None,
 ) -> Array:
-    """J^T J (N, 15, 15) of views, the six of the pose first; arguments as `view_information`.
+    """J^T J (N, 6 + p, 6 + p) of views, the six of the pose first; arguments as `view_information`.
 
     Args:
         weights: (M,) of the points.
@@ -108,7 +108,7 @@ def normal_matrices(
 
 
 def covariance_of(information: ArrayLike, sigma_px: float = 1.0) -> Array:
-    """Covariance (..., 9, 9) of an information (..., 9, 9), for corner noise `sigma_px`.
+    """Covariance (..., p, p) of an information (..., p, p), for corner noise `sigma_px`.
     Raises numpy's `LinAlgError` if the information is singular."""
     matrix = np.asarray(information, dtype=np.float64)
     # Informations of f and k3 differ by 1e9 and more; invert the matrix with a unit diagonal.
@@ -118,11 +118,11 @@ def covariance_of(information: ArrayLike, sigma_px: float = 1.0) -> Array:
 
 
 def prior_information(camera: Camera, sigma_px: float = 1.0) -> Array:
-    """(9, 9) a wide prior for any webcam, far weaker than one good view.
+    """(p, p) a wide prior for any camera, far weaker than one good view.
 
     Lets the search rank second views while one alone leaves parameters undetermined. Never part of
     a reported covariance. In the units of `view_information`.
     """
     f, w = (camera.fx + camera.fy) / 2, camera.width
-    believed = np.array([0.3 * f, 0.3 * f, 0.1 * w, 0.1 * w, 0.5, 1.0, 0.02, 0.02, 2.0])
+    believed = np.array([0.3 * f, 0.3 * f, 0.1 * w, 0.1 * w, *camera.lens.usual])
     return np.diag(sigma_px**2 / believed**2)

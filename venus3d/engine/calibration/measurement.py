@@ -20,12 +20,12 @@ import numpy as np
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 
 _POSE = 6
 _STEPS = np.concatenate([np.full(3, 1e-6), np.full(3, 1e-7)])  # radians, metres
-_INTRINSIC_STEPS = np.concatenate([np.full(4, 1e-3), np.full(5, 1e-6)])
+_PINHOLE_STEP, _LENS_STEP = 1e-3, 1e-6  # pixels; of a coefficient
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class MeasuringCamera:
 
     camera: Camera
     covariance: Array | None = None
-    """(9, 9) of its `PARAMETERS`; None: taken as exactly known."""
+    """(p, p) of its parameters; None: taken as exactly known."""
     noise_px: float = 0.2
     """Standard deviation of a detected corner's coordinate, pixels."""
 
@@ -51,8 +51,7 @@ class Measurement:
 def on_plane(camera: Camera, pose: Pose, pixels: Array) -> Array:
     """Where the rays of pixels (N, 2) meet the board's plane: (N, 2) in the board's frame, metres;
     NaN where they miss it or meet it behind the camera."""
-    xy = camera.unproject(pixels)
-    rays = np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
+    rays = camera.unproject(pixels)
     normal = pose.R[:, 2]
     with np.errstate(all="ignore"):
         depth = (normal @ pose.t) / (rays @ normal)
@@ -80,7 +79,7 @@ def measure(
     camera = by.camera
     base = _length(camera, pose, pixels)
     J = camera.jacobians(board.points_of(seen.ids), pose.R[None], pose.t[None])[0]
-    J = J.reshape(_POSE + len(PARAMETERS), -1).T
+    J = J.reshape(len(J), -1).T
     solved = np.linalg.pinv(J[:, :_POSE])
 
     by_pose = np.array(
@@ -89,7 +88,7 @@ def measure(
     by_intrinsics = np.array(
         [
             (_length(_changed(camera, k), pose, pixels) - base) / step
-            for k, step in enumerate(_INTRINSIC_STEPS)
+            for k, step in enumerate(_steps(camera))
         ]
     )
     by_click = np.array(
@@ -121,5 +120,9 @@ def _moved(pose: Pose, number: int) -> Pose:
 
 def _changed(camera: Camera, number: int) -> Camera:
     parameters = camera.parameters.copy()
-    parameters[number] += _INTRINSIC_STEPS[number]
-    return Camera.from_parameters(parameters, camera.image_size)
+    parameters[number] += _steps(camera)[number]
+    return Camera.from_parameters(parameters, camera.image_size, camera.lens)
+
+
+def _steps(camera: Camera) -> list[float]:
+    return [*[_PINHOLE_STEP] * 4, *[_LENS_STEP] * len(camera.coefficients)]

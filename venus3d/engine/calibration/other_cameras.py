@@ -19,7 +19,7 @@ from venus3d.engine.calibration.initial_values import located_by
 from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.sentences import Sentence
 
 OTHER_CAMERAS: tuple[DiagnosisKind, ...] = ("fisheye-lens", "cropped-pictures")
@@ -103,7 +103,7 @@ def _best_pinhole(board: Board, seen: Sequence[Observation]) -> Solution | None:
     corners = Corners.of([board.points_of(o.ids) for o in seen], [o.corners for o in seen])
     width, height = seen[0].image_size
     f = Camera.guess((width, height), _FIELD_DEG).fx
-    problem = Problem(corners, np.eye(len(PARAMETERS)))
+    problem = Problem(corners, np.eye(len(Camera.guess((width, height)).parameters)))
     found: list[Solution] = []
     for across in _AWAY:
         for down in _AWAY:

@@ -7,6 +7,7 @@ projected out of every uncertainty in pixels. `costs` turns covariances into cos
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -26,22 +27,23 @@ ERE_GRID = (5, 5)
 
 @lru_cache(maxsize=16)
 def projection_weight(camera: Camera) -> Array:
-    """(9, 9) matrix W with `trace(W cov)` = mean variance of a projected pixel, px^2.
+    """(p, p) matrix W with `trace(W cov)` = mean variance of a projected pixel, px^2.
 
     A change d of the intrinsics moves the pixel of ray k by `Jk d`. A common rotation w (3,) of all
     rays moves it by `Gk w`; the rotation that best undoes the move is `w = -(G^T G)^-1 G^T J d`,
-    where G (2n, 3) and J (2n, 9) stack all rays. The rest is `P J d` with the projector
+    where G (2n, 3) and J (2n, p) stack all rays. The rest is `P J d` with the projector
     `P = 1 - G (G^T G)^-1 G^T`. Its mean square length over the n rays is `d^T (J^T P J / n) d`, and
     the expectation over d with covariance C is `trace(W C)`, W = J^T P J / n. Both pixel axes are
     summed: the root is the rms distance in the image.
     """
-    left = _pixel_derivatives(camera, grid_pixels(camera.image_size))[1].reshape(-1, 9)
+    left = _pixel_derivatives(camera, grid_pixels(camera.image_size))[1]
+    left = left.reshape(-1, left.shape[2])
     return 2 * left.T @ left / len(left)
 
 
 @lru_cache(maxsize=16)
 def border_derivatives(camera: Camera) -> Array:
-    """(n, 2, 9) derivatives E_k of MaxERE's pixels by the intrinsics, best rotation removed.
+    """(n, 2, p) derivatives E_k of MaxERE's pixels by the intrinsics, best rotation removed.
     For intrinsics of covariance C the ray's pixel has the covariance `E_k C E_k^T`."""
     width, height = camera.image_size
     u, v = np.linspace(0, width - 1, ERE_GRID[0]), np.linspace(0, height - 1, ERE_GRID[1])
@@ -50,7 +52,7 @@ def border_derivatives(camera: Camera) -> Array:
 
 
 def projection_uncertainty_px(camera: Camera, covariance: ArrayLike) -> float:
-    """Projection uncertainty: expected rms error over the image, pixels, of a covariance (9, 9)."""
+    """Projection uncertainty: expected rms error over the image, pixels, of a covariance (p, p)."""
     mean_variance = np.sum(projection_weight(camera) * np.asarray(covariance, dtype=np.float64))
     return float(np.sqrt(max(mean_variance, 0.0)))
 
@@ -126,34 +128,34 @@ def grid_pixels(image_size: tuple[int, int], grid: tuple[int, int] = GRID) -> Ar
 def _pixel_derivatives(
     camera: Camera, pixels: Array, at: Array | None = None
 ) -> tuple[NDArray[np.intp], Array]:
-    """(n, 2, 9) derivatives by the intrinsics of the pixels `at` (default: `pixels`), with the best
+    """(n, 2, p) derivatives by the intrinsics of the pixels `at` (default: `pixels`), with the best
     rotation for `pixels` removed; and (n,) which of these a ray reaches."""
     seen, rays = _rays(camera, pixels)
     if len(rays) < len(pixels) // 2:
         # The estimate's distortion folds back within the image: planning without it is better.
-        camera = camera.without_distortion()
+        camera = replace(camera, coefficients=())
         seen, rays = _rays(camera, pixels)
     J, G = _derivatives(camera, rays)
     turn = np.linalg.solve(G.T @ G, G.T @ J)
     if at is not None:
         seen, rays = _rays(camera, at)
         J, G = _derivatives(camera, rays)
-    return seen, (J - G @ turn).reshape(-1, 2, 9)
+    return seen, (J - G @ turn).reshape(-1, 2, J.shape[1])
 
 
 def _derivatives(camera: Camera, rays: Array) -> tuple[Array, Array]:
-    """Derivatives of the pixels of rays (n, 3) by the intrinsics (2n, 9) and a rotation (2n, 3)."""
+    """Derivatives of the pixels of rays (n, 3) by the intrinsics (2n, p) and a rotation (2n, 3)."""
     _, intrinsic, pose = camera.project_with_jacobians(rays, np.eye(3)[None], np.zeros((1, 3)))
-    return intrinsic.reshape(-1, 9), pose.reshape(-1, 6)[:, :3]
+    return intrinsic.reshape(-1, intrinsic.shape[-1]), pose.reshape(-1, 6)[:, :3]
 
 
 def _rays(camera: Camera, pixels: Array) -> tuple[NDArray[np.intp], Array]:
-    """(n,) which of the pixels a ray reaches, and those rays (x, y, 1), (n, 3)."""
-    xy = camera.unproject(pixels)
-    seen = np.flatnonzero(np.isfinite(xy).all(axis=1))
-    return seen, np.concatenate([xy[seen], np.ones((len(seen), 1))], axis=1)
+    """(n,) which of the pixels a ray reaches, and those rays, unit vectors (n, 3)."""
+    rays = camera.unproject(pixels)
+    seen = np.flatnonzero(np.isfinite(rays).all(axis=1))
+    return seen, rays[seen]
 
 
 def _unlimited_pixels(camera: Camera, rays: Array) -> Array:
-    """Like `Camera.project`, but finite beyond the radius where the model folds, too."""
-    return camera.distorted_pixels(*(rays[:, :2] / rays[:, 2:]).T).T
+    """Like `Camera.project`, but finite beyond the angle where the model folds, too."""
+    return camera.pixels_of(np.ascontiguousarray(rays.T)).T

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from venus3d.engine.calibration.bundle import Corners, Parameters, Problem, Solution, adjust
 from venus3d.engine.calibration.initial_values import homographies, initial_parameters
 from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.lenses import BROWN5, LensModel
 from venus3d.engine.geometry.pose import Array
 
 Mask = NDArray[np.bool_]
@@ -102,9 +103,14 @@ def _distances(H: Array, xy1: Array, observed: Array) -> Array:
     return np.where(np.isfinite(found), found, np.inf)
 
 
-def from_several_starts(problem: Problem, size: tuple[int, int]) -> Solution:
+def from_several_starts(
+    problem: Problem, size: tuple[int, int], lens: LensModel = BROWN5
+) -> Solution:
     """The best of the optima near `initial_parameters`: all start, the best is finished."""
-    starts = list(initial_parameters(problem.corners, size))
+    starts = [
+        replace(start, camera=replace(start.camera, lens=lens, coefficients=()))
+        for start in initial_parameters(problem.corners, size)
+    ]
     # No solution of a race is the optimum yet, so a step's share of the cost cannot be judged.
     raced = [found for start in starts if (found := _tried(problem, start, _RACE)) is not None]
     if not raced:

@@ -1,9 +1,9 @@
 """Finds pictures that were turned by 180° among others, by a phone or a program.
 
 In a picture turned about its middle the principal point (cx, cy) is at (w - 1 - cx, h - 1 - cy),
-and p1 and p2 change sign; fx, fy and the radial distortion stay. Fitted together, such pictures and
-the others give a principal point in between, and nothing else tells. A board turned by 180°, or a
-camera held upside down, turns no picture: the pose takes that up.
+and p1, p2 and a thin prism's s1 to s4 change sign; fx, fy and the radial distortion stay. Fitted
+together, such pictures and the others give a principal point in between, and nothing else tells. A
+board turned by 180°, or a camera held upside down, turns no picture: the pose takes that up.
 
 Each view has a sign, +1 or -1, by which the four odd parameters (cx and cy from the middle, p1, p2)
 are multiplied. Near a fit the cost of any signs is a small sum of normal matrices, so they are
@@ -20,18 +20,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from venus3d.engine.calibration.adjustment import Calibration, LeftOut, calibrate
-from venus3d.engine.calibration.observation import Observation, View, rms_distance, whole
+from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.observation import (
+    Observation,
+    View,
+    reprojection_errors,
+    rms_distance,
+    whole,
+)
 from venus3d.engine.calibration.shared_errors import ViewResidual, corner_errors
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 
+Mask = NDArray[np.bool_]
 FEWEST_VIEWS = 5
 """With fewer views, two kinds can't be told from errors that each view has."""
 UNLIKELY, UNLIKELY_SHARED = 22.0, 28.0
@@ -43,9 +51,8 @@ CLEAR = 9.0
 """Variances of the noise that a view's own sign must gain for the view to be named."""
 FITS = 3.0
 """A view left out is turned if it fits, turned back, with this many times the others' rms."""
-_ODD = ("cx", "cy", "p1", "p2")
+_ODD = ("cx", "cy", "p1", "p2", "s1", "s2", "s3", "s4")
 _SHAPE = 3
-_IS_ODD = np.array([name in _ODD for name in (*PARAMETERS, *[""] * _SHAPE)])
 _ROUNDS = 4
 
 
@@ -91,7 +98,10 @@ def without_turned(board: Board, calibration: Calibration) -> Calibration:
     others = sorted((view for view in views if view[0] not in found), key=lambda view: view[0])
     try:
         again = calibrate(
-            board, [seen for _, seen in others], numbers=[number for number, _ in others]
+            board,
+            [seen for _, seen in others],
+            lens=calibration.camera.lens,
+            numbers=[number for number, _ in others],
         )
     except CalibrationError:
         return calibration
@@ -104,12 +114,10 @@ def without_turned(board: Board, calibration: Calibration) -> Calibration:
 def fits_turned(calibration: Calibration, seen: Observation) -> bool:
     """Whether an observation that was left out fits the camera once its picture is turned."""
     back, camera = turned(seen), calibration.camera
-    points = calibration.board.points_of(back.ids)
-    found, rvec, t = cv2.solvePnP(points, back.corners, camera.K, camera.distortion)
-    if not found:
+    pose = estimate_pose(camera, calibration.board, back)
+    if pose is None:
         return False
-    again, _ = cv2.projectPoints(points, rvec, t, camera.K, camera.distortion)
-    errors = back.corners - np.asarray(again, dtype=np.float64).reshape(-1, 2)
+    errors = reprojection_errors(camera, calibration.board, back, pose)
     return rms_distance(errors) < FITS * calibration.rms_px
 
 
@@ -151,7 +159,7 @@ def _calibrated(calibration: Calibration, views: Sequence[View], signs: Array) -
 def _off_middle(calibration: Calibration) -> float:
     """How far the principal point lies off the picture's middle, in standard deviations."""
     camera = calibration.camera
-    index = [PARAMETERS.index("cx"), PARAMETERS.index("cy")]
+    index = [2, 3]  # cx, cy
     off = camera.parameters[index] - (np.array(camera.image_size) - 1) / 2
     covariance = calibration.covariance[np.ix_(index, index)]
     return float(np.sqrt(off @ np.linalg.solve(covariance, off)))
@@ -166,6 +174,8 @@ class _Signs:
     the residuals that there are with odd parameters of zero; poses eliminated."""
     freedom: int
     """Number of residuals that the poses leave free."""
+    is_odd: Mask
+    """(q,) which of the parameters are odd."""
 
     @classmethod
     def of(cls, calibration: Calibration, *, shared: bool) -> _Signs:
@@ -173,17 +183,17 @@ class _Signs:
         parts = [_residual(calibration, view) for view in calibration.views]
         ratio = corner_errors(parts).ratio if shared else 0.0
         camera = calibration.camera
-        values = dict(zip(PARAMETERS, camera.parameters, strict=True))
+        values = camera.named
         values["cx"] -= (camera.width - 1) / 2
         values["cy"] -= (camera.height - 1) / 2
-        odd = np.array([values[name] if name in _ODD else 0.0 for name in PARAMETERS])
-        odd = np.append(odd, np.zeros(_SHAPE))
+        is_odd = _is_odd(camera)
+        odd = np.where(is_odd, [*values.values(), *[0.0] * _SHAPE], 0.0)
         grams = np.array([_gram(part, odd, ratio) for part in parts])
-        return cls(grams, sum(part.freedom for part in parts))
+        return cls(grams, sum(part.freedom for part in parts), is_odd)
 
     def with_signs(self, signs: Array) -> _Signs:
         """The same for signs that count from these (N,), instead of +1 for each."""
-        S = np.where(np.append(_IS_ODD, False), signs[:, None], 1.0)
+        S = np.where(np.append(self.is_odd, False), signs[:, None], 1.0)
         return replace(self, grams=S[:, :, None] * self.grams * S[:, None])
 
     def best(self, signs: Array) -> Array:
@@ -205,7 +215,7 @@ class _Signs:
     def flipped(self, signs: Array) -> Array:
         """(N,) the least sums of squares with each of the signs (N,) flipped."""
         each = self.with_signs(signs).grams
-        odd = np.append(_IS_ODD, False)
+        odd = np.append(self.is_odd, False)
         return _least(each.sum(axis=0) - 2 * each * (odd[:, None] != odd))
 
     def gain(self, signs: Array) -> float:
@@ -213,7 +223,7 @@ class _Signs:
         gains by chance: against what is left to the odd parameters of each view."""
         n, flips = len(signs), int((signs < 0).sum())
         cost, (own, noise) = self.cost(signs), self._own()
-        freedom = len(_ODD) * (n - 1)
+        freedom = int(self.is_odd.sum()) * (n - 1)
         gained = max(self.cost(np.ones(n)) - cost, 0.0)
         ways = gammaln(n + 1) - gammaln(flips + 1) - gammaln(n - flips + 1)
         left = max(cost - own, freedom * noise)
@@ -226,7 +236,7 @@ class _Signs:
     def _own(self) -> tuple[float, float]:
         """The least sum of squares with odd parameters of each view's own, and the variance that
         it leaves."""
-        odd = np.append(_IS_ODD, False)
+        odd = np.append(self.is_odd, False)
         own, cross = self.grams[:, odd][:, :, odd], self.grams[:, ~odd][:, :, odd]
         scale = 1.0 / np.sqrt(np.maximum(np.einsum("nii->ni", own), 1e-300))
         outer = scale[:, :, None] * scale[:, None]
@@ -235,6 +245,10 @@ class _Signs:
         least = float(_least(rest.sum(axis=0)[None])[0])
         fitted = odd.sum() * len(self.grams) + (~odd).sum() - 1
         return least, least / max(self.freedom - fitted, 1)
+
+
+def _is_odd(camera: Camera) -> Mask:
+    return np.array([name in _ODD for name in (*camera.parameter_names, *[""] * _SHAPE)])
 
 
 def _residual(calibration: Calibration, view: View) -> ViewResidual:

@@ -65,7 +65,7 @@ class Verification:
     distance_m: float
     """Median distance of the board in the fresh views, metres."""
     changes: Array
-    """(9,) fresh minus existing `PARAMETERS` in standard deviations of the difference; NaN where
+    """(p,) fresh minus existing parameters in standard deviations of the difference; NaN where
     neither is uncertain."""
 
     @property
@@ -82,15 +82,15 @@ def verify(
 
     Args:
         camera: the existing calibration.
-        covariance: (9, 9) of its `PARAMETERS`; None: taken as exactly known.
-        fresh: of the same picture size, with all nine parameters estimated.
+        covariance: (p, p) of its parameters; None: taken as exactly known.
+        fresh: of the same picture size, with all parameters estimated.
         limit_px: the largest projection difference that does no harm, pixels.
 
     Raises:
         CalibrationError: different picture sizes, or the fresh views leave parameters open.
     """
     if not all(fresh.free):
-        raise CalibrationError("The fresh views do not determine all nine parameters; take more.")
+        raise CalibrationError("The fresh views do not determine all parameters; take more.")
     if camera.image_size != fresh.camera.image_size:
         (w, h), (other_w, other_h) = camera.image_size, fresh.camera.image_size
         raise CalibrationError(
@@ -111,7 +111,7 @@ def verify(
         diff_map=projection_diff_map(camera, fresh.camera, MAP),
         rms_px=_rms_px(camera, fresh, fresh.views),
         distance_m=float(np.median([np.linalg.norm(view.pose.t) for view in fresh.views])),
-        changes=np.divide(moved, sigma, out=np.full(9, np.nan), where=sigma > 0),
+        changes=np.divide(moved, sigma, out=np.full(len(sigma), np.nan), where=sigma > 0),
     )
 
 

@@ -23,11 +23,11 @@ def nearest_without_k3(camera: Camera) -> tuple[Camera, float]:
     pixels = np.stack([u.ravel(), v.ravel()], axis=-1)
     rays = camera.unproject(pixels)
     reached = np.isfinite(rays).all(axis=1)
-    x, y = rays[reached].T
+    seen = np.ascontiguousarray(rays[reached].T)
 
     def errors(scaled: Array) -> Array:
         fitted = Camera.from_parameters([*scaled * _SCALE, 0.0], camera.image_size)
-        return (fitted.distorted_pixels(x, y).T - pixels[reached]).ravel()
+        return (fitted.pixels_of(seen).T - pixels[reached]).ravel()
 
     try:
         found = least_squares(errors, camera.parameters[:8] / _SCALE)

@@ -41,10 +41,10 @@ class Resize:
             cy=(camera.cy + 0.5 - oy) * sy - 0.5,
         )
 
-    @property
-    def derivatives(self) -> Array:
-        """(9,) of the new `PARAMETERS` by the old ones; each depends only on its own."""
-        return np.array([*self.scale, *self.scale, 1, 1, 1, 1, 1], dtype=np.float64)
+    def derivatives(self, camera: Camera) -> Array:
+        """(p,) of the new camera's parameters by the old ones; each depends only on its own."""
+        others = np.ones(len(camera.coefficients))
+        return np.array([*self.scale, *self.scale, *others], dtype=np.float64)
 
 
 def resize_to(

@@ -34,9 +34,10 @@ class Undistortion:
         )
         new = self.camera
         x, y = (u - new.cx) / new.fx, (v - new.cy) / new.fy
-        map_x, map_y = camera.distorted_pixels(x, y).astype(np.float32)
+        rays = np.stack([x, y, np.ones_like(x)])
+        map_x, map_y = camera.pixels_of(rays).astype(np.float32)
         # Beyond it the model folds back and would show parts of the picture twice.
-        folded = np.hypot(x, y) >= camera.radius_limit
+        folded = ~camera.reaches(rays)
         map_x[folded] = map_y[folded] = -10
         self._maps = map_x, map_y
 

@@ -37,7 +37,7 @@ class Visibility:
     side: Array
     """(N,) the shortest side of the squares in the board's corners, pixels."""
     seen: NDArray[np.bool_]
-    """(N,) whether all of the board is in front of the lens and within the model's radius."""
+    """(N,) whether all of the board is in front of the lens and within the lens model's reach."""
 
     def of(self, chosen: NDArray[np.intp]) -> Visibility:
         """A subset of the poses, by their indices (K,)."""
@@ -55,11 +55,8 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         squares = np.sum(corners * corners, axis=0)
         cosine = np.sum(R[:, 2] * t, axis=0) / np.sqrt(np.sum(t * t, axis=0))
-        x, y = points[:2] / points[2]
-        pixels = camera.distorted_pixels(x, y)
-        seen = points[2].min(axis=0) > 0
-        if np.isfinite(camera.radius_limit):
-            seen &= (x * x + y * y).max(axis=0) < camera.radius_limit**2
+        pixels = camera.pixels_of(points)
+        seen = np.asarray(camera.reaches(points).all(axis=0))
         # For each of the four corners, the square's neighbours along x and y.
         sides = pixels[:, 4:12].reshape(2, 2, 4, -1) - pixels[:, None, :4]
         side = np.sqrt(np.min(np.sum(sides * sides, axis=0), axis=(0, 1)))

@@ -9,10 +9,12 @@ from typing import Literal
 
 import numpy as np
 
-from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS
+from venus3d.engine.geometry.lenses import BROWN5
 from venus3d.engine.geometry.pose import Array
 
 Rule = Literal["repaired", "printed"]
+_BROWN5 = (*PINHOLE_PARAMETERS, *BROWN5.coefficient_names)
 MIN_VIEWS = 6
 """The repaired rule gives no verdict from fewer views.
 With few views the residual noise, which scales every sigma, is itself known only roughly, and a
@@ -24,10 +26,12 @@ class Convergence:
     """Eqs (16), (17) per parameter."""
 
     ratio: Array
-    """(9,) current variance over the previous one; NaN if there is none."""
+    """(p,) current variance over the previous one; NaN if there is none."""
     parameters: tuple[bool, ...]
-    """(9,) whether each parameter has converged."""
+    """(p,) whether each parameter has converged."""
     rule: Rule
+    names: tuple[str, ...] = _BROWN5
+    """(p,) of the parameters."""
 
     @property
     def converged(self) -> bool:
@@ -37,7 +41,7 @@ class Convergence:
     @property
     def unsettled(self) -> tuple[str, ...]:
         """Names of the parameters that have not converged."""
-        return tuple(n for n, done in zip(PARAMETERS, self.parameters, strict=True) if not done)
+        return tuple(n for n, done in zip(self.names, self.parameters, strict=True) if not done)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +51,17 @@ class Progress:
     views: int
     rms_px: float
     parameters: Array
-    """(9,) values."""
+    """(p,) values."""
     sigma: Array
-    """(9,) standard deviations."""
+    """(p,) standard deviations."""
     uncertainty_px: float
     """Projection uncertainty over the image, pixels."""
     predicted_sigma: Array = field(default_factory=lambda: np.full(9, np.nan))
-    """(9,) predicted by the last view's target; NaN if it was not taken at a target."""
+    """(p,) predicted by the last view's target; NaN if it was not taken at a target."""
     predicted_uncertainty_px: float = float("nan")
     """`uncertainty_px` as predicted by the last view's target; NaN likewise."""
+    names: tuple[str, ...] = _BROWN5
+    """(p,) of the parameters."""
 
 
 def last_gain(history: Sequence[Progress]) -> tuple[float, float]:
@@ -86,25 +92,29 @@ def check_convergence(
     verdict once reached, as Rojtberg's program does: later views serve the other parameters and may
     move this one a little either way.
     """
-    unknown = np.full(9, np.nan)
+    names = history[-1].names if history else _BROWN5
     if len(history) < 2:
-        return Convergence(unknown, (False,) * 9, rule)
+        return Convergence(np.full(len(names), np.nan), (False,) * len(names), rule, names)
     ratio = _ratio(history[-2], history[-1])
     if rule == "printed":
         with np.errstate(invalid="ignore"):
             reached = 1 - ratio <= epsilon
-        return Convergence(ratio, tuple(bool(v) for v in reached), rule)
-    reached = np.zeros(9, dtype=bool)
+        return Convergence(ratio, tuple(bool(v) for v in reached), rule, names)
+    reached = np.zeros(len(names), dtype=bool)
     for before, after in pairwise(history):
-        if after.views >= min_views:
+        # A verdict on other parameters says nothing of these.
+        if after.views >= min_views and after.names == names:
             with np.errstate(invalid="ignore"):
                 drop = 1 - np.sqrt(_ratio(before, after))
                 reached |= (drop >= 0) & (drop < epsilon)
-    return Convergence(ratio, tuple(bool(v) for v in reached), rule)
+    return Convergence(ratio, tuple(bool(v) for v in reached), rule, names)
 
 
 def _ratio(before: Progress, after: Progress) -> Array:
-    """Eq. (16), (9,): NaN if a parameter was held fixed before or after (its sigma is 0)."""
+    """Eq. (16), (p,): NaN if a parameter was held fixed before or after (its sigma is 0), and
+    if the two are of different lenses."""
+    if before.names != after.names:
+        return np.full(len(after.names), np.nan)
     old, new = np.asarray(before.sigma) ** 2, np.asarray(after.sigma) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((old > 0) & (new > 0), new / old, np.nan)

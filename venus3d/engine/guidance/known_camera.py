@@ -16,7 +16,7 @@ from venus3d.engine.calibration.information import covariance_of
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera, planning_camera
+from venus3d.engine.geometry.camera import Camera, planning_camera
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.startup import Startup
@@ -36,13 +36,13 @@ class KnownCamera:
 
     camera: Camera
     information: Array
-    """(9, 9) inverse of the covariance of the `PARAMETERS`; zero rows and columns for those whose
+    """(p, p) inverse of the covariance of its parameters; zero rows and columns for those whose
     uncertainty is not known. For them `prior_information` stands: 30 % of f, 10 % of the width."""
 
     @classmethod
     def of(cls, camera: Camera, covariance: Array | None = None) -> KnownCamera:
-        """A camera with its covariance (9, 9); zero rows and columns, or None: not known."""
-        information = np.zeros((len(PARAMETERS), len(PARAMETERS)))
+        """A camera with its covariance (p, p); zero rows and columns, or None: not known."""
+        information = np.zeros((len(camera.parameters),) * 2)
         if covariance is not None:
             known = np.flatnonzero(np.diag(covariance) > 0)
             part = np.ix_(known, known)

@@ -22,18 +22,25 @@ Phase = Literal["startup", "guiding", "captured", "converged", "finished"]
 """startup: until the first capture; guiding: a target is shown; captured: calibrating and
 searching; converged: the parameters have settled; finished: ended by the user or complete."""
 
-PARAMETER_DESCRIPTIONS = (
-    Sentence("focal length, horizontal"),
-    Sentence("focal length, vertical"),
-    Sentence("image centre, horizontal"),
-    Sentence("image centre, vertical"),
-    Sentence("radial distortion, 1st"),
-    Sentence("radial distortion, 2nd"),
-    Sentence("tangential distortion, 1st"),
-    Sentence("tangential distortion, 2nd"),
-    Sentence("radial distortion, 3rd"),
-)
-"""Descriptions of the nine parameters, in their order. The image centre is the principal point:
+PARAMETER_DESCRIPTIONS = {
+    "fx": Sentence("focal length, horizontal"),
+    "fy": Sentence("focal length, vertical"),
+    "cx": Sentence("image centre, horizontal"),
+    "cy": Sentence("image centre, vertical"),
+    "k1": Sentence("radial distortion, 1st"),
+    "k2": Sentence("radial distortion, 2nd"),
+    "p1": Sentence("tangential distortion, 1st"),
+    "p2": Sentence("tangential distortion, 2nd"),
+    "k3": Sentence("radial distortion, 3rd"),
+    "k4": Sentence("radial distortion, 4th"),
+    "k5": Sentence("radial distortion, 5th"),
+    "k6": Sentence("radial distortion, 6th"),
+    "s1": Sentence("thin prism, 1st"),
+    "s2": Sentence("thin prism, 2nd"),
+    "s3": Sentence("thin prism, 3rd"),
+    "s4": Sentence("thin prism, 4th"),
+}
+"""Descriptions of the parameters by name. The image centre is the principal point:
 where the optical axis meets the image."""
 
 

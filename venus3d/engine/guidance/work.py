@@ -20,8 +20,8 @@ from venus3d.engine.calibration.observation import (
 from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
-from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress, check_convergence
 from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.loop import Calibrated
@@ -60,7 +60,7 @@ class Outcome:
     forecast: Forecast | None = None
     """None if unknown, or if there was no time for it."""
     uncertainty: ProjectionUncertainty | None = None
-    """None while not all nine parameters are estimated."""
+    """None while not all parameters are estimated."""
     search_trace: SearchTrace | None = None
     """The search of the suggestion; None if there was none."""
 
@@ -150,9 +150,17 @@ class Work:
             calibration.camera.parameters,
             calibration.sigma,
             calibration.uncertainty_px,
-            np.full(9, np.nan) if aim is None else aim.predicted_sigma,
+            self._promised(calibration),
             float("nan") if aim is None else aim.predicted_uncertainty_px,
+            calibration.camera.parameter_names,
         )
+
+    def _promised(self, calibration: Calibration) -> Array:
+        """(p,) the sigmas that the last view's target promised; NaN if it promised none."""
+        aim, p = self.last_target, len(calibration.camera.parameters)
+        if aim is None or len(aim.predicted_sigma) != p:
+            return np.full(p, np.nan)
+        return aim.predicted_sigma
 
     def _calibrated(self) -> tuple[Calibration, tuple[str, ...]]:
         """The fullest model that the views determine, and a sentence if it is not the full one."""
@@ -185,7 +193,9 @@ class Work:
         if not all(calibration.free) or not planner.posterior.settled:
             return None
         views = calibration.views
-        degrees = 2 * sum(v.observation.count for v in views) - len(PARAMETERS) - 6 * len(views)
+        degrees = (
+            2 * sum(v.observation.count for v in views) - len(calibration.free) - 6 * len(views)
+        )
         if calibration.corner_errors.shared_px > 0:
             degrees = len(views) + 1  # what the views share is learnt from the views alone
         try:
@@ -215,13 +225,13 @@ def provisional(
         errors = reprojection_errors(camera, board, observation, pose)
         views.append(View(number, observation, pose, rms_distance(errors), errors))
     residuals = np.concatenate([view.errors for view in views])
-    nothing = (False,) * len(PARAMETERS)
+    p = len(camera.parameters)
     return Calibration(
         board=board,
         camera=camera,
-        covariance=np.zeros((9, 9)),
-        covariance_noise_only=np.zeros((9, 9)),
-        free=nothing,
+        covariance=np.zeros((p, p)),
+        covariance_noise_only=np.zeros((p, p)),
+        free=(False,) * p,
         residual_sigma_px=float(residuals.std()),
         corner_errors=CornerErrors(float(residuals.std())),
         rms_px=rms_distance(residuals),

@@ -1,7 +1,7 @@
 """Costs of candidate poses: one per name, all with the same interface.
 
 `make_cost(...)` returns `cost(vectors (N, 6)) -> (N,)`, smaller is better, never negative. All but
-"rms" come from the predicted covariance of the nine intrinsics (`Posterior.after`); "rms" runs a
+"rms" come from the predicted covariance of the intrinsics (`Posterior.after`); "rms" runs a
 calibration, which takes milliseconds a pose instead of microseconds. docs/costs.md derives them.
 """
 
@@ -81,13 +81,13 @@ def rough_of(cost: CostFunction) -> CostFunction:
 
 
 def dispersion_scale(camera: Camera) -> Array:
-    """(9,) divisor of a variance in eq. (13): |value|, or 1 where the value is exactly 0."""
+    """(p,) divisor of a variance in eq. (13): |value|, or 1 where the value is exactly 0."""
     values = np.abs(camera.parameters)
     return np.where(values == 0, 1.0, values)
 
 
 def index_of_dispersion(camera: Camera, covariance: ArrayLike) -> Array:
-    """Eq. (13), (9,): variance over |value| of each parameter."""
+    """Eq. (13), (p,): variance over |value| of each parameter."""
     return np.diag(np.asarray(covariance, dtype=np.float64)) / dispersion_scale(camera)
 
 
@@ -108,7 +108,7 @@ def expected_distance(covariance: ArrayLike) -> Array:
 
 
 def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
-    """The cost as a function of covariances (N, 9, 9), to values (N,)."""
+    """The cost as a function of covariances (N, p, p), to values (N,)."""
     if name in ("sum-iod", "max-iod"):
         over = dispersion_scale(camera)
         total = np.sum if name == "sum-iod" else np.max
@@ -118,14 +118,14 @@ def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
         return lambda C: _largest_uncertainty(moves, C)
     weight = projection_weight(camera)
     if name == "projection-variance":
-        return lambda C: C.reshape(-1, 81) @ weight.ravel()
+        return lambda C: C.reshape(len(C), -1) @ weight.ravel()
     # Mean squared pixels that one unit of a parameter moves over the image.
     px2 = np.diag(weight)
     if name == "trace":
         return lambda C: np.einsum("nii->ni", C) @ px2
 
     def mean_of_axes(C: Array) -> Array:
-        return np.exp((np.linalg.slogdet(C)[1] + np.log(px2).sum()) / 9)
+        return np.exp((np.linalg.slogdet(C)[1] + np.log(px2).sum()) / len(px2))
 
     return mean_of_axes
 
@@ -133,9 +133,9 @@ def _of_covariance(name: Cost, camera: Camera) -> CostFunction:
 def _largest_uncertainty(moves: Array, covariances: Array) -> Array:
     """(N,) largest of the expected distances, pixels, over the rays of `border_derivatives`."""
     a, b = moves[:, 0], moves[:, 1]
-    # Elements of every ray's 2 x 2 covariance as one product with the 81 elements of C.
+    # Elements of every ray's 2 x 2 covariance as one product with the elements of C.
     pairs = np.stack([np.einsum("ki,kj->kij", p, q) for p, q in ((a, a), (a, b), (b, b))])
-    elements = covariances.reshape(-1, 81) @ pairs.reshape(-1, 81).T
+    elements = covariances.reshape(len(covariances), -1) @ pairs.reshape(-1, pairs[0, 0].size).T
     xx, xy, yy = np.split(elements, 3, axis=1)
     pixel = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
     return np.max(expected_distance(pixel), axis=1)

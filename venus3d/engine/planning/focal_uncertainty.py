@@ -32,7 +32,7 @@ def focal_sigma(
 ) -> float:
     """Standard deviation of fx, pixels, from a calibration with `views_like` this pose.
 
-    All nine parameters and every view's pose are unknown, as in `cv2.calibrateCamera`; every corner
+    All parameters and every view's pose are unknown, as in `cv2.calibrateCamera`; every corner
     counts, with noise of `noise_px` per axis, whether or not it is in the image.
 
     inf if the views do not determine the focal length, so that by this sigma it could be zero: for

@@ -125,7 +125,10 @@ class _Poses:
 
     def __init__(self, posterior: Posterior, space: Space, rng: np.random.Generator) -> None:
         self._start, self._space, self._rng = posterior, space, rng
-        self._vectors, self._information = np.empty((0, 6)), np.empty((0, 9, 9))
+        self._vectors, self._information = (
+            np.empty((0, 6)),
+            np.empty((0, *posterior.information.shape)),
+        )
         self._add(rng.random((_SPREAD, 6)))
 
     def best(self, posterior: Posterior) -> Array:
@@ -142,12 +145,12 @@ class _Poses:
         return self._vectors[0]
 
     def _add(self, unit: Array) -> Array:
-        """Add points (N, 6) of the unit cube; the information (K, 9, 9) of those in the space."""
+        """Add points (N, 6) of the unit cube; the information (K, p, p) of those in the space."""
         vectors, good = self._space.bring_inside(self._space.from_unit(unit))
         vectors, start = vectors[good], self._start
         if not len(vectors):
             if len(self._vectors):
-                return np.empty((0, 9, 9))
+                return np.empty((0, *start.information.shape))
             raise nothing_fits(self._space)
         camera, board = start.camera, start.board
         R, t = rotations_of(vectors), vectors[:, 3:]
@@ -162,6 +165,6 @@ class _Poses:
 
 def _variances(posterior: Posterior, information: Array) -> Array:
     """(N,) mean variance of a projected pixel, in units of a corner's, after a view of each of the
-    informations (N, 9, 9)."""
+    informations (N, p, p)."""
     after = np.linalg.inv(posterior.information + information)
-    return after.reshape(-1, 81) @ projection_weight(posterior.camera).ravel()
+    return after.reshape(len(after), -1) @ projection_weight(posterior.camera).ravel()

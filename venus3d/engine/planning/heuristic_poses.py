@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS, Camera
+from venus3d.engine.geometry.lenses import BROWN5
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.costs import index_of_dispersion
 from venus3d.engine.planning.pose_space import Space, brought_within
@@ -29,6 +30,7 @@ _ORBIT_WIDTHS = 1.6  # Rojtberg's distance of an orbit pose, in board widths
 _SHIFT = 0.05  # his shift for the principal point, as a fraction of the image
 _ABOUT_Y = ("fx", "cx")
 _ABOUT_X = ("fy", "cy")
+_BROWN5 = (*PINHOLE_PARAMETERS, *BROWN5.coefficient_names)
 
 
 @dataclass(frozen=True)
@@ -45,19 +47,21 @@ class Window:
 class HeuristicState:
     """What the rules have used so far."""
 
-    counts: tuple[int, ...] = (0,) * 9
-    """Number of poses made for each of the nine `PARAMETERS`."""
+    made: tuple[str, ...] = ()
+    """The parameters that poses were made for, one after the other."""
     windows: tuple[Window, ...] = ()
     """Distortion windows already shown."""
     sigma: tuple[float, ...] = ()
-    """(9,) standard deviations when the last pose was made; empty before."""
+    """(p,) standard deviations when the last pose was made; empty before."""
     aimed: str = ""
     """The parameter that the last pose was made for; empty before."""
     settled: tuple[str, ...] = ()
     """Parameters no longer aimed at, because their view changed them little."""
 
-    def observed(self, sigma: ArrayLike, epsilon: float = 0.1) -> HeuristicState:
-        """The state after the views so far gave standard deviations `sigma` (9,).
+    def observed(
+        self, sigma: ArrayLike, names: tuple[str, ...] = _BROWN5, epsilon: float = 0.1
+    ) -> HeuristicState:
+        """The state after the views so far gave standard deviations `sigma` (p,) of these names.
 
         A parameter whose sigma fell by less than `epsilon` through the view made for it is settled
         and no longer aimed at, as in Rojtberg's program; otherwise k3, which is nearly always the
@@ -66,24 +70,24 @@ class HeuristicState:
         """
         now = np.asarray(sigma, dtype=np.float64)
         begun = replace(self, sigma=tuple(float(v) for v in now))
-        if not self.sigma or not self.aimed or np.allclose(now, self.sigma, rtol=1e-6, atol=0):
+        if len(self.sigma) != len(now) or self.aimed not in names:
             return begun
-        aimed = PARAMETERS.index(self.aimed)
+        if np.allclose(now, self.sigma, rtol=1e-6, atol=0):
+            return begun
+        aimed = names.index(self.aimed)
         if not 0 <= 1 - now[aimed] / self.sigma[aimed] < epsilon:
             return begun
         settled = tuple(sorted({*self.settled, self.aimed}))
-        return replace(begun, settled=() if len(settled) == len(PARAMETERS) else settled)
+        return replace(begun, settled=() if set(names) <= set(settled) else settled)
 
     def count(self, *names: str) -> int:
         """Number of poses made for these parameters together."""
-        return sum(self.counts[PARAMETERS.index(name)] for name in names)
+        return sum(self.made.count(name) for name in names)
 
     def after(self, name: str, window: Window | None = None) -> HeuristicState:
         """The state after one more pose for the parameter `name`."""
-        counts = list(self.counts)
-        counts[PARAMETERS.index(name)] += 1
         windows = self.windows if window is None else (*self.windows, window)
-        return replace(self, counts=tuple(counts), windows=windows, aimed=name)
+        return replace(self, made=(*self.made, name), windows=windows, aimed=name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,8 +107,8 @@ class HeuristicPose:
 def weakest_parameter(camera: Camera, covariance: ArrayLike, settled: Collection[str] = ()) -> str:
     """The unsettled parameter with the largest index of dispersion, eq. (13)."""
     dispersion = index_of_dispersion(camera, covariance)
-    passed_over = [name in settled for name in PARAMETERS]
-    return PARAMETERS[int(np.argmax(np.where(passed_over, -np.inf, dispersion)))]
+    passed_over = [name in settled for name in camera.parameter_names]
+    return camera.parameter_names[int(np.argmax(np.where(passed_over, -np.inf, dispersion)))]
 
 
 def paper_angle_deg(i: int) -> float:
@@ -138,7 +142,7 @@ def paper_pose(space: Space, parameter: str, state: HeuristicState) -> Heuristic
 
 def rojtberg_pose(space: Space, parameter: str, state: HeuristicState) -> HeuristicPose:
     """Rojtberg's pose for `parameter`; the first one is frontal and fills the image."""
-    if not any(state.counts):
+    if not state.made:
         wanted = _nearest_visible(space, np.array([0.0, 0, 0, 0, 0, 1]))
         return _finished(space, wanted, parameter, state.after(parameter))
     if parameter not in _ABOUT_X + _ABOUT_Y:
@@ -197,7 +201,7 @@ def window_pose(board: Board, camera: Camera, window: Window) -> Pose:
     if not np.isfinite(ray).all():
         ray = camera.without_distortion().unproject(np.array(centre))
     z = camera.fx * board.width / window.width
-    return Pose(np.eye(3), np.array([ray[0] * z, ray[1] * z, z]))
+    return Pose(np.eye(3), z * np.array([ray[0] / ray[2], ray[1] / ray[2], 1.0]))
 
 
 def _turned(parameter: str, state: HeuristicState, angle_deg: Callable[[int], float]) -> Array:

@@ -39,7 +39,7 @@ class Posterior:
     board: Board
     camera: Camera
     information: Array
-    """(9, 9) for corner noise of one pixel; never singular."""
+    """(p, p) for corner noise of one pixel; never singular."""
     sigma_px: float = 1.0
     """Standard deviation of a corner coordinate, pixels."""
     noise: NoiseModel | None = None
@@ -60,9 +60,9 @@ class Posterior:
         shared_ratio: float = 0.0,
         known: Array | None = None,
     ) -> Posterior:
-        """The posterior after views of this `information`, (9, 9).
+        """The posterior after views of this `information`, (p, p).
         While the views alone contain less, `prior_information` is added, and what is `known` from
-        before: (9, 9) inverse of a covariance."""
+        before: (p, p) inverse of a covariance."""
         gathered = np.asarray(information, dtype=np.float64)
         prior = prior_information(camera, sigma_px)
         settled = _settled(gathered, prior, sigma_px)
@@ -95,7 +95,7 @@ class Posterior:
 
     @cached_property
     def covariance(self) -> Array:
-        """(9, 9) current covariance of the intrinsics."""
+        """(p, p) current covariance of the intrinsics."""
         return covariance_of(self.information, self.sigma_px)
 
     @cached_property
@@ -104,7 +104,7 @@ class Posterior:
         return projection_uncertainty_px(self.camera, self.covariance)
 
     def after(self, vectors: ArrayLike, *, rough: bool = False) -> Array:
-        """(N, 9, 9) covariances after one more view of the whole board under pose vectors (N, 6).
+        """(N, p, p) covariances after one more view of the whole board under pose vectors (N, 6).
 
         A noise model weighs the view by the noise and the corners found. `rough` takes two dozen
         points of the board instead of all corners (`board_nodes`): good to a fraction of a per
@@ -119,7 +119,7 @@ class Posterior:
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         points, weights = board_nodes(self.board) if rough else (self.board.corners, None)
         shared = shared_share(self.board, points, self.shared_ratio, weights)
-        covariances = np.empty((len(p), 9, 9))
+        covariances = np.empty((len(p), *self.information.shape))
         for first in range(0, len(p), _CHUNK):
             part = p[first : first + _CHUNK]
             R, t = rotations_of(part), part[:, 3:]

@@ -128,7 +128,9 @@ class Planner:
         `budget`: approximate number of poses to evaluate; None: the search's default.
         """
         settings, space, strategy = self.settings, self.space, self.settings.search_strategy
-        ended = (state or HeuristicState()).observed(np.sqrt(np.diag(self.posterior.covariance)))
+        ended = (state or HeuristicState()).observed(
+            np.sqrt(np.diag(self.posterior.covariance)), self.posterior.camera.parameter_names
+        )
         made: HeuristicPose | None = None
         # Only the annealing needs a start, and so a rule.
         if strategy is None or (strategy == "annealing" and settings.start == "generated"):
@@ -162,7 +164,10 @@ class Planner:
         The parameter that a rule `aimed_at` is listed first whatever it gains."""
         posterior, camera, board = self.posterior, self.posterior.camera, self.posterior.board
         after = posterior.after(vector)[0]
-        pose, serves = Pose.from_vector(vector), served(posterior.covariance, after, aimed_at)
+        pose, serves = (
+            Pose.from_vector(vector),
+            served(posterior.covariance, after, posterior.camera.parameter_names, aimed_at),
+        )
         return Target(
             number=number,
             pose=pose,

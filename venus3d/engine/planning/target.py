@@ -9,7 +9,7 @@ import numpy as np
 
 from venus3d.engine.amounts import size_deg, whole
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Steps, decompose
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.settings import Cost, Method
@@ -79,7 +79,7 @@ _CENTRES = {
 }
 _LENS_BENDS = Sentence("how the lens bends straight lines ({names})")
 _ANYTHING = Sentence("a little of everything")
-_LENS = ("k1", "k2", "k3", "p1", "p2")
+_LENS = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "s1", "s2", "s3", "s4")
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ class Target:
     reason: str
     """One sentence: the purpose of this pose."""
     predicted_sigma: Array
-    """(9,) expected standard deviations after this view; NaN if unknown."""
+    """(p,) expected standard deviations after this view; NaN if unknown."""
     predicted_uncertainty_px: float
     """Projection uncertainty over the image after this view, pixels; NaN if unknown."""
     evaluated: int
@@ -138,15 +138,17 @@ def unpredicted_target(
         cost=cost,
         serves=serves,
         reason=reason,
-        predicted_sigma=np.full(len(PARAMETERS), np.nan),
+        predicted_sigma=np.full(len(camera.parameters), np.nan),
         predicted_uncertainty_px=float("nan"),
         evaluated=0,
         search_s=0.0,
     )
 
 
-def served(before: Array, after: Array, first: str | None = None) -> tuple[str, ...]:
-    """The parameters whose sigma falls most between two covariances (9, 9), best first.
+def served(
+    before: Array, after: Array, parameters: Sequence[str], first: str | None = None
+) -> tuple[str, ...]:
+    """The parameters whose sigma falls most between two covariances (p, p), best first.
 
     At most three, all within 80 % of the largest relative drop. The parameter `first`, which a rule
     aimed at, comes first whatever its drop.
@@ -154,7 +156,7 @@ def served(before: Array, after: Array, first: str | None = None) -> tuple[str, 
     with np.errstate(divide="ignore", invalid="ignore"):
         drop = np.nan_to_num(1 - np.sqrt(np.diag(after) / np.diag(before)), nan=0.0)
     order = np.argsort(-drop, kind="stable")[:3]
-    names = [PARAMETERS[i] for i in order if drop[i] >= 0.8 * drop[order[0]]]
+    names = [parameters[int(i)] for i in order if drop[i] >= 0.8 * drop[order[0]]]
     return tuple(dict.fromkeys(names if first is None else [first, *names]))[:3]
 
 

@@ -30,7 +30,7 @@ from venus3d.engine.calibration.projection_uncertainty import (
     projection_uncertainty_px,
     uncertainty_map,
 )
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.target import Target
@@ -52,9 +52,9 @@ class Influence:
     rms_px: float
     """Root mean square reprojection distance of the others; NaN likewise."""
     parameters: Array
-    """(9,) the `PARAMETERS` from the others alone; NaN likewise."""
+    """(p,) the camera's parameters from the others alone; NaN likewise."""
     sigma: Array
-    """(9,) their standard deviations; NaN likewise."""
+    """(p,) their standard deviations; NaN likewise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ class ProjectionUncertainty:
 def projection_uncertainty(
     calibration: Calibration, posterior: Posterior, target: Target | None
 ) -> ProjectionUncertainty | None:
-    """The uncertainty of a calibration; None while it does not estimate all nine parameters.
+    """The uncertainty of a calibration; None while it does not estimate all parameters.
 
     Args:
         posterior: of the same views; gives the expected maps.
@@ -121,21 +121,21 @@ def influences(calibration: Calibration) -> tuple[Influence, ...]:
 
 
 def _pull(calibration: Calibration, view: View) -> Array:
-    """(9,) the gradient of a view's squares by the parameters, g; for unit noise."""
+    """(p,) the gradient of a view's squares by the parameters, g; for unit noise."""
     points = calibration.board.points_of(view.observation.ids)
     R, t = view.pose.R[None], view.pose.t[None]
     _, intrinsic, _ = calibration.camera.project_with_jacobians(points, R, t)
-    return intrinsic.reshape(-1, len(PARAMETERS)).T @ view.errors.reshape(-1)
+    return intrinsic.reshape(-1, intrinsic.shape[-1]).T @ view.errors.reshape(-1)
 
 
 def _without(
     camera: Camera, views: Sequence[View], view: View, others: Array, gradient: Array
 ) -> Influence:
     corners = sum(v.observation.count for v in views) - view.observation.count
-    freedom = 2 * corners - len(PARAMETERS) - 6 * (len(views) - 1)
+    freedom = 2 * corners - len(gradient) - 6 * (len(views) - 1)
     unit = _covariance(others) if freedom > 0 else None
     if unit is None:
-        nothing = np.full(len(PARAMETERS), np.nan)
+        nothing = np.full(len(gradient), np.nan)
         return Influence(view.number, float("nan"), float("nan"), nothing, nothing)
     squares = sum(float(np.sum(v.errors**2)) for v in views if v is not view)
     squares = max(squares - float(gradient @ unit @ gradient), 0.0)
@@ -178,7 +178,7 @@ def _with_shared_errors(
 
 
 def _covariance(information: Array) -> Array | None:
-    """(9, 9) for unit noise; None if the information is (nearly) singular."""
+    """(p, p) for unit noise; None if the information is (nearly) singular."""
     scale = np.sqrt(np.abs(np.diag(information)))
     if not (scale > 0).all():
         return None

@@ -90,10 +90,10 @@ def encode(
             f"{_start(target)} has no lens distortion, and this camera has; undistort the pictures "
             "(venus3d undistort) and say so with --undistorted."
         )
-    elif target.coefficients == 4 and record.camera.k3:
+    elif target.coefficients == 4 and (k3 := record.camera.named.get("k3")):
         if not without_k3:
             raise StorageError(
-                f"{_start(target)} has no k3, and this camera has k3 = {record.camera.k3:.4g}; "
+                f"{_start(target)} has no k3, and this camera has k3 = {k3:.4g}; "
                 "export to ros or opencv-yaml, or take the nearest camera without k3 "
                 "(--without-k3)."
             )

@@ -10,7 +10,6 @@ from __future__ import annotations
 import ast
 
 from venus3d.engine.errors import StorageError
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 
@@ -32,9 +31,8 @@ def write(record: CameraRecord) -> bytes:
     camera = record.camera
     lines = ["# Camera calibration by venus3d."]
     if record.covariance is not None:
-        lines.append(
-            f"# Covariance of {' '.join(PARAMETERS)}, a row a line; mrcal does not read it:"
-        )
+        names = " ".join(camera.parameter_names)
+        lines.append(f"# Covariance of {names}, a row a line; mrcal does not read it:")
         lines += ["#   " + " ".join(map(repr, row)) for row in record.covariance.tolist()]
     intrinsics = ", ".join(map(repr, camera.parameters.tolist()))
     lines += [

@@ -28,7 +28,7 @@ def write(record: CameraRecord) -> bytes:
         "fl_y": camera.fy,
         "cx": camera.cx + 0.5,
         "cy": camera.cy + 0.5,
-        **{key: getattr(camera, key) for key in ("k1", "k2", "k3", "p1", "p2")},
+        **{key: camera.named[key] for key in ("k1", "k2", "k3", "p1", "p2")},
         "frames": [],
     }
     return (json.dumps(content, indent=2) + "\n").encode()

@@ -16,7 +16,6 @@ import numpy as np
 
 from venus3d.engine.errors import BoardError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.geometry.pose import Array
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
@@ -42,8 +41,10 @@ def opencv_text(record: CameraRecord, extension: str = "yaml") -> str:
     # One row, k1 k2 p1 p2 k3, as in OpenCV's sample.
     file.write("distortion_coefficients", camera.distortion.reshape(1, 5))
     if record.sigma is not None:
-        file.writeComment(f"Standard deviations of {' '.join(PARAMETERS)}; 0: was held fixed.")
-        file.write("standard_deviations", np.reshape(record.sigma, (1, 9)))
+        file.writeComment(
+            f"Standard deviations of {' '.join(camera.parameter_names)}; 0: was held fixed."
+        )
+        file.write("standard_deviations", np.reshape(record.sigma, (1, -1)))
     if record.rms_px is not None:
         file.write("avg_reprojection_error", record.rms_px)
     if record.views is not None:
@@ -87,7 +88,7 @@ def _record_of(file: cv2.FileStorage) -> CameraRecord:
     sigma, views = _matrix(file, "standard_deviations"), _number(file, "nframes")
     return CameraRecord(
         camera,
-        sigma=None if sigma is None or sigma.size != len(PARAMETERS) else sigma.ravel(),
+        sigma=None if sigma is None or sigma.size != len(camera.parameters) else sigma.ravel(),
         rms_px=_number(file, "avg_reprojection_error"),
         views=None if views is None else int(views),
         board=_board_of(file),

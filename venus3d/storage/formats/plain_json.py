@@ -9,10 +9,13 @@ import numpy as np
 
 from venus3d.engine.errors import BoardError, StorageError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PARAMETERS
+from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS
+from venus3d.engine.geometry.lenses import BROWN5
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 from venus3d.storage.result import SCHEMA, board_summary, to_json
+
+_BROWN5 = (*PINHOLE_PARAMETERS, *BROWN5.coefficient_names)
 
 
 def write(record: CameraRecord) -> bytes:
@@ -21,11 +24,12 @@ def write(record: CameraRecord) -> bytes:
     content: dict[str, Any] = {
         "schema": SCHEMA,
         "image_size": list(camera.image_size),
-        "intrinsics": _named(camera.parameters.tolist()),
-        "parameters": list(PARAMETERS),
+        "intrinsics": camera.named,
+        "parameters": list(camera.parameter_names),
     }
     if record.sigma is not None:
-        content["std"] = _named(np.asarray(record.sigma).tolist())
+        sigma = np.asarray(record.sigma).tolist()
+        content["std"] = dict(zip(camera.parameter_names, sigma, strict=True))
     if covariance is not None:
         content["covariance"] = covariance.tolist()
     if record.rms_px is not None:
@@ -46,9 +50,9 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
             f"{SCHEMA}; take the camera.yaml beside it."
         )
     intrinsics = values.mapping(found["intrinsics"])
-    parameters = [values.number(intrinsics[name]) for name in PARAMETERS]
+    parameters = [values.number(intrinsics[name]) for name in _BROWN5]
     covariance, std = values.covariance(found.get("covariance")), found.get("std")
-    sigma = None if std is None else np.array([values.number(std[name]) for name in PARAMETERS])
+    sigma = None if std is None else np.array([values.number(std[name]) for name in _BROWN5])
     views, rms = found.get("views"), found.get("rms_px")
     return CameraRecord(
         values.checked(parameters, values.size(*found["image_size"])),
@@ -70,10 +74,6 @@ def _board_of(content: Any) -> Board | None:
         return Board(**lengths, **{name: content[name] for name in others}, first_id=first_id)
     except BoardError as error:
         raise ValueError("no board") from error
-
-
-def _named(numbers: list[float]) -> dict[str, float]:
-    return dict(zip(PARAMETERS, numbers, strict=True))
 
 
 JSON = CameraFormat(

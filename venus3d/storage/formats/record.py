@@ -20,9 +20,9 @@ class CameraRecord:
 
     camera: Camera
     covariance: Array | None = None
-    """(9, 9) of the `PARAMETERS`; zero rows and columns for parameters held fixed."""
+    """(p, p) of the camera's parameters; zero rows and columns for parameters held fixed."""
     sigma: Array | None = None
-    """(9,) standard deviations of the `PARAMETERS`; with a covariance, the root of its diagonal."""
+    """(p,) standard deviations of the parameters; with a covariance, the root of its diagonal."""
     rms_px: float | None = None
     """Root mean square reprojection distance of the calibration, pixels."""
     views: int | None = None
@@ -48,7 +48,7 @@ class CameraRecord:
     def resized(self, resize: Resize) -> CameraRecord:
         """The same camera for pictures of another size. The rms stays that of the calibration's
         pixels, so it is left out if pixels change their size."""
-        by = resize.derivatives
+        by = resize.derivatives(self.camera)
         return replace(
             self,
             camera=resize.camera(self.camera),

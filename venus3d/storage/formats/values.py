@@ -77,7 +77,7 @@ def camera_of(
 
 
 def checked(parameters: Iterable[float], image_size: tuple[int, int]) -> Camera:
-    """The camera of up to nine `PARAMETERS`. Raises `StorageError` where they make none."""
+    """The camera of up to nine parameters of brown5. Raises `StorageError` where they make none."""
     values = np.zeros(9)
     given = np.array([*parameters], dtype=np.float64)[:9]
     values[: given.size] = given

@@ -195,7 +195,7 @@ class Trial(Exercise[TrialViewModel]):
             cost="projection-variance",
             serves=(),
             reason="",
-            predicted_sigma=np.full(9, np.nan),
+            predicted_sigma=np.full(len(self.camera.parameters), np.nan),
             predicted_uncertainty_px=np.nan,
             evaluated=0,
             search_s=0.0,

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from html import escape
+from itertools import zip_longest
 
 import numpy as np
 import viser
 
 from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.adjustment import Calibration
-from venus3d.engine.geometry.camera import PARAMETERS, Camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.prompts import Phase
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.sentences import listed
@@ -94,8 +95,10 @@ def ended_card(snapshot: Snapshot, theme: Theme, note: Note) -> str:
 
 def unsettled_text(snapshot: Snapshot) -> str:
     """Which parameters have not settled, in a sentence; empty if all have."""
-    judged = snapshot.convergence
-    names = PARAMETERS if judged is None else judged.unsettled
+    judged, known = snapshot.convergence, snapshot.calibration
+    if known is None:
+        return ""
+    names = known.camera.parameter_names if judged is None else judged.unsettled
     return say.NOT_SETTLED.format(names=translated(listed(names))) if names else ""
 
 
@@ -112,7 +115,7 @@ def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
     known = snapshot.calibration
     if known is None or snapshot.phase not in OVER:
         return ""
-    cells = "".join(_cell(known, index) for index in (0, 4, 1, 5, 2, 6, 3, 7, 8))
+    cells = "".join(_cell(known, index) for index in _two_columns(known))
     wide, high, across = fields_of_view(known.camera)
     view = say.FIELD_OF_VIEW.format(wide=wide, high=high, across=across)
     copies = "".join(
@@ -141,6 +144,13 @@ def _measure_link(url: str) -> str:
     )
 
 
+def _two_columns(known: Calibration) -> list[int]:
+    """The parameters' indices, row by row: on the left the pinhole's, on the right the lens's."""
+    left, right = [*range(4)], [*range(4, len(known.free))]
+    pairs = zip_longest(left, right)
+    return [index for pair in pairs for index in pair if index is not None]
+
+
 def fields_of_view(camera: Camera) -> tuple[float, float, float]:
     """Degrees that the picture covers, through the lens as it is: across its middle row and column
     from edge to edge, and from its upper left to its lower right corner."""
@@ -150,9 +160,7 @@ def fields_of_view(camera: Camera) -> tuple[float, float, float]:
         [(camera.cx, -0.5), (camera.cx, h)],
         [(-0.5, -0.5), (w, h)],
     ]
-    xy = camera.unproject(ends)
-    rays = np.concatenate([xy, np.ones((3, 2, 1))], axis=2)
-    rays /= np.linalg.norm(rays, axis=2, keepdims=True)
+    rays = camera.unproject(ends)
     angles = np.degrees(np.arccos(np.clip((rays[:, 0] * rays[:, 1]).sum(axis=1), -1, 1)))
     return float(angles[0]), float(angles[1]), float(angles[2])
 
@@ -161,9 +169,10 @@ def _cell(known: Calibration, index: int) -> str:
     value, sigma = figures(float(known.camera.parameters[index]), float(known.sigma[index]), index)
     extra = f" <i>± {sigma}</i>" if sigma else f" <i>{say.HELD}</i>"
     exact = f"{known.camera.parameters[index]:.10g}"
+    name = known.camera.parameter_names[index]
     return (
-        f"<div><b>{PARAMETERS[index]}</b><span>{value}{extra}</span>"
-        f"{copy_button(exact, hint=say.COPY_ONE.format(name=PARAMETERS[index]))}</div>"
+        f"<div><b>{name}</b><span>{value}{extra}</span>"
+        f"{copy_button(exact, hint=say.COPY_ONE.format(name=name))}</div>"
     )
 
 
@@ -174,7 +183,9 @@ def _copies(known: Calibration, snapshot: Snapshot) -> list[tuple[str, tuple[str
     python = say.PYTHON.format(matrix=" ".join(matrix.split()), lens=lens)
     lines = [
         f"{name}\t{value:.10g}\t{sigma:.4g}"
-        for name, value, sigma in zip(PARAMETERS, camera.parameters, known.sigma, strict=True)
+        for name, value, sigma in zip(
+            camera.parameter_names, camera.parameters, known.sigma, strict=True
+        )
     ]
     error = snapshot.history[-1].uncertainty_px
     table = "\n".join([*lines, f"uncertainty_px\t{error:.4g}", ""])

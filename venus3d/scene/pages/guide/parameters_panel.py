@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import viser
 
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.progress_panel import trend, trend_caption, trend_series
@@ -21,9 +22,11 @@ class ParametersPanel:
         self._table = gui.add_html("")
         self._caption = gui.add_html(trend_caption(theme), visible=False)
         start = np.array([0.0, 1.0])
+        self._theme = theme
+        self._names = Camera.guess((2, 2)).parameter_names
         self._trend = gui.add_uplot(
-            (start, *(np.ones(2) for _ in range(9))),
-            trend_series(theme),
+            (start, *(np.ones(2) for _ in self._names)),
+            trend_series(theme, self._names),
             scales={"x": {"time": False}, "y": {"distr": 3}},
             axes=(
                 {
@@ -51,11 +54,15 @@ class ParametersPanel:
         lines = trend(snapshot.history)
         self._caption.visible = self._trend.visible = lines is not None
         if lines is not None:
+            if snapshot.history[-1].names != self._names:
+                self._names = snapshot.history[-1].names
+                self._trend.series = trend_series(self._theme, self._names)
             self._trend.data = lines
 
     def recolour(self, theme: Theme) -> None:
         """Use these colours."""
-        self._trend.series = trend_series(theme)
+        self._theme = theme
+        self._trend.series = trend_series(theme, self._names)
         self._caption.content = trend_caption(theme)
         across, up = self._trend.axes or ({}, {})
         self._trend.axes = ({**across, "stroke": theme.quiet}, {**up, "stroke": theme.quiet})

@@ -9,7 +9,6 @@ import numpy as np
 from viser import uplot
 
 from venus3d.engine.amounts import figure
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress, last_gain
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -102,24 +101,25 @@ def _reason(snapshot: Snapshot) -> str:
 
 
 def trend(history: tuple[Progress, ...]) -> tuple[Array, ...] | None:
-    """View numbers, then nine sigmas relative to the first full calibration; None until two
-    calibrations have estimated all nine parameters."""
-    full = [entry for entry in history if (entry.sigma > 0).all()]
+    """View numbers, then each parameter's sigma relative to the first full calibration with this
+    lens; None until two calibrations have estimated all parameters."""
+    full = [e for e in history if e.names == history[-1].names and (e.sigma > 0).all()]
     if len(full) < 2:
         return None
     sigmas = np.array([entry.sigma for entry in full])
     relative = 100 * sigmas / sigmas[0]
     views = np.array([entry.views for entry in full], dtype=np.float64)
-    return (views, *(relative[:, index].copy() for index in range(9)))
+    return (views, *(relative[:, index].copy() for index in range(sigmas.shape[1])))
 
 
-def trend_series(theme: Theme) -> tuple[uplot.Series, ...]:
-    """Styles of the nine lines: one look per kind of parameter, in colours that mean nothing."""
-    colours = [theme.good] * 2 + [theme.quiet] * 7
+def trend_series(theme: Theme, names: Sequence[str]) -> tuple[uplot.Series, ...]:
+    """Styles of the lines: one look per kind of parameter, in colours that mean nothing."""
+    lens = len(names) - 4
+    colours = [theme.good] * 2 + [theme.quiet] * (2 + lens)
     solid: tuple[float, ...] = ()
-    dashes = [solid] * 4 + [(6.0, 5.0)] * 5
+    dashes = [solid] * 4 + [(6.0, 5.0)] * lens
     series: list[uplot.Series] = [{"label": say.TREND_VIEWS}]
-    for name, colour, dash in zip(PARAMETERS, colours, dashes, strict=True):
+    for name, colour, dash in zip(names, colours, dashes, strict=True):
         series.append(
             {
                 "label": name,

@@ -1,4 +1,4 @@
-"""The nine parameters in a table: value, sigma and its trend, settled or not, meaning. A row opens,
+"""The parameters in a table: value, sigma and its trend, settled or not, meaning. A row opens,
 by a click or Enter, and explains the parameter's effect on the picture."""
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from html import escape
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import Calibration
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -27,7 +26,7 @@ def parameters_html(snapshot: Snapshot | None) -> str:
     """The table of parameters; a sentence without any."""
     if snapshot is None or snapshot.calibration is None:
         return f"<div class='v-progress'>{escape(texts.NO_PARAMETERS)}</div>"
-    rows = "".join(_row(snapshot, index) for index in range(len(PARAMETERS)))
+    rows = "".join(_row(snapshot, index) for index in range(len(snapshot.calibration.free)))
     shared = _shared_errors_text(snapshot.calibration)
     hint = f"<div class='v-more'>{escape(texts.PARAMETERS_HINT)}{escape(shared)}</div>"
     title = f"<h3 title='{escape(texts.SIGMA_HINT)}'>{escape(texts.PARAMETERS_TITLE)}</h3>"
@@ -60,7 +59,7 @@ def figures(value: float, sigma: float, index: int) -> tuple[str, str]:
 def sparkline(history: Sequence[Progress], index: int) -> str:
     """The sigma of the parameter of this index from view to view, as a small plot with a
     logarithmic scale; empty before two values."""
-    sigmas = [float(entry.sigma[index]) for entry in history if (entry.sigma > 0).all()]
+    sigmas = [float(entry.sigma[index]) for entry in _comparable(history)]
     if len(sigmas) < 2:
         return ""
     width, height = _SPARK
@@ -77,6 +76,13 @@ def sparkline(history: Sequence[Progress], index: int) -> str:
     )
 
 
+def _comparable(history: Sequence[Progress]) -> list[Progress]:
+    """Those with all parameters estimated, of the lens that the last one has."""
+    return [
+        entry for entry in history if entry.names == history[-1].names and (entry.sigma > 0).all()
+    ]
+
+
 def _row(snapshot: Snapshot, index: int) -> str:
     calibration, judged = snapshot.calibration, snapshot.convergence
     if calibration is None:
@@ -88,10 +94,11 @@ def _row(snapshot: Snapshot, index: int) -> str:
     else:
         mark, kind = texts.IMPROVING, ""
     value, sigma = calibration.camera.parameters[index], calibration.sigma[index]
-    sentence = escape(texts.PARAMETER_SENTENCES[index])
+    name = calibration.camera.parameter_names[index]
+    sentence = escape(texts.PARAMETER_SENTENCES[name])
     return (
-        f"<details class='v-row v-param'><summary title='{sentence}'><b>{PARAMETERS[index]}</b>"
-        f"<span class='v-word'>{translated(PARAMETER_DESCRIPTIONS[index])}</span>"
+        f"<details class='v-row v-param'><summary title='{sentence}'><b>{name}</b>"
+        f"<span class='v-word'>{translated(PARAMETER_DESCRIPTIONS[name])}</span>"
         f"<span class='v-mark{kind}'>{mark}</span>"
         f"<span class='v-value'>{value_text(float(value), float(sigma), index)}</span>"
         f"{sparkline(snapshot.history, index)}</summary>"

@@ -125,23 +125,34 @@ REPLAY_SEARCH_HINT = (
     "Replay slowly how the target was found, now and for each new target, or stop that"
 )
 
-NO_PARAMETERS = "After the first view the camera's nine numbers appear here."
-PARAMETERS_TITLE = "The camera's nine numbers, value ± one sigma"
+NO_PARAMETERS = "After the first view the camera's numbers appear here."
+PARAMETERS_TITLE = "The camera's numbers, value ± one sigma"
 SIGMA_HINT = "In two of three cases the true value is within ± one sigma of the value given."
 SETTLED, IMPROVING, NOT_YET = "✓ settled", "improving", "not yet estimated"
 TREND_ALT = "its sigma from view to view, falling to {percent} %"
-PARAMETER_SENTENCES = (
-    "How strongly the lens enlarges sideways: a larger fx makes everything wider in the picture.",
-    "How strongly the lens enlarges up and down: a larger fy makes everything taller.",
-    "Where the lens points, from the left: a larger cx shifts the whole picture to the right.",
-    "Where the lens points, from the top: a larger cy shifts the whole picture down.",
-    "Bends straight lines, most at the border: negative like a barrel, positive like a cushion.",
-    "Corrects k1 towards the corners, where k1 alone bends too much or too little.",
-    "The lens sits slightly tilted, up or down: the picture's top and bottom are bent unequally.",
-    "The lens sits slightly tilted, sideways: left and right are bent unequally.",
-    "The last correction, for the far corners only; the hardest of the nine to know.",
-)
-"""Effect of each of the nine parameters on the picture, in their order."""
+PARAMETER_SENTENCES = {
+    "fx": "How strongly the lens enlarges sideways: a larger fx makes everything wider in "
+    "the picture.",
+    "fy": "How strongly the lens enlarges up and down: a larger fy makes everything taller.",
+    "cx": "Where the lens points, from the left: a larger cx shifts the whole picture to "
+    "the right.",
+    "cy": "Where the lens points, from the top: a larger cy shifts the whole picture down.",
+    "k1": "Bends straight lines, most at the border: negative like a barrel, positive like "
+    "a cushion.",
+    "k2": "Corrects k1 towards the corners, where k1 alone bends too much or too little.",
+    "p1": "The lens sits slightly tilted, up or down: the picture's top and bottom are "
+    "bent unequally.",
+    "p2": "The lens sits slightly tilted, sideways: left and right are bent unequally.",
+    "k3": "The last correction, for the far corners only; the hardest of them to know.",
+    "k4": "Corrects the bending further, for a wide lens only; alone it means little.",
+    "k5": "As k4, nearer to the corners.",
+    "k6": "As k4, for the far corners.",
+    "s1": "The sensor is not quite square to the lens: bends the picture sideways.",
+    "s2": "As s1, nearer to the corners.",
+    "s3": "The sensor is not quite square to the lens: bends the picture up or down.",
+    "s4": "As s3, nearer to the corners.",
+}
+"""Effect of each parameter on the picture, by name."""
 PARAMETERS_HINT = "Click a row to read what the number does to the picture."
 SHARED_ERRORS = (
     "± includes what all corners of a view have wrong together; counted as separate errors, as in "

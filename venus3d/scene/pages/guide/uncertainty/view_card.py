@@ -15,14 +15,13 @@ import viser
 from venus3d.engine.amounts import figure, signed, whole
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.observation import View
-from venus3d.engine.geometry.camera import PARAMETERS
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import held_in_words
 from venus3d.engine.planning.uncertainty import Influence
 from venus3d.languages import number, translated
 from venus3d.scene.pages.guide.uncertainty import texts
 
-_FX, _FY = PARAMETERS.index("fx"), PARAMETERS.index("fy")
+_FX, _FY = 0, 1
 _SAME = 0.03
 """Relative change of the uncertainty below which a view hardly matters."""
 _ALIKE = 0.1
@@ -116,7 +115,7 @@ def _gave_line(snapshot: Snapshot, calibration: Calibration, left: Influence) ->
     return texts.VIEW_GAVE.format(
         without=figure(left.uncertainty_px),
         now=figure(np.nan if known is None else known.uncertainty_px),
-        most=PARAMETERS[most],
+        most=calibration.camera.parameter_names[most],
         ratio=figure(float(ratios[most])),
     )
 
