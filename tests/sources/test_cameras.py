@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import cv2
 import pytest
 
+from tests.sources.webcam import Webcam
 from venus3d.cli import main
 from venus3d.engine.errors import SourceError
 from venus3d.sources import camera_list
@@ -60,31 +61,6 @@ def test_without_a_camera_a_sentence(
     assert "There is no camera at this machine" in capsys.readouterr().err
 
 
-class Webcam:
-    """An opened camera whose focus is set by itself unless that is switched off."""
-
-    def __init__(self, backend: str = "V4L2") -> None:
-        self.backend = backend
-        self.values = {
-            cv2.CAP_PROP_AUTOFOCUS: 1.0,
-            cv2.CAP_PROP_FOCUS: 35.0,
-            cv2.CAP_PROP_AUTO_EXPOSURE: 3.0,
-            cv2.CAP_PROP_EXPOSURE: 250.0,
-        }
-
-    def get(self, propId: int) -> float:
-        return self.values.get(propId, 0.0)
-
-    def set(self, propId: int, value: float) -> bool:
-        if propId not in self.values:
-            return False
-        self.values[propId] = min(value, 250.0) if propId == cv2.CAP_PROP_FOCUS else value
-        return True
-
-    def getBackendName(self) -> str:
-        return self.backend
-
-
 def test_a_locked_focus_is_the_same_when_the_camera_is_opened_again() -> None:
     webcam = Webcam()
     assert "focuses by itself" in settings_notes(webcam, "Camera 0")[0]
@@ -106,7 +82,12 @@ def test_a_number_switches_the_automatic_off(backend: str, manual: float) -> Non
 
 @pytest.mark.parametrize(
     "settings",
-    [CameraSettings(gain="5"), CameraSettings(focus="900"), CameraSettings(white_balance="lock")],
+    [
+        CameraSettings(gain="auto"),
+        CameraSettings(focus="900"),
+        CameraSettings(white_balance="lock"),
+        CameraSettings(white_balance="4000"),
+    ],
 )
 def test_what_a_camera_has_not_is_refused(settings: CameraSettings) -> None:
     with pytest.raises(SourceError, match="does not take --camera"):

@@ -9,7 +9,8 @@ import sys
 import cv2
 
 from venus3d.engine.errors import SourceError
-from venus3d.sources.camera_settings import CameraSettings, apply_settings, settings_notes
+from venus3d.sources.camera_controls import CameraControls
+from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.live import Live
 from venus3d.sources.opencv_log import silence_opencv
 
@@ -23,9 +24,19 @@ def open_camera(
     camera does not exist, is not accessible, or does not offer this size or these settings.
     """
     name = f"Camera {device}"
-    opening = _Opening(device, name, size, settings or CameraSettings())
-    live = Live(opening, name)
-    live.notes = opening.notes
+    controls = CameraControls(name, settings or CameraSettings())
+
+    def opening() -> cv2.VideoCapture:
+        capture = _camera_capture(device, size)
+        try:
+            controls.opened(capture)
+        except SourceError:
+            capture.release()
+            raise
+        return capture
+
+    live = Live(opening, name, controls=controls)
+    live.notes = controls.notes
     if size is not None and live.image_size != size:
         live.close()
         raise SourceError(
@@ -46,26 +57,6 @@ def present_cameras() -> list[str]:
     camera has one: /dev/video0 may be another camera tomorrow."""
     by_id = {os.path.realpath(path): path for path in sorted(glob.glob("/dev/v4l/by-id/*"))}
     return [by_id.get(path, path) for path in sorted(glob.glob("/dev/video*"))]
-
-
-class _Opening:
-    """Opens a camera, again and again with the same settings. Used by one thread at a time."""
-
-    def __init__(
-        self, device: str, name: str, size: tuple[int, int] | None, settings: CameraSettings
-    ) -> None:
-        self._device, self._name, self._size, self._settings = device, name, size, settings
-        self.notes: tuple[str, ...] = ()
-
-    def __call__(self) -> cv2.VideoCapture:
-        capture = _camera_capture(self._device, self._size)
-        try:
-            self._settings = apply_settings(capture, self._settings, self._name)
-        except SourceError:
-            capture.release()
-            raise
-        self.notes = settings_notes(capture, self._name)
-        return capture
 
 
 def _camera_capture(device: str, size: tuple[int, int] | None) -> cv2.VideoCapture:

@@ -1,4 +1,4 @@
-"""Sets a camera's exposure, gain, focus and white balance, or locks them as they are.
+"""A camera's exposure, gain, focus and white balance: read, set, or locked as they are.
 
 By OpenCV on the opened capture, on every system; what a camera offers is listed by
 `camera_list.py`.
@@ -6,8 +6,9 @@ By OpenCV on the opened capture, on every system; what a camera offers is listed
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from typing import Annotated, Protocol
+import math
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal, Protocol, get_args
 
 import cv2
 from tyro.conf import arg
@@ -15,6 +16,8 @@ from tyro.conf import arg
 from venus3d.engine.errors import SourceError
 from venus3d.engine.sentences import Sentence
 
+SettingName = Literal["exposure", "gain", "focus", "white_balance"]
+SETTING_NAMES: tuple[SettingName, ...] = get_args(SettingName)
 _Setting = Annotated[str | None, arg(metavar="NUMBER|auto|lock", help_behavior_hint="(as it is)")]
 
 
@@ -38,10 +41,25 @@ class CameraSettings:
             if wanted not in ("auto", "lock") and not _is_number(wanted):
                 raise SourceError(f"{_option(name)} wants a number, auto or lock, not {wanted!r}.")
 
-    def wanted(self) -> list[tuple[str, str]]:
+    def wanted(self) -> list[tuple[SettingName, str]]:
         """Names and values of those that are given."""
-        named = ((field.name, getattr(self, field.name)) for field in fields(self))
-        return [(name, wanted) for name, wanted in named if wanted is not None]
+        wanted: list[tuple[SettingName, str]] = []
+        for name in SETTING_NAMES:
+            value: str | None = getattr(self, name)
+            if value is not None:
+                wanted.append((name, value))
+        return wanted
+
+
+@dataclass(frozen=True)
+class CameraSetting:
+    """One that a camera has, as it is now."""
+
+    name: SettingName
+    value: float
+    """In the driver's unit."""
+    automatic: bool | None
+    """Whether the camera sets it by itself; None if it never does."""
 
 
 class Adjustable(Protocol):
@@ -52,21 +70,22 @@ class Adjustable(Protocol):
     def getBackendName(self) -> str: ...
 
 
-_VALUE = {
+_VALUE: dict[SettingName, int] = {
     "exposure": cv2.CAP_PROP_EXPOSURE,
     "gain": cv2.CAP_PROP_GAIN,
     "focus": cv2.CAP_PROP_FOCUS,
     "white_balance": cv2.CAP_PROP_WB_TEMPERATURE,
 }
-_AUTOMATIC = {
+_AUTOMATIC: dict[SettingName, int] = {
     "exposure": cv2.CAP_PROP_AUTO_EXPOSURE,
     "focus": cv2.CAP_PROP_AUTOFOCUS,
     "white_balance": cv2.CAP_PROP_AUTO_WB,
 }
 _AUTOFOCUS = Sentence(
-    "{name} focuses by itself, which changes the camera that is being calibrated; lock it with "
-    "--camera.focus lock."
+    "{name} focuses by itself, which changes the camera that is being calibrated; lock it under "
+    "The camera's settings, or with --camera.focus lock."
 )
+_NOT_TAKEN = Sentence("{name} does not take {option} {wanted}; venus3d cameras shows what it has.")
 _EXPOSURE_BY_V4L2 = (1.0, 3.0)
 """Manual and automatic as V4L2's menu numbers them; elsewhere OpenCV has 0.25 and 0.75."""
 
@@ -90,6 +109,15 @@ def apply_settings(capture: Adjustable, settings: CameraSettings, name: str) -> 
     return settings
 
 
+def present_settings(capture: Adjustable) -> tuple[CameraSetting, ...]:
+    """Those that a camera has."""
+    return tuple(
+        CameraSetting(name, capture.get(_VALUE[name]), _is_automatic(capture, name))
+        for name in SETTING_NAMES
+        if _has(capture, _VALUE[name])
+    )
+
+
 def settings_notes(capture: Adjustable, name: str) -> tuple[str, ...]:
     """Warnings about a camera as it is set now."""
     if capture.get(cv2.CAP_PROP_AUTOFOCUS) == 1:
@@ -97,7 +125,20 @@ def settings_notes(capture: Adjustable, name: str) -> tuple[str, ...]:
     return ()
 
 
-def _on_off(capture: Adjustable, what: str) -> tuple[float, float]:
+def _has(capture: Adjustable, what: int) -> bool:
+    # V4L2 gives -1 for what it has not; others give 0 as well.
+    return capture.get(what) not in ((-1.0,) if capture.getBackendName() == "V4L2" else (-1.0, 0.0))
+
+
+def _is_automatic(capture: Adjustable, name: SettingName) -> bool | None:
+    what = _AUTOMATIC.get(name)
+    if what is None or capture.get(what) == -1:
+        return None
+    manual, _ = _on_off(capture, name)
+    return capture.get(what) != manual
+
+
+def _on_off(capture: Adjustable, what: SettingName) -> tuple[float, float]:
     if what != "exposure":
         return 0.0, 1.0
     return _EXPOSURE_BY_V4L2 if capture.getBackendName() == "V4L2" else (0.25, 0.75)
@@ -111,9 +152,7 @@ def _takes(capture: Adjustable, what: int, value: float) -> bool:
 
 
 def _not_taken(name: str, what: str, wanted: str) -> SourceError:
-    return SourceError(
-        f"{name} does not take {_option(what)} {wanted}; venus3d cameras shows what it has."
-    )
+    return SourceError(_NOT_TAKEN.format(name=name, option=_option(what), wanted=wanted))
 
 
 def _option(what: str) -> str:
@@ -122,7 +161,6 @@ def _option(what: str) -> str:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        return math.isfinite(float(text))
     except ValueError:
         return False
-    return True

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.errors import SourceError
 from venus3d.engine.sentences import said_by
+from venus3d.sources.camera_controls import CameraControls
 from venus3d.sources.frame import Frame
 from venus3d.sources.reconnection import Outage, Reconnection
 from venus3d.sources.stream import OPEN_TIMEOUT_S, READ_TIMEOUT_S, StreamCapture
@@ -61,6 +62,7 @@ class Live:
         name: str,
         *,
         opened: CaptureDevice | None = None,
+        controls: CameraControls | None = None,
         timeout_s: float = READ_TIMEOUT_S,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -70,12 +72,13 @@ class Live:
             opening: opens it, also later when it is gone; raises `SourceError` if that fails.
             name: for messages.
             opened: what `opening` would give now, if it has been called already.
+            controls: of a camera; what is asked for is set between two reads.
             timeout_s: without a picture for so long, it is opened again.
             clock: seconds, for when that is done.
 
         Raises `SourceError` if it cannot be opened, or if no frame comes within `timeout_s`.
         """
-        self._opening, self.name = opening, name
+        self._opening, self.name, self.controls = opening, name, controls
         self.notes: tuple[str, ...] = ()
         self.on_trouble: Callable[[Trouble | None], None] = lambda trouble: None
         """Called by `read` with the trouble as it begins, changes and ends."""
@@ -85,7 +88,7 @@ class Live:
         self._began_s = time.monotonic()
         self.received = 0
         """Number of pictures that have come, read or not."""
-        self._readers = [_Reader(name, opening, self._receive, opened or opening())]
+        self._readers = [self._reader(opened or opening())]
         first = self._first_frame(timeout_s)
         if first is None:
             self.close()
@@ -170,7 +173,14 @@ class Live:
         reader.leave()
         hanging = [reader for reader in self._readers if reader.is_alive]
         if len(hanging) < _MOST_READERS and not self._stop.is_set():
-            self._readers = [*hanging, _Reader(self.name, self._opening, self._receive)]
+            self._readers = [*hanging, self._reader()]
+
+    def _reader(self, opened: CaptureDevice | None = None) -> _Reader:
+        return _Reader(self.name, self._opening, self._receive, self._attend, opened)
+
+    def _attend(self, capture: Any) -> None:
+        if self.controls is not None:
+            self.controls.attend(capture)
 
     def _tell(self) -> None:
         trouble = self.trouble
@@ -189,9 +199,11 @@ class _Reader:
         name: str,
         opening: Callable[[], CaptureDevice],
         receive: Callable[[NDArray[np.uint8]], None],
+        attend: Callable[[Any], None],
         opened: CaptureDevice | None = None,
     ) -> None:
-        self._opening, self._receive, self._capture = opening, receive, opened
+        self._opening, self._receive, self._attend = opening, receive, attend
+        self._capture = opened
         self._left = threading.Event()
         self.reason = ""
         self._thread = threading.Thread(target=self._run, name=f"read {name}", daemon=True)
@@ -239,3 +251,4 @@ class _Reader:
                 continue
             failures = 0
             self._receive(image)
+            self._attend(capture)

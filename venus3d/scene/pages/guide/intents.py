@@ -9,6 +9,7 @@ from typing import Literal
 
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.settings import Cost, Method
+from venus3d.sources.camera_settings import SettingName
 
 
 @dataclass(frozen=True)
@@ -131,6 +132,15 @@ class NudgeBoard:
     """1 or -1."""
 
 
+@dataclass(frozen=True)
+class SetCamera:
+    """Set one of the camera's settings."""
+
+    name: SettingName
+    wanted: str
+    """A number of the driver's, `auto` or `lock`."""
+
+
 Intent = (
     Capture
     | SkipTarget
@@ -147,4 +157,5 @@ Intent = (
     | TurnStep
     | DragBoard
     | NudgeBoard
+    | SetCamera
 )

@@ -29,6 +29,7 @@ from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.board_keys import KeyMoves
 from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.camera_settings import CameraSetting, SettingName
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.live import Live, OtherSize, Trouble
 from venus3d.sources.observation_stream import ObservationStream
@@ -111,6 +112,20 @@ class LiveGuide:
             for monitor in self._monitors:
                 monitor.no_pictures(since)
 
+    def _tell_of_camera(self) -> None:
+        """Show a camera's settings when they have changed, and why one was not set."""
+        source = self._stream.source
+        if not isinstance(source, Live) or source.controls is None:
+            return
+        before, now = self._viewer.state.camera, source.controls.present
+        if now != before:
+            self._viewer.show_camera(now)
+            if _focuses(before) and not _focuses(now):
+                self._viewer.say(texts.FOCUS_LOCKED)  # in the place of the warning
+        refusal = source.controls.refusal()
+        if refusal is not None:
+            self._viewer.warn(translated_error(refusal))
+
     def _tell_of_the_end(self) -> None:
         """Leave the reason on the page, whose server ends with the source."""
         since = self._silent_since or f"{datetime.now():%H:%M:%S}"
@@ -139,6 +154,7 @@ class LiveGuide:
         session = self._session
         observation = self._stream.take(timeout=0.05)
         self._tell_of_silence()
+        self._tell_of_camera()
         if self._stats is not None:
             self._stats.tell(self._stream.source)
         asked = self._viewer.drain_intents()
@@ -226,6 +242,8 @@ class LiveGuide:
                     monitor.pause(self._viewer.state.paused)
             case intents.Toggle("autopilot") if isinstance(source, Simulation):
                 source.autopilot_on = self._viewer.state.autopilot
+            case intents.SetCamera(name, wanted) if isinstance(source, Live):
+                self._set_camera(source, name, wanted)
             case intents.DragBoard(pose) if isinstance(source, Simulation):
                 source.autopilot_on = False
                 source.move_to(pose)
@@ -236,6 +254,12 @@ class LiveGuide:
             case _:
                 pass
 
+    def _set_camera(self, source: Live, name: SettingName, wanted: str) -> None:
+        if source.controls is not None:
+            source.controls.ask(name, wanted)
+            if name == "focus" and wanted != "lock" and self._session.snapshot().captured:
+                self._viewer.warn(texts.FOCUS_CHANGED, seconds=60)
+
     def _choose(self, index: int, number: int) -> None:
         target = self._session.snapshot().target
         if target is not None and target.number != number:
@@ -244,6 +268,11 @@ class LiveGuide:
             self._viewer.say(
                 texts.NO_OTHER_POSE if self._session.phase == "guiding" else texts.NO_POSE_TO_CHOOSE
             )
+
+
+def _focuses(settings: Sequence[CameraSetting]) -> bool:
+    """Whether the camera focuses by itself."""
+    return any(one.name == "focus" and one.automatic for one in settings)
 
 
 def _size_now(source: Source) -> tuple[int, int] | None:

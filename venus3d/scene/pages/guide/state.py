@@ -19,6 +19,7 @@ from venus3d.scene.pages.guide.intents import (
     Toggle,
     TurnStep,
 )
+from venus3d.sources.camera_settings import CameraSetting
 
 SECONDS_PER_STEP = 1.2
 """Duration of one step in the animation."""
@@ -64,6 +65,8 @@ class ViewState:
     """0 ... 1: how much of it, from the left, once the calibration is over; before, all of it."""
     explain: bool = False
     """Whether the loop of the method is shown above the page."""
+    camera: tuple[CameraSetting, ...] = ()
+    """The settings of a camera at this machine."""
     measure_url: str = ""
     """Address of the page on which one measures with the camera; empty if there is none."""
     over: bool = False

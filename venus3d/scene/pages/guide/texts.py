@@ -213,6 +213,26 @@ NO_POSE_TO_CHOOSE = "There is no other pose to choose just now."
 NOT_SAVED = "Not saved: {error} It is tried again every two seconds."
 NOT_SAVED_MISTAKE = "Not saved; the terminal says why. The next view is tried again."
 
+# -- the camera's settings -------------------------------------------------------------------------
+
+CAMERA_FOLDER = "The camera's settings"
+CAMERA_SETTINGS = {
+    "exposure": ("Exposure", "Exposure time, in the driver's unit (Linux: 0.1 ms)"),
+    "gain": ("Gain", "Amplification, in the driver's unit; more of it is more noise"),
+    "focus": ("Focus", "In the driver's unit; another focus is another camera to calibrate"),
+    "white_balance": ("White balance", "Colour temperature"),
+}
+CAMERA_WHO = "Set"
+CAMERA_WHO_HINT = (
+    "Automatic: by the camera. Locked: stays as it is now, also when it is opened again."
+)
+CAMERA_AUTOMATIC, CAMERA_LOCKED = "Automatic", "Locked"
+FOCUS_LOCKED = "The focus is locked."
+FOCUS_CHANGED = (
+    "Another focus is another camera: the views before do not go with those that come. Begin a new "
+    "session."
+)
+
 # -- how the next pose is found --------------------------------------------------------------------
 
 METHOD_FOLDER = "How the next pose is found"

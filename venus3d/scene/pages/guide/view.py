@@ -23,6 +23,7 @@ from venus3d.render.annotated_picture import PICTURE_WIDTH
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.alternatives_panel import AlternativesPanel
 from venus3d.scene.pages.guide.built_panel import BuiltPanel
+from venus3d.scene.pages.guide.camera_panel import CameraPanel
 from venus3d.scene.pages.guide.control_panel import ControlPanel
 from venus3d.scene.pages.guide.diagnosis_panel import diagnoses_html
 from venus3d.scene.pages.guide.end_panel import OVER, EndButtons, EndMap, result_html
@@ -143,6 +144,7 @@ class GuideView:
             self.loop.content = loop_html(Loop() if snapshot is None else snapshot.loop)
         if not self._recorded:
             self.end_buttons.show(state, phase)
+            self.camera.show(state.camera)
         known = None if snapshot is None else snapshot.calibration
         self.controls.show(state, phase, known=known is not None and all(known.free))
         if snapshot is not None:
@@ -210,6 +212,7 @@ class GuideView:
         title, hint = say.ROWS["page"]
         labels = {name: say.BUTTONS[name][0] for name in ("help", "tour", "fit")}
         ButtonRow(gui, title, labels, self._asked_about_page, hint=hint)
+        self.camera = CameraPanel(gui, self._ask)
         self.built = BuiltPanel(gui)
         self.end_map = EndMap(gui)
         if not self._recorded:

@@ -51,6 +51,7 @@ from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.steady_framing import SteadyFraming
 from venus3d.scene.web.step_card import NO_NOTE, Note
 from venus3d.scene.web.theme import Theme
+from venus3d.sources.camera_settings import CameraSetting
 
 _NOTE_SECONDS = 6.0
 Addition = Callable[[LocalServer], Sequence[Command]]
@@ -186,6 +187,10 @@ class Viewer(Page[ViewState]):
     def flows(self, text: str) -> None:
         """Show how pictures flow: rates, age, what was left out; empty: nothing."""
         self.change(lambda state: replace(state, flow=text))
+
+    def show_camera(self, settings: tuple[CameraSetting, ...]) -> None:
+        """Show the settings of a camera at this machine."""
+        self.change(lambda state: replace(state, camera=settings))
 
     def measure_at(self, url: str) -> None:
         """Link to the page on which one measures with the camera, once the calibration is over."""
