@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.board_pose import estimate_pose
@@ -119,7 +119,7 @@ def _chance_px(camera: Camera, covariance: Array) -> float:
     weighted = projection_weight(camera) @ covariance
     mean, mean_square = float(np.trace(weighted)), float(np.trace(weighted @ weighted))
     scale, freedom = mean_square / mean, mean**2 / mean_square
-    return float(np.sqrt(scale * chi2.ppf(1 - CHANCE, freedom)))
+    return float(np.sqrt(scale * chdtri(freedom, CHANCE)))
 
 
 def _verdict(

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from venus3d.engine.calibration.information import shared_share, view_information
 from venus3d.engine.calibration.projection_uncertainty import projection_weight
@@ -90,7 +90,7 @@ def spread_of(degrees: int) -> tuple[float, float]:
     """Factors (best, worst) on all planned uncertainties.
     From the uncertainty of the noise: `degrees * s^2 / sigma^2` is chi-square distributed."""
     count, tail = max(degrees, 1), (1 - CONFIDENCE) / 2
-    best, worst = np.sqrt(count / chi2.ppf([1 - tail, tail], count))
+    best, worst = np.sqrt(count / chdtri(count, [tail, 1 - tail]))
     return float(best), float(worst)
 
 

@@ -12,7 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.costs import CostFunction, rough_of
@@ -82,6 +81,9 @@ def _samples(
     run: SearchRun, cost: CostFunction, budget: int, rng: np.random.Generator
 ) -> tuple[Array, Array]:
     """Points (N, 6) of the unit cube spread over the space, and their costs (N,)."""
+    # scipy.stats is half of what starting a program takes; only a search needs it.
+    from scipy.stats import qmc
+
     sequence, shift = qmc.Sobol(6, scramble=False), rng.random(6)
     wanted = max(1, round(_SAMPLES * budget))
     size = min(512, 2 ** int(np.ceil(np.log2(2 * wanted))))  # Sobol needs powers of two
