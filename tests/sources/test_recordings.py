@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import struct
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -231,6 +233,32 @@ def test_a_video_that_breaks_off_says_how_much_was_readable(tmp_path: Path):
     count = len(all_frames(source))
     assert 10 < count < 30
     assert source.notes == (f"{path} breaks off early: {count} of 40 frames could be read.",)
+
+
+@pytest.mark.parametrize("codec", ["libx264", "mjpeg"])
+def test_a_size_that_changes_within_a_video_is_refused(tmp_path: Path, codec: str):
+    """OpenCV alone scales the later pictures to the first one's size, and says nothing."""
+    both = bytearray()
+    for size in ((160, 120), (320, 240)):
+        part = io.BytesIO()
+        with av.open(part, "w", format="h264" if codec == "libx264" else "mjpeg") as container:
+            stream = container.add_stream(codec, rate=20)
+            stream.width, stream.height = size
+            stream.pix_fmt = "yuv420p" if codec == "libx264" else "yuvj420p"
+            for number in range(50):
+                image = picture(number, size)
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="bgr24")))
+            container.mux(stream.encode())
+        both += part.getvalue()
+        video = tmp_path / f"{size[0]}.{codec}"
+        video.write_bytes(part.getvalue())
+        assert len(all_frames(Video(video))) == 50
+    (tmp_path / "both").write_bytes(both)
+    with pytest.raises(SourceError) as caught:
+        all_frames(Video(tmp_path / "both"))
+    said = str(caught.value)
+    assert "to 320 x 240 px" in said and "cut it into videos" in said
+    assert 49 <= int(said.rpartition("frame ")[2].partition(";")[0]) <= 65
 
 
 def test_videos_that_cannot_be_played(tmp_path: Path, capfd: pytest.CaptureFixture[str]):

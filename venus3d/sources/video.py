@@ -15,6 +15,7 @@ from venus3d.engine.errors import SourceError
 from venus3d.sources.frame import Frame
 from venus3d.sources.images import shown
 from venus3d.sources.opencv_log import silence_opencv
+from venus3d.sources.size_watch import SizeWatch
 
 
 class Video:
@@ -47,6 +48,8 @@ class Video:
         self._time_s = 0.0
         self._started: float | None = None
         self._finished = False
+        # A server would send all of it twice.
+        self._sizes = None if "://" in str(path) else SizeWatch(path)
         self.notes: tuple[str, ...] = ()
         """Remarks for the user: the frames are turned, the file ended early."""
         self._first = self._decode() if self._grab() else None
@@ -90,11 +93,7 @@ class Video:
         if image is None:
             self._finish()
             return None
-        if (image.shape[1], image.shape[0]) != self._size:
-            raise SourceError(
-                f"{self._path} changes its picture size at frame {self._grabbed}; "
-                "cut it into videos of one size each."
-            )
+        self._check_size(image)
         return self._frame(image)
 
     def resume(self) -> None:
@@ -104,6 +103,19 @@ class Video:
     def close(self) -> None:
         """Release the file. May be called twice."""
         self._capture.release()
+        if self._sizes is not None:
+            self._sizes.close()
+
+    def _check_size(self, image: NDArray[np.uint8]) -> None:
+        here = self._grabbed, (int(image.shape[1]), int(image.shape[0]))
+        change = None if self._sizes is None else self._sizes.change(self._grabbed)
+        if change is None and here[1] == self._size:
+            return
+        frame, (width, height) = change or here
+        raise SourceError(
+            f"{self._path} changes its picture size to {width} x {height} px at about frame "
+            f"{frame}; cut it into videos of one size each."
+        )
 
     def _frame(self, image: NDArray[np.uint8]) -> Frame:
         return Frame(image, self._time_s, f"frame {self._grabbed}").flipped(self.flip)
