@@ -15,8 +15,10 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
 from venus3d.render.describe import SceneOptions, describe, describe_step
+from venus3d.render.frustum import DEPTH, border_segments, frustum
 from venus3d.render.redrawing import looks_alike
 from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+from venus3d.sources.sim_cameras import SIM_CAMERAS, SimCamera
 
 TARGETS = {
     "moderate": [20, -30, 15, 0.06, -0.03, 0.55],
@@ -164,6 +166,20 @@ def test_an_arc_that_fits_into_the_picture_is_in_it(
                 pixels = paper_camera.project(points_of(shape))
                 inside = (pixels > 0) & (pixels < paper_camera.image_size)
                 assert inside.all(axis=1).mean() > 0.9
+
+
+@pytest.mark.parametrize("name", ["action", "fisheye"])
+def test_a_wide_lens_has_its_border_on_a_dome(name: SimCamera, default_board: Board) -> None:
+    camera = SIM_CAMERAS[name]
+    border = border_segments(camera).reshape(-1, 3)
+    np.testing.assert_allclose(np.linalg.norm(border, axis=1), DEPTH, rtol=1e-9)
+    pixels = camera.project(border)
+    from_edge = np.abs(pixels + 0.5 - np.array(camera.image_size) * (pixels > 300)).min(axis=1)
+    assert from_edge.max() < 0.01, "each point is seen on the picture's edge"
+    assert (border[:, 2].min() < 0) == (name == "fisheye"), "it sees behind itself"
+    picture = frustum(camera)
+    depth = picture.scale / np.cbrt(np.tan(picture.fov_y_rad / 2) ** 2 * picture.aspect / 3)
+    assert depth * np.hypot(1, np.tan(picture.fov_y_rad / 2) * picture.aspect) < DEPTH
 
 
 def test_frustum_and_border_agree_for_a_perfect_lens(default_board: Board) -> None:

@@ -17,6 +17,10 @@ from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape
 DEPTH = 0.14
 """Distance of the frustum's picture from the lens, metres."""
 AXIS_LENGTH = 0.07
+_WIDE = np.cos(np.radians(60))
+"""Of an image corner's angle to the axis, from which the border is drawn on a dome."""
+_WIDE_SLOPE, _WIDE_DEPTH = 0.45, 0.6 * DEPTH
+"""Of the picture within the dome: half its height over its distance, and that, metres."""
 _trimesh: Any = trimesh  # its annotations leave most return types open
 
 
@@ -59,24 +63,33 @@ def _body() -> trimesh.Trimesh:
 
 def frustum(camera: Camera) -> FrustumShape:
     """The frustum with its picture at `DEPTH`, about the optical axis (the border's lines show the
-    true principal point). viser scales a frustum to a volume: depth = scale / cbrt(tan(fov/2)^2
+    true principal point). No pyramid holds what a wide lens sees: its picture is inside the dome on
+    which the border is drawn. viser scales a frustum to a volume: depth = scale / cbrt(tan(fov/2)^2
     aspect / 3)."""
-    fov = 2 * np.arctan(camera.height / (2 * camera.fy))
+    slope, depth = camera.height / (2 * camera.fy), DEPTH
+    if _is_wide(camera):
+        slope, depth = min(slope, _WIDE_SLOPE), _WIDE_DEPTH
     aspect = (camera.width / camera.fx) / (camera.height / camera.fy)
-    scale = DEPTH * np.cbrt(np.tan(fov / 2) ** 2 * aspect / 3)
-    return FrustumShape("/camera/frustum", float(fov), float(aspect), float(scale), None)
+    scale = depth * np.cbrt(slope**2 * aspect / 3)
+    return FrustumShape("/camera/frustum", 2 * float(np.arctan(slope)), aspect, float(scale), None)
+
+
+def _is_wide(camera: Camera) -> bool:
+    corners = camera.unproject(camera.image_corners)
+    return not camera.lens.is_perspective and not (corners[:, 2] > _WIDE).all()
 
 
 @lru_cache(maxsize=8)
 def border_segments(camera: Camera) -> Array:
-    """(N, 2, 3) the image's border where its rays meet z = `DEPTH`, with lens distortion; segments
-    that no ray reaches are left out."""
+    """(N, 2, 3) the image's border where its rays meet z = `DEPTH`, with lens distortion, or a
+    sphere of this radius if the lens sees far to the side; segments that no ray reaches are left
+    out."""
     w, h = camera.width - 0.5, camera.height - 0.5
     along = np.linspace(0, 1, 25)[:, None]
     corners = np.array([[-0.5, -0.5], [w, -0.5], [w, h], [-0.5, h]])
     edges = [a + along * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)]
     rays = camera.unproject(np.stack(edges))
-    points = rays / rays[..., 2:] * DEPTH
+    points = DEPTH * (rays if _is_wide(camera) else rays / rays[..., 2:])
     segments = np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3)
     return segments[np.isfinite(segments).all(axis=(1, 2))]
 

@@ -160,7 +160,9 @@ def _picture(
     seen = [s for s in shapes if s.in_projection]
     solids = [s for s in seen if isinstance(s, MeshShape | LineShape)]
     labels = [s for s in seen if isinstance(s, LabelShape)]
-    lens = lens_for(camera.scaled((size[0] * supersample, size[1] * supersample)))
+    larger = camera.scaled((size[0] * supersample, size[1] * supersample))
+    lens = lens_for(larger, solids)
+    solids = lens.turned(solids)
 
     def draw(ground: Colour) -> Image:
         picture = renderer.render(lens.ideal, _widened(solids, supersample), ground)
@@ -182,7 +184,7 @@ def _cause(error: Exception) -> str:
     return shorten(f"{type(error).__name__}: {error}", _CAUSE_LENGTH, placeholder=" ...")
 
 
-def _widened(shapes: list[MeshShape | LineShape], factor: int) -> list[MeshShape | LineShape]:
+def _widened(shapes: Sequence[MeshShape | LineShape], factor: int) -> list[MeshShape | LineShape]:
     return [
         replace(s, width_px=s.width_px * factor) if isinstance(s, LineShape) else s for s in shapes
     ]

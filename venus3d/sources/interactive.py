@@ -6,12 +6,12 @@ from dataclasses import replace
 
 from venus3d.engine.errors import SourceError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.geometry.pose import Pose
 from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.frame import Source
 from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.sim import Simulation
+from venus3d.sources.sim_cameras import FIELD_DEG, SIM_CAMERAS, SimCamera
 from venus3d.threads.latency import limit_gl_threads
 
 SIMULATED = "sim"
@@ -26,6 +26,7 @@ def open_interactive(
     board: Board,
     *,
     size: tuple[int, int] | None,
+    camera: SimCamera = "webcam",
     settings: CameraSettings | None = None,
     seed: int,
     headless: bool,
@@ -35,10 +36,11 @@ def open_interactive(
     flex: float = 0.0,
     flip: bool = False,
 ) -> Source:
-    """Open what `spec` names, or with "sim" a simulation of the paper's camera.
+    """Open what `spec` names, or with "sim" a simulated camera.
 
     Args:
         size: (width, height) to request from a camera, or to simulate.
+        camera: the one to simulate.
         settings: of a camera, to set when it is opened.
         headless: without a viewer: frames come as fast as they can be made or read.
         autopilot: whether the simulated hand holds the board.
@@ -58,9 +60,11 @@ def open_interactive(
         raise SourceError("The simulated camera has nothing to set; leave out --camera.")
     if flip:
         raise SourceError("The simulated pictures are not mirrored; leave out --flip.")
+    truth = SIM_CAMERAS[camera]
     return Simulation(
-        PAPER_CAMERA if size is None else PAPER_CAMERA.scaled(size),
+        truth if size is None else truth.scaled(size),
         replace(board, bow=(bow, 0.0)),
+        field_deg=FIELD_DEG.get(camera),
         seed=seed,
         fps=_HEADLESS_FPS if headless else _LIVE_FPS,
         realtime=not headless,

@@ -57,6 +57,7 @@ class Simulation:
         camera: Camera = PAPER_CAMERA,
         board: Board | None = None,
         *,
+        field_deg: float | None = None,
         seed: int = 0,
         fps: float = 25.0,
         realtime: bool = False,
@@ -77,6 +78,8 @@ class Simulation:
         Args:
             camera: the ground truth.
             board: the default board if None.
+            field_deg: diameter of a fisheye's image circle, degrees; dark beyond. None if the
+                whole picture is exposed.
             seed: for background, noise and autopilot.
             fps: frames per simulated second.
             realtime: frames come at `fps` by the wall clock, instead of at once.
@@ -101,6 +104,7 @@ class Simulation:
         if background is None:
             background = interior(camera.image_size, background_rng)
         self._background = background
+        self._exposed_part = None if field_deg is None else _image_circle(camera, field_deg)
         self._empty = self._blurred(self._background)
         self._reach = 1 + math.ceil(4 * blur_sigma)
         self._noise = _noise_sheet(camera, noise_sigma, self._rng)
@@ -167,7 +171,7 @@ class Simulation:
     def move_to(self, pose: Pose) -> None:
         """Move the board to `T_camera_board`, kept in front of the lens and in view."""
         with self._lock:
-            self._hand = _before_the_lens(pose, self.board)
+            self._hand = _in_view(pose, self.board, self.truth)
 
     def read(self) -> Frame | None:
         """The next frame; None once closed. In real time it was exposed during the last call."""
@@ -215,6 +219,12 @@ class Simulation:
         picture = self._offscreen.submit(self.truth, shapes, background=_KEY)
         return Exposed(picture, pose, self._time_s, f"frame {self._number}")
 
+    def _vignetted(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """The image, dark outside the image circle."""
+        if self._exposed_part is None:
+            return image
+        return np.asarray(cv2.multiply(image, self._exposed_part, scale=1 / 255), dtype=np.uint8)
+
     def _blurred(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         if self._blur_sigma <= 0:
             return image
@@ -239,6 +249,7 @@ class Simulation:
         image[inner[1] : inner[3], inner[0] : inner[2]] = part[
             inner[1] - top : inner[3] - top, inner[0] - left : inner[2] - left
         ]
+        image = self._vignetted(image)
         if self._noise is not None:
             y, x = self._rng.integers(0, _NOISE_STRIDE, 2)
             noise = self._noise[y : y + image.shape[0], x : x + image.shape[1]]
@@ -249,10 +260,21 @@ class Simulation:
 def near_pose(camera: Camera, board: Board) -> Pose:
     """A board too near to fit into the image: where a person starts (3.1)."""
     fills = max(board.width * camera.fx / camera.width, board.height * camera.fy / camera.height)
+    # A fisheye sees the whole of any board that can be held before it.
+    fills = max(fills, 0.15)
     return Pose.from_vector([5.0, -7.0, 3.0, 0.12 * fills, -0.06 * fills, 0.72 * fills])
 
 
-def _before_the_lens(pose: Pose, board: Board) -> Pose:
+def _in_view(pose: Pose, board: Board, camera: Camera) -> Pose:
+    """The pose, moved to where the board can be found again."""
+    if not camera.lens.is_perspective:
+        away = np.linalg.norm(pose.t)
+        direction = pose.t / max(float(away), 1e-9)
+        # In front of the lens, even if it sees behind itself.
+        direction = np.array([*direction[:2], max(direction[2], 0.05)])
+        away = np.clip(away, NEAREST + board.width / 2, FARTHEST)
+        placed = direction * (away / np.linalg.norm(direction))
+        return Pose(pose.R, np.asarray(placed, dtype=np.float64))
     nearest = float(pose.apply(board.outline)[:, 2].min())
     back = max(0.0, NEAREST - nearest)
     t = pose.t + np.array([0.0, 0.0, back])
@@ -260,6 +282,16 @@ def _before_the_lens(pose: Pose, board: Board) -> Pose:
     # Beyond 45 degrees off the axis nobody would find it again.
     t[:2] = np.clip(t[:2], -t[2], t[2])
     return Pose(pose.R, t)
+
+
+def _image_circle(camera: Camera, field_deg: float) -> NDArray[np.uint8]:
+    """(H, W, 3) 255 where the lens throws an image, with a soft edge of two pixels; else 0."""
+    u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    edge = np.radians(field_deg / 2)
+    rim = camera.project([np.sin(edge), 0.0, np.cos(edge)]) - [camera.cx, camera.cy]
+    radius = np.hypot((u - camera.cx), (v - camera.cy) * camera.fx / camera.fy)
+    soft = np.clip((rim[0] - radius) / 2 + 0.5, 0.0, 1.0)
+    return cv2.merge([np.asarray(np.rint(255 * soft), dtype=np.uint8)] * 3)  # type: ignore[return-value]
 
 
 def _cut_out(rendered: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:

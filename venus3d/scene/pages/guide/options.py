@@ -21,6 +21,15 @@ from venus3d.options import (
 )
 from venus3d.scene.web.monitor import audience_address
 from venus3d.sources.camera_settings import CameraSettings
+from venus3d.sources.sim_cameras import SimCamera
+
+
+@dataclass(frozen=True)
+class SimOptions:
+    """The simulated camera (source sim)."""
+
+    camera: SimCamera = "webcam"
+    """The paper's webcam, an action camera (120° across), a fisheye (190°) or a telephoto (12°)."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +72,7 @@ class GuideOptions:
     """Let a simulated hand walk the board through the four steps (sim only)."""
     speed: float = 1.0
     """How fast the simulated hand moves; 1 is a calm person."""
+    sim: SimOptions = field(default_factory=SimOptions)
     bow_mm: float = 0.0
     """How far the simulated board's middle lies behind its left and right ends (sim only)."""
     flex_mm: float = 0.0

@@ -184,6 +184,7 @@ def _opened(options: GuideOptions, board: Board) -> Source:
         options.source,
         board,
         size=options.image_size,
+        camera=options.sim.camera,
         settings=options.camera,
         seed=options.seed,
         headless=options.headless,
