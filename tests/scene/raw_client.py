@@ -60,6 +60,11 @@ class RawClient:
     def close(self) -> None:
         self._socket.close()
 
+    @property
+    def line(self) -> socket.socket:
+        """What the websocket is spoken on, for what is no websocket message."""
+        return self._socket.socket
+
     def send(self, message: dict[str, Any]) -> None:
         self.send_raw(msgspec.msgpack.encode(message))
 

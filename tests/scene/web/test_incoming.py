@@ -77,8 +77,12 @@ WIDGETS: dict[str, tuple[Callable[[viser.GuiApi], Any], list[Any], list[Any]]] =
         [None, 1, True, ["two"], "x" * 1001],
     ),
     "text": (lambda gui: gui.add_text("t", ""), ["", "Anna", "x" * 1000], ["x" * 1001, 1, None]),
+    "number": (
+        lambda gui: gui.add_number("n", 0.0),
+        [0, -6.0, 4000, 1e5],
+        [math.nan, math.inf, -math.inf, 1e300, 2**63, True, "1", None, [1.0]],
+    ),
     # No page has any; whoever adds the first adds a rule.
-    "number": (lambda gui: gui.add_number("n", 0.0), [], [0.0, 1]),
     "colour": (lambda gui: gui.add_rgb("r", (0, 0, 0)), [], [(1, 2, 3)]),
     "upload": (lambda gui: gui.add_upload_button("u"), [], [True, {}, b"x"]),
 }

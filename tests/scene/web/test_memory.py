@@ -14,8 +14,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.frames import Frame, Opcode
 
 from tests.ports import free_port
+from tests.scene.raw_client import RawClient
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -104,3 +107,24 @@ def test_memory_stays_flat(
     tracemalloc.stop()
     assert messages_kept(server) == before
     assert grown < 300_000  # bytes; one snapshot kept a time would be more
+
+
+@pytest.mark.parametrize("kind", [Opcode.PING, Opcode.PONG, Opcode.CONT])
+def test_frames_that_no_browser_sends_end_the_connection(server: LocalServer, kind: Opcode) -> None:
+    """Each ping is answered into a buffer; a message's empty parts have no size to be limited."""
+    port = server.get_port()
+    with RawClient(port) as tab, RawClient(port) as other:
+        tab.backlog()
+        other.backlog()
+        tab.line.sendall(Frame(Opcode.PING, b"").serialize(mask=True) * 20)
+        tab.look()
+        with pytest.raises(ConnectionClosed):
+            if kind is Opcode.CONT:
+                tab.line.sendall(Frame(Opcode.BINARY, b"", fin=False).serialize(mask=True))
+            whole = kind is not Opcode.CONT
+            tab.line.sendall(Frame(kind, b"", fin=whole).serialize(mask=True) * 200)
+            tab.window(timeout=10)
+        other.look()
+        server.scene.add_frame("/anything")
+        server.flush()
+        assert other.window(timeout=10)

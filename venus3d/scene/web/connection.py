@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from websockets.asyncio.server import ServerConnection
+from websockets.frames import Frame, Opcode
 
 LARGEST_MESSAGE_BYTES = 16384
 """Limit for a browser's message. viser allows 50 MB, for uploads and screenshots, unused here."""
@@ -17,6 +18,11 @@ _EACH_PER_S, _ALL_PER_S = 200.0, 4000.0
 """Messages that one browser, and all together, may send; a busy one sends about 100 a second."""
 _AT_ONCE = 400.0
 """Messages that one browser may send in a moment."""
+_MOST_CONTROLS_PER_S = 20.0
+"""Pings and pongs of one browser, which only answers ours; each ping is answered at once, into a
+buffer that grows if the sender reads nothing."""
+_MOST_PARTS = 64
+"""Of one message: empty ones have no size that would be limited."""
 
 
 class Connections:
@@ -44,6 +50,8 @@ class Connection(ServerConnection):
         super().__init__(*given, **more)
         self._all = all_of_them
         self._left, self._counted_at = _AT_ONCE, time.monotonic()
+        self._controls, self._since = 0, self._counted_at
+        self._parts = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
@@ -54,6 +62,20 @@ class Connection(ServerConnection):
     def connection_lost(self, exc: Exception | None) -> None:
         self._all.open.discard(self)
         super().connection_lost(exc)
+
+    def process_event(self, event: Any) -> None:
+        if isinstance(event, Frame) and self._floods(event.opcode):
+            self.transport.abort()
+            return
+        super().process_event(event)
+
+    def _floods(self, kind: Opcode) -> bool:
+        if kind in (Opcode.PING, Opcode.PONG):
+            self._controls += 1
+            seconds = time.monotonic() - self._since
+            return self._controls > _MOST_CONTROLS_PER_S * max(5.0, seconds)
+        self._parts = self._parts + 1 if kind is Opcode.CONT else 0
+        return self._parts > _MOST_PARTS
 
     async def recv(self, decode: bool | None = None) -> Any:
         while True:

@@ -138,8 +138,10 @@ def _can_hold(widget: Any, value: Any) -> bool:
     # Button rows too: labels may change while a click is on its way, and pages know the old ones.
     if isinstance(widget, viser.GuiTextHandle | viser.GuiButtonGroupHandle):
         return isinstance(value, str) and len(value) <= _LONGEST_TEXT
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if isinstance(widget, viser.GuiNumberHandle):
+        return number and bool(abs(value) <= _FARTHEST)  # of NaN, False
     if isinstance(widget, viser.GuiSliderHandle):
-        number = isinstance(value, (int, float)) and not isinstance(value, bool)
         # A browser may round an end that is not a whole number of steps.
         return number and bool(widget.min - widget.step <= value <= widget.max + widget.step)
     return False
