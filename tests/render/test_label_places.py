@@ -53,3 +53,15 @@ def test_labels_that_are_far_apart_and_those_behind_the_eye_stay() -> None:
     labels = [label("a", -0.1, 0, 0.5), label("b", 0.2, 0.1, 0.5), label("c", -2.0, -2.0, -2.0)]
     for shape, place in zip(labels, places_apart(labels, VIEW, WINDOW), strict=True):
         np.testing.assert_allclose(place, shape.position, atol=1e-9)
+
+
+def test_a_label_at_the_window_s_edge_is_moved_inside() -> None:
+    view, (width, height) = SceneCamera(np.zeros(3), np.array([0.0, 0.0, 1.0]), 1.0), (400, 300)
+    focal = height / 2 / np.tan(0.5)
+    at = np.array([0.98 * width / 2 / focal, 0.0, 1.0])
+    label = LabelShape("/a", "Schwenken", at, (0, 0, 0))
+    (place,) = places_apart([label], view, (width, height))
+    x, y, z = view.axes @ place
+    assert focal * x / z < width / 2 - 40 and abs(y) < 1e-9
+    outside = LabelShape("/a", "Schwenken", 1.2 * at * [1, 1, 1 / 1.2], (0, 0, 0))
+    np.testing.assert_allclose(places_apart([outside], view, (width, height))[0], outside.position)

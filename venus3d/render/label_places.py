@@ -20,7 +20,7 @@ def places_apart(
     labels: Sequence[LabelShape], view: SceneCamera, window_px: tuple[int, int]
 ) -> list[Array]:
     """A point (3,) for each label, camera frame, metres: its own, or one below or above it in the
-    window where an earlier label would cover it."""
+    window where an earlier label would cover it, and beside it where the window would cut it."""
     focal = window_px[1] / 2 / np.tan(view.fov_rad / 2)
     taken: list[tuple[float, float, float]] = []  # middle and half width, pixels
     places: list[Array] = []
@@ -31,10 +31,14 @@ def places_apart(
             continue
         at = focal * np.array([x, y]) / z
         half = (_LETTER_PX * len(label.text) + _ENDS_PX) / 2
-        beside = [row for u, row, reach in taken if abs(u - at[0]) < reach + half]
+        column, room = float(at[0]), window_px[0] / 2 - half
+        if abs(column) < window_px[0] / 2 and room > 0:
+            column = float(np.clip(column, -room, room))
+        beside = [row for u, row, reach in taken if abs(u - column) < reach + half]
         row = _free_row(float(at[1]), beside)
-        taken.append((float(at[0]), row, half))
-        places.append(label.position + (row - at[1]) * z / focal * view.axes[1])
+        taken.append((column, row, half))
+        aside = np.array([column, row]) - at
+        places.append(label.position + aside @ view.axes[:2] * z / focal)
     return places
 
 

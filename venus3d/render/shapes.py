@@ -67,6 +67,8 @@ class LabelShape:
     """(3,) camera frame, metres."""
     colour: Colour
     in_projection: bool = True
+    in_motion: str = ""
+    """What it says while the text changes; empty: the text."""
 
 
 @dataclass(frozen=True, eq=False)

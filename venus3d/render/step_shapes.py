@@ -22,7 +22,7 @@ from venus3d.render.arrows import (
     turn_frame,
 )
 from venus3d.render.board_mesh import outline_segments
-from venus3d.render.palette import step_colour
+from venus3d.render.palette import step_colour, step_style
 from venus3d.render.shapes import Colour, LabelShape, LineShape, MeshShape, Shape
 
 GAP = 0.12
@@ -90,8 +90,13 @@ def _move_shapes(board: Board, step: Step, name: str, dark: bool) -> list[Shape]
             _move_arrow(f"{name}/trail_{i}", length, 0.4 * shaft, along.moved(corner), colour)
             for i, corner in enumerate(corners, start=1)
         ),
-        LabelShape(f"{name}/label", step_amount(step), middle, colour),
+        _amount_label(step, name, middle, colour),
     ]
+
+
+def _amount_label(step: Step, name: str, at: Array, colour: Colour) -> LabelShape:
+    word = step_style(step.number).short_title
+    return LabelShape(f"{name}/label", step_amount(step), at, colour, in_motion=word)
 
 
 def _move_arrow(name: str, length: float, shaft: float, pose: Pose, colour: Colour) -> MeshShape:
@@ -157,7 +162,7 @@ def _turn_shapes(
         MeshShape(f"{name}/sector", done, place.frame, colour, 0.4),
         LineShape(f"{name}/axis", place.axis_ends[None], Pose.identity(), colour, 2.0, seen),
         LabelShape(f"{name}/axis_label", step.axis.upper(), letter_at, colour, seen),
-        LabelShape(f"{name}/label", step_amount(step), degrees_at, colour),
+        _amount_label(step, name, degrees_at, colour),
     ]
 
 

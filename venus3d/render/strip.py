@@ -62,14 +62,19 @@ def strip_shapes(
         shapes += [moved_shape(shape, Pose(np.eye(3), offset)) for shape in cell]
         above = middle - [0.0, heights[row] / 2, 0.0]
         text, colour = caption(step, is_done), step_colour(step.number, dark)
-        shapes.append(LabelShape(f"/strip/{step.number}/caption", text, above, colour))
+        name = f"/strip/{step.number}/caption"
+        shapes.append(LabelShape(name, text, above, colour, in_motion=_title(step)))
     return shapes
 
 
 def caption(step: Step, done: bool = False) -> str:
-    """Number, word and amount: "2 Tilt about X +30°"."""
+    """Number, word and amount: "2 Tilt +30°"."""
     amount = texts.DONE if done else "" if step.is_idle else step_amount(step)
-    return f"{step.number} {step_style(step.number).title} {amount}".rstrip()
+    return f"{_title(step)} {amount}".rstrip()
+
+
+def _title(step: Step) -> str:
+    return f"{step.number} {step_style(step.number).short_title}"
 
 
 def _cell(board: Board, step: Step, dark: bool, sweep: float, *, instruct: bool) -> list[Shape]:

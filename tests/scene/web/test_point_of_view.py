@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -101,3 +102,21 @@ def test_the_end_of_a_new_step_pulses_once(server: LocalServer) -> None:
     assert max(seen) > 0.6 and plate.opacity == pytest.approx(0.4)
     view.draw((PLATE,), dark=True)
     assert not view.is_due, "the same step does not pulse again"
+
+
+def test_an_amount_is_shown_when_it_has_stayed(server: LocalServer) -> None:
+    """A picture comes later than the numbers beside it: in motion the label names the step."""
+    view, moving = SceneView(server), replace(LABEL, in_motion="Tilt")
+    view.draw((moving,), dark=True)
+    with RawClient(server.get_port()) as tab:
+        tab.look(1280, 720, position=EYE, look_at=(0.0, 0.0, 0.5), fov=0.7)
+        wait_until(lambda: _is_at(server, EYE) and settled(view))
+        label = view.node(LABEL.name)
+        assert label._pill.visible and not label.is_changing
+        before = label._pill.image
+        view.draw((replace(moving, text="-85°"),), dark=True)
+        assert label.is_changing and not label._pill.visible and label._word.visible
+        wait_until(lambda: label._pill.image is not before or view.refresh())
+        assert not label._pill.visible, "its picture is sent before it is shown"
+        wait_until(lambda: label._pill.visible or view.refresh())
+        assert not view.is_due and not label._word.visible

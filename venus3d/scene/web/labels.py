@@ -7,6 +7,7 @@ an error in the browser in viser 1.1.)
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -24,6 +25,10 @@ _NEARER = 0.2
 """Share of the way from the eye at which a pill is drawn, before everything else."""
 _FINE = 2
 """Pixels of a pill's picture for one on the screen."""
+_STAYS_S, _ARRIVES_S = 0.25, 0.15
+"""A browser shows a new picture later than what comes with it, and a white card before the first.
+So an amount is not shown while it changes: its picture is sent once it has stayed, and shown when
+that has come."""
 
 
 class SceneLabel:
@@ -35,15 +40,20 @@ class SceneLabel:
         self._shape, self._visible = shape, False
         self._plain: Any = None
         self._pill: Any = None
+        self._word: Any = None
+        """The pill that stands in while the text changes."""
+        self._looks: dict[str, tuple[str, tuple[int, int, int], int]] = {}
+        self._sent_s: dict[str, float] = {}
+        """What the pictures of the two show, and when they were sent."""
+        self._changed_s = -np.inf
+        self._is_changing = False
 
     def show(self, shape: LabelShape) -> None:
         """Show another text or colour."""
         if self._plain is not None and shape.text != self._shape.text:
             self._plain.text = shape.text
-        if self._pill is not None and _look(shape) != _look(self._shape):
-            picture = pill_picture(*_look(shape))
-            self._pill.image = picture
-            self._pill.render_width = float(picture.shape[1])
+        if shape.in_motion and shape.text != self._shape.text:
+            self._changed_s = time.monotonic()
         self._shape = shape
 
     @property
@@ -60,9 +70,17 @@ class SceneLabel:
     def visible(self, on: bool) -> None:
         self._visible = on
         if not on:
-            for node in (self._plain, self._pill):
-                if node is not None:
-                    node.visible = False
+            self._show_only(None)
+
+    @property
+    def is_changing(self) -> bool:
+        """Whether its pill does not say the text yet."""
+        return self._visible and self._is_changing
+
+    @property
+    def is_due(self) -> bool:
+        """Whether the text has stayed, so that the pill is to be placed again."""
+        return self.is_changing and time.monotonic() - self._changed_s >= _STAYS_S
 
     def put_plain(self) -> None:
         """Show viser's own label, which all tabs can see."""
@@ -74,9 +92,8 @@ class SceneLabel:
                 anchor="center-center",
             )
         self._plain.position = tuple(self._shape.position)
-        self._plain.visible = True
-        if self._pill is not None:
-            self._pill.visible = False
+        self._is_changing = False
+        self._show_only(self._plain)
 
     def put_pill(self, place: Array, view: SceneCamera, metres_per_px: float) -> None:
         """Show the pill at `place` (3,), camera frame, as large in this view as on paper.
@@ -84,23 +101,48 @@ class SceneLabel:
         Args:
             metres_per_px: a pixel's size one metre before the eye.
         """
-        if self._pill is None:
-            picture = pill_picture(*_look(self._shape))
-            height, width = picture.shape[:2]
-            self._pill = self._scene.add_image(
-                f"{self._name}_pill", picture, width, height, cast_shadow=False
-            )
+        if self._pill is None or time.monotonic() - self._changed_s >= _STAYS_S:
+            self._pill = self._pictured(self._pill, "pill", self._shape.text)
+        said = self._looks["pill"][0] == self._shape.text and self._has_come("pill")
+        self._is_changing, node = not said, self._pill
+        if not said and self._shape.in_motion:
+            node = self._word = self._pictured(self._word, "word", self._shape.in_motion)
         depth = float(view.axes[2] @ (place - view.position))
-        self._pill.wxyz = Pose(view.axes.T, place).wxyz
-        self._pill.position = view.position + _NEARER * (place - view.position)
-        self._pill.scale = max(_NEARER * depth, 1e-3) * metres_per_px / _FINE
-        self._pill.visible = True
-        if self._plain is not None:
-            self._plain.visible = False
+        node.wxyz = Pose(view.axes.T, place).wxyz
+        node.position = view.position + _NEARER * (place - view.position)
+        node.scale = max(_NEARER * depth, 1e-3) * metres_per_px / _FINE
+        self._show_only(node if said or self._has_come("word") else None)
+
+    def _has_come(self, kind: str) -> bool:
+        """Whether the browser has had the time to load this pill's picture."""
+        return time.monotonic() - self._sent_s.get(kind, np.inf) >= _ARRIVES_S
+
+    def _pictured(self, node: Any, kind: str, text: str) -> Any:
+        """The pill, made if there is none, with this text in the shape's colour."""
+        look = text, self._shape.colour, round(_FINE * HEIGHT_PX * 0.86)
+        if self._looks.get(kind) == look:
+            return node
+        self._looks[kind] = look
+        if node is None or self._shape.in_motion:
+            self._sent_s[kind] = time.monotonic()
+        picture = pill_picture(*look)
+        height, width = picture.shape[:2]
+        if node is None:
+            name = f"{self._name}_{kind}"
+            return self._scene.add_image(
+                name, picture, width, height, cast_shadow=False, visible=False
+            )
+        node.image, node.render_width = picture, float(width)
+        return node
+
+    def _show_only(self, shown: Any) -> None:
+        for node in (self._plain, self._pill, self._word):
+            if node is not None:
+                node.visible = node is shown
 
     def remove(self) -> None:
         """Take it out of the scene."""
-        for node in (self._plain, self._pill):
+        for node in (self._plain, self._pill, self._word):
             if node is not None:
                 node.remove()
 
@@ -120,7 +162,3 @@ def put_labels(
     places = places_apart([shape for shape, _ in labels], view, window_px)
     for (_, label), place in zip(labels, places, strict=True):
         label.put_pill(place, view, metres_per_px)
-
-
-def _look(shape: LabelShape) -> tuple[str, tuple[int, int, int], int]:
-    return shape.text, shape.colour, round(_FINE * HEIGHT_PX * 0.86)

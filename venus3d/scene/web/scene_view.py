@@ -74,6 +74,8 @@ class SceneView:
         self._drawn: tuple[tuple[Shape, ...], bool] = ((), True)
         self._drawn_from: tuple[object, bool] = (None, False)
         self._nodes: dict[str, _Node] = {}
+        self._changing: list[SceneLabel] = []
+        """Labels that do not say their texts yet."""
         self._pulsed: str | None = None
         """The step's end that was made stronger last, and when that began, while it lasts."""
         self._pulsing: float | None = None
@@ -121,13 +123,14 @@ class SceneView:
                 if isinstance(shape, LabelShape)
             ]
             put_labels(labels, None if self._plain_labels else view, self._view.window_px)
+            self._changing = [label for _, label in labels if label.is_changing]
             self._pulse()
 
     @property
     def is_due(self) -> bool:
         """Whether `refresh` is due, now or soon."""
-        moving = self._pulsing is not None or not self._view.at_rest
-        return moving or self._view_now() != self._drawn_from
+        moving = self._pulsing is not None or self._changing or not self._view.at_rest
+        return bool(moving) or self._view_now() != self._drawn_from
 
     def leave_view(self) -> None:
         """A view is about to be sent to the tabs: nothing is drawn in front of all else for the old
@@ -137,7 +140,8 @@ class SceneView:
 
     def refresh(self) -> None:
         """Draw the same shapes again for the point of view of now."""
-        if self._view_now() != self._drawn_from:
+        settled = any(label.is_due for label in self._changing)
+        if settled or self._view_now() != self._drawn_from:
             shapes, dark = self._drawn
             self.draw(shapes, dark=dark)
         elif self._pulsing is not None:

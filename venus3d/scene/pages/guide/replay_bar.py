@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from html import escape
 
 import viser
 
@@ -93,7 +94,7 @@ class ReplayBar:
         gui = server.gui
         panel = gui.add_panel()
         with panel.add_tab(say.TAB, viser.Icon.MOVIE):
-            self._where = gui.add_markdown("")
+            self._where = gui.add_html("")
             self._slider = gui.add_slider(
                 say.TIME,
                 min=0.0,
@@ -137,7 +138,7 @@ class ReplayBar:
         words = say.WHERE[moment.kind].format(at=f"{moment.at:%H:%M:%S}", number=moment.number)
         if done < len(self._moments):
             words += " " + say.COMING.format(done=done, all=len(self._moments))
-        self._where.content = words
+        self._where.content = f"<p class='v-replay'>{escape(words)}</p>"
 
     def _buttons(self) -> dict[str, str]:
         playing = self.place.playing

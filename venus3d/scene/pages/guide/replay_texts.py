@@ -7,7 +7,7 @@ from venus3d.languages.texts_module import speak
 TAB = "Recorded session"
 TIME = "Time"
 TIME_HINT = "Seconds since the first view; pauses are shortened. Shown is what was known then."
-ROW = "Recorded session"
+ROW = "Session"
 ROW_HINT = "Play the session, or go from view to view"
 PLAY = "▶ Play"
 PAUSE = "⏸ Pause"

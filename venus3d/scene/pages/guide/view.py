@@ -45,9 +45,9 @@ from venus3d.scene.web.step_card import Note, picture_legend_html, picture_line_
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
 
-LEFT_WIDTH = 480
-_RIGHT_WIDTHS = (350, 480)
+_LEFT_WIDTHS, _RIGHT_WIDTHS = (400, 480), (350, 480)
 """Least and greatest."""
+_SMALL_WINDOW = 850
 _LETTERS_AND_BUTTONS, _PICTURES = 545, 1.125
 """Height of all that stands in the right panel: this many pixels, and the pictures' share of the
 panel's width."""
@@ -94,7 +94,8 @@ class GuideView:
         self._make_right()
         self._make_commands(tour)
         self._set_theme(theme)
-        fit_width(server, self._gui.main_panel, lambda height: self._right_width(height))
+        fit_width(server, self._gui.main_panel, self._right_width)
+        fit_width(server, self.guidance_panel, lambda height: _LEFT_WIDTHS[height > _SMALL_WINDOW])
 
     def show_picture(self, rgb: NDArray[np.uint8]) -> None:
         """Show the live picture (H, W, 3) RGB."""
@@ -175,7 +176,6 @@ class GuideView:
             self.guidance = self._gui.add_html("")
             self.end_buttons = EndButtons(self._gui, self._ask)
         panel.dock_left()
-        panel.set_width(LEFT_WIDTH)
         panel.expand()  # phones fold panels at first
 
     def _make_left(self, theme: Theme) -> None:
