@@ -12,7 +12,7 @@ from typing import Annotated
 from tyro.conf import FlagCreatePairsOff, arg
 
 from venus3d.engine.errors import VenusError
-from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.board import Board, Kind
 from venus3d.languages import Language
 
 Switch = FlagCreatePairsOff[bool]
@@ -30,10 +30,12 @@ LanguageOption = Annotated[Language | None, arg(help_behavior_hint="(usual: the 
 
 @dataclass(frozen=True)
 class BoardOptions:
-    """The ChArUco board that is held in front of the camera."""
+    """The board that is held in front of the camera."""
 
+    kind: Kind = "charuco"
+    """What is printed on it."""
     columns: int = 9
-    """Squares from left to right."""
+    """Squares from left to right: a checkerboard of 9 x 6 inner corners has 10 x 7."""
     rows: int = 6
     """Squares from top to bottom."""
     square_mm: float = 28.0
@@ -60,6 +62,7 @@ class BoardOptions:
             legacy=self.legacy,
             inverted=self.inverted,
             first_id=self.first_id,
+            kind=self.kind,
         )
 
 

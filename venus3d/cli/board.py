@@ -60,9 +60,10 @@ def board_command(options: BoardCommand) -> None:
 
 
 def _sheet(board: Board, paper: tuple[float, float] | None, options: BoardCommand) -> Sheet:
+    marked = f", {1000 * board.marker:g} mm, {board.dictionary}" if board.has("marker") else ""
     words = (
-        f"ChArUco, {board.columns} x {board.rows} squares of {options.board.square_mm:g} mm, "
-        f"markers of {options.board.marker_mm:g} mm, {board.dictionary}",
+        f"{board.of_kind.name}, {board.columns} x {board.rows}, {1000 * board.square:g} mm"
+        + marked,
         "Print at 100 %: the ruler is 100 mm long. If not, measure: --board.square-mm",
     )
     if not 0 <= options.margin_mm < 1000:

@@ -251,11 +251,13 @@ def _marked(bgr: NDArray[np.uint8], view: View) -> NDArray[np.uint8]:
 
 
 def _made_with(made_with: Mapping[str, Any], board: Board) -> str:
+    named = [board.of_kind.name, f"{board.columns} x {board.rows}", board.dictionary]
     rows = [
-        ["board", f"{board.columns} x {board.rows} squares, {board.dictionary}"],
+        ["board", ", ".join(filter(None, named))],
         ["square", f"{1000 * board.square:.6g} mm"],
-        ["marker", f"{1000 * board.marker:.6g} mm"],
     ]
+    if board.has("marker"):
+        rows.append(["marker", f"{1000 * board.marker:.6g} mm"])
     if any(board.bow) or board.stretch:
         across, down = (1000 * bow for bow in board.bow)
         rows.append(

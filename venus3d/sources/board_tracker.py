@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from venus3d.engine.calibration.detection import QUICK_FROM_PX, Detector, Region, search_region
+from venus3d.engine.calibration.board_reader import Region
+from venus3d.engine.calibration.detection import Detector, search_region
 from venus3d.engine.calibration.observation import Observation
 from venus3d.sources.frame import Frame
 
@@ -22,7 +23,7 @@ class BoardTracker:
     def __init__(self, detector: Detector) -> None:
         self.detector = detector
         self._last: Observation | None = None
-        self._quick_from_px = QUICK_FROM_PX
+        self._quick_from_px = detector.quick_from_px
 
     def track(self, frame: Frame) -> Observation:
         """The board in this frame, with its image and how long it took to find it.
@@ -36,7 +37,7 @@ class BoardTracker:
             self._last = None
         if self._last is not None and self.detector.settled:
             region, before = search_region(self._last, frame.image_size), self._last.count
-        self._quick_from_px = max(QUICK_FROM_PX, _FADING * self._quick_from_px)
+        self._quick_from_px = max(self.detector.quick_from_px, _FADING * self._quick_from_px)
         quick = before > 0 and self.detector.square_px >= self._quick_from_px
         seen = self._detect(frame, region, quick)
         if (quick or region is not None) and seen.count < _LOST * before:

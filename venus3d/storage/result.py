@@ -75,17 +75,19 @@ def summary_of(
 
 
 def board_summary(board: Board) -> dict[str, Any]:
-    """The board in the terms of the command line."""
-    return {
+    """The board in the terms of the command line, without what its kind has not."""
+    summary: dict[str, Any] = {
+        "kind": board.kind,
         "columns": board.columns,
         "rows": board.rows,
         "square_mm": round(board.square * 1000, 9),
-        "marker_mm": round(board.marker * 1000, 9),
-        "dictionary": board.dictionary,
-        "legacy": board.legacy,
-        "inverted": board.inverted,
-        "first_id": board.first_id,
     }
+    if board.has("marker"):
+        summary["marker_mm"] = round(board.marker * 1000, 9)
+    for name in ("dictionary", "legacy", "inverted", "first_id"):
+        if board.has(name):
+            summary[name] = getattr(board, name)
+    return summary
 
 
 def full_result(

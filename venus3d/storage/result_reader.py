@@ -15,7 +15,7 @@ from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import StorageError, VenusError
-from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.board import KINDS, Board
 from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS, Camera
 from venus3d.engine.geometry.lenses import BROWN5, lens_called
 from venus3d.engine.geometry.pose import Array, Pose
@@ -135,10 +135,15 @@ def _result_of(content: Mapping[str, Any]) -> Result:
 
 def board_of(content: Mapping[str, Any]) -> Board:
     """The board of a `board_summary`."""
-    lengths = {name: content[f"{name}_mm"] / 1000 for name in ("square", "marker")}
-    others = ("columns", "rows", "dictionary", "legacy", "inverted")
-    named = {name: content[name] for name in others}
-    return Board(**lengths, **named, first_id=int(content.get("first_id", 0)))
+    kind = content.get("kind", "charuco")
+    if kind not in KINDS:
+        raise ValueError("no kind of board")
+    fields = KINDS[kind].fields
+    lengths = ["square", *({"marker"} & set(fields))]
+    named = {name: content[f"{name}_mm"] / 1000 for name in lengths}
+    others = {"dictionary", "legacy", "inverted"} & set(fields)
+    named |= {name: content[name] for name in ("columns", "rows", *others)}
+    return Board(**named, kind=kind, first_id=int(content.get("first_id", 0)))
 
 
 def _shaped(board: Board, shape: Mapping[str, Any]) -> tuple[Board, tuple[float, float, float]]:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.adjustment import calibrate
-from venus3d.engine.calibration.detection import Detector, Region, search_region
+from venus3d.engine.calibration.board_reader import Region
+from venus3d.engine.calibration.detection import Detector, search_region
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.board_pose import estimate_pose
-from venus3d.engine.calibration.detection import Detector, Region
+from venus3d.engine.calibration.board_reader import Region
+from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.geometry.decomposition import Step, decompose
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.limits import Limits

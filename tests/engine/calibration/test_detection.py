@@ -11,7 +11,8 @@ import pytest
 
 from tests.engine.board_pictures import picture_of
 from venus3d.engine.calibration.adjustment import calibrate
-from venus3d.engine.calibration.detection import QUICK_FROM_PX, Detector, search_region
+from venus3d.engine.calibration.charuco_reader import QUICK_FROM_PX
+from venus3d.engine.calibration.detection import Detector, search_region
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board

@@ -428,7 +428,7 @@ _THIN = {
 
 def _thin(board: Board, grey: Grey, pattern: Pattern) -> Diagnosis | None:
     """That a border of the board's markers is too thin for them to be found, if it is."""
-    if pattern.kind != "unread" or pattern.corners is None:
+    if pattern.kind != "unread" or pattern.corners is None or not board.has("marker"):
         return None
     thin = thin_border(grey, pattern.corners, board)
     if thin is None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.circle_grids import find_circles
+from venus3d.engine.calibration.corner_grids import is_even
 from venus3d.engine.geometry.pose import Array
 
 Grey = NDArray[np.uint8]
@@ -19,8 +20,6 @@ _SEARCHED_PX = 1000
 """Images are searched at this size: finding a pattern of unknown size takes its time."""
 _FEWEST = 3
 """Corners along each side."""
-_UNEVEN = 0.5
-"""Largest change of a step from one corner to the next, as a share of it: less in a fisheye."""
 _LEAST_CONTRAST = 15.0
 """Grey levels between dark and light squares."""
 
@@ -74,20 +73,10 @@ def _checkerboard(grey: Grey) -> Pattern | None:
     rows, columns = np.asarray(found[2]).shape[:2]
     corners = np.asarray(found[1], dtype=np.float64).reshape(rows, columns, 2)
     colours = _squares(grey, corners)
-    if not (_is_even(corners) and _alternates(colours)):
+    if not (is_even(corners) and _alternates(colours)):
         return None
     kind = "unread" if _is_printed_on(colours) else "checkerboard"
     return Pattern(kind, max(rows, columns), min(rows, columns), corners)
-
-
-def _is_even(corners: Array) -> bool:
-    """Whether corners (R, C, 2) are about evenly spaced along both directions."""
-    for along in (corners, corners.transpose(1, 0, 2)):
-        steps = np.diff(along, axis=1)
-        uneven = np.linalg.norm(np.diff(steps, axis=1), axis=2)
-        if (uneven > _UNEVEN * np.linalg.norm(steps[:, 1:], axis=2)).any():
-            return False
-    return True
 
 
 def _squares(grey: Grey, corners: Array) -> tuple[list[Array], list[Array]]:

@@ -41,15 +41,15 @@ def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
     Measured between a corner and its neighbours along each axis. A corner that has none takes those
     of the nearest corner that has; a homography through all corners serves if no corner has any.
     """
-    columns = board.columns - 1
-    places = np.stack([ids % columns, ids // columns], axis=1)
-    grid = np.full((columns + 2, board.rows + 1, 2), np.nan)
-    grid[places[:, 0] + 1, places[:, 1] + 1] = corners
+    places, points = board.lattice[ids], board.corners[ids, :2]
+    wide, high = board.lattice.max(axis=0) + 3
+    grid = np.full((wide, high, 4), np.nan)
+    grid[places[:, 0] + 1, places[:, 1] + 1] = here = np.hstack([corners, points])
     scales = np.zeros((ids.size, 2, 2))
     for axis, step in enumerate(np.eye(2, dtype=np.intp)):
         after, before = places + 1 + step, places + 1 - step
         steps = np.stack(
-            [grid[after[:, 0], after[:, 1]] - corners, corners - grid[before[:, 0], before[:, 1]]]
+            [grid[after[:, 0], after[:, 1]] - here, here - grid[before[:, 0], before[:, 1]]]
         )
         known = np.isfinite(steps[:, :, 0])
         measured = np.flatnonzero(known.any(axis=0))
@@ -60,7 +60,8 @@ def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
             continue
         mean = np.nansum(steps[:, measured], axis=0) / known[:, measured].sum(axis=0)[:, None]
         distances = np.linalg.norm(places[:, None] - places[measured], axis=2)
-        scales[:, :, axis] = mean[np.argmin(distances, axis=1)] / board.square
+        nearest = np.argmin(distances, axis=1)
+        scales[:, :, axis] = mean[nearest, :2] / mean[nearest, 2 + axis, None]
     return scales
 
 
@@ -78,8 +79,8 @@ def _homography_scales(points: Array, corners: Array) -> Array:
 
 
 def refinement_windows(board: Board, scales: Array, corners: Array) -> NDArray[np.intp]:
-    """(N,) half-windows that stay clear of the markers around each corner (N, 2), pixels."""
-    gap = (board.square - board.marker) / 2
+    """(N,) half-windows that stay clear of other edges around each corner (N, 2), pixels."""
+    gap = board.of_kind.clearance(board)
     along = np.linspace(gap, board.square / 2, 5)
     edge = np.stack([np.full_like(along, gap), along])
     mirror = np.array([[-1.0], [1.0]])
@@ -102,7 +103,7 @@ def refine_corners(
     worse. Moves of less than 0.1 px are not judged.
     """
     refined = _moved(grey, corners, windows)
-    smoother = _smoother(board.columns - 1, ids.tobytes())
+    smoother = _smoother(board, ids.tobytes())
     judged = smoother.any(axis=1)
     far = judged & (np.linalg.norm(refined - corners, axis=1) > _TELLS_PX)
     if not far.any():
@@ -131,17 +132,17 @@ def _moved(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _smoother(columns: int, ids: bytes) -> Array:
-    """(N, N) matrix that predicts corners from their neighbours, for corners in rows of `columns`.
+def _smoother(board: Board, ids: bytes) -> Array:
+    """(N, N) matrix that predicts corners from their neighbours.
 
     Row n holds the weights of a quadratic fit around corner n, without itself, at its place (a
     quadratic over five squares: perspective and a lens's distortion bend them hardly more). Zero
     for corners with too few neighbours. The same corners come in many frames, hence the cache.
     """
     numbers = np.frombuffer(ids, dtype=np.intp)
-    places = np.stack([numbers % columns, numbers // columns], axis=1).astype(np.float64)
-    d = places - places[:, None]
-    ring = np.abs(d).max(axis=2)
+    lattice, flat = board.lattice[numbers], board.of_kind.points(board)[numbers] / board.square
+    ring = np.abs(lattice - lattice[:, None]).max(axis=2)
+    d = np.round(flat - flat[:, None], 9)
     near = (ring > 0) & (ring <= _REACH)
     x, y = d[..., 0], d[..., 1]
     A = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2) * near[..., None]

@@ -24,10 +24,6 @@ from venus3d.engine.sentences import Sentence
 
 FEWEST_VIEWS = 3
 """Two views determine nine parameters in theory only; three can contradict each other."""
-CELL_PX = 2.4
-"""Pixels that a marker's cell needs on its short side. On 110 valid poses of the simulated camera
-with its noise and blur, 41 % of the default board's corners are found where the smallest square is
-18-21 px wide (2.1 px a cell), 73 % at 21-25 px, 96 % at 25-30 px, all above."""
 
 
 _NEEDED = Sentence(
@@ -113,10 +109,8 @@ def calibrate_or_refuse(
 
 
 def legible_square_px(board: Board) -> float:
-    """The least side of a square in the picture for its markers to be read, pixels: a marker has
-    its dictionary's cells and a border of one cell around them."""
-    cells = int(board.cv_dictionary.markerSize) + 2
-    return CELL_PX * cells * board.square / board.marker
+    """The least side of a square in the picture for the board to be read, pixels."""
+    return board.of_kind.legible_square_px(board)
 
 
 def square_px(board: Board, seen: Observation) -> float:

@@ -17,14 +17,15 @@ from venus3d.engine.geometry.pose import Array
 
 
 def neighbour_correlation(calibration: Calibration) -> float:
-    """Correlation of the residuals of corners one square apart in the same view; NaN if none."""
-    columns, rows = calibration.board.columns - 1, calibration.board.rows - 1
+    """Correlation of the residuals of neighbouring corners in the same view; NaN if none."""
+    lattice = calibration.board.lattice
+    columns, rows = lattice.max(axis=0) + 1
     one: list[Array] = []
     other: list[Array] = []
     for view in calibration.views:
-        grid = np.full((rows * columns, 2), np.nan)
-        grid[view.observation.ids] = view.errors
-        grid = grid.reshape(rows, columns, 2)
+        grid = np.full((rows, columns, 2), np.nan)
+        column, row = lattice[view.observation.ids].T
+        grid[row, column] = view.errors
         for left, right in ((grid[:, :-1], grid[:, 1:]), (grid[:-1], grid[1:])):
             both = np.isfinite(left + right)
             one.append(left[both])

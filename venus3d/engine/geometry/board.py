@@ -1,17 +1,21 @@
-"""The ChArUco board: its corners, their ids, its image.
+"""The board: its points, their ids, its image. What differs from kind to kind: `boards`.
 All coordinates are relative to the board's centre, x along the columns, y along the rows, z = 0."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal, get_args
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.errors import BoardError
+from venus3d.engine.geometry.boards.charuco import Charuco
+from venus3d.engine.geometry.boards.chessboard import Chessboard
+from venus3d.engine.geometry.boards.kind import BoardKind
 from venus3d.engine.geometry.pose import Array
 
 DICTIONARIES: tuple[str, ...] = tuple(
@@ -22,9 +26,23 @@ DICTIONARIES: tuple[str, ...] = tuple(
 """Names of the marker dictionaries of this OpenCV version."""
 
 
+Kind = Literal["charuco", "chessboard"]
+"""Names of the kinds of boards."""
+KINDS: Mapping[str, BoardKind] = {"charuco": Charuco(), "chessboard": Chessboard()}
+assert tuple(KINDS) == get_args(Kind)
+_ABSENT: Mapping[str, Any] = {
+    "marker": 0.0,
+    "dictionary": "",
+    "legacy": False,
+    "inverted": False,
+    "first_id": 0,
+}
+"""What a field holds that the kind has not: boards that look alike are equal."""
+
+
 @dataclass(frozen=True)
 class Board:
-    """A ChArUco board. Lengths in metres. Raises `BoardError` for invalid options."""
+    """A calibration board. Lengths in metres. Raises `BoardError` for invalid options."""
 
     columns: int = 9
     """Squares along x."""
@@ -45,20 +63,24 @@ class Board:
     """How far the middle lies behind the ends, along x and along y, metres: a parabola each."""
     stretch: float = 0.0
     """By how much the print is longer along x than along y, as a share: half to each."""
+    kind: Kind = "charuco"
 
     def __post_init__(self) -> None:
-        if self.columns < 3 or self.rows < 3:
+        if self.kind not in KINDS:
             raise BoardError(
-                f"A board of {self.columns} x {self.rows} squares has too few inner corners to "
-                "calibrate with; use at least 3 columns and 3 rows."
+                f"There is no kind of board {self.kind!r}; use one of {', '.join(KINDS)}."
             )
-        if not all(0 < side < np.inf for side in (self.square, self.marker)):
+        for name, value in _ABSENT.items():
+            if name not in self.of_kind.fields:
+                object.__setattr__(self, name, value)
+        sides = (self.square, self.marker) if self.has("marker") else (self.square,)
+        if not all(0 < side < np.inf for side in sides):
             raise BoardError("Square and marker sizes must be positive numbers.")
-        if self.marker >= self.square:
-            raise BoardError(
-                f"The marker ({self.marker * 1000:g} mm) must be smaller than the square "
-                f"({self.square * 1000:g} mm); are the two swapped?"
-            )
+        self.of_kind.check(self)
+        if self.has("dictionary"):
+            self._check_markers()
+
+    def _check_markers(self) -> None:
         if self.dictionary not in DICTIONARIES:
             raise BoardError(
                 f"There is no marker dictionary {self.dictionary!r}; use one of "
@@ -74,6 +96,15 @@ class Board:
                 f"{self.rows} squares needs {self.marker_count}{begun}; use a larger dictionary."
             )
 
+    @property
+    def of_kind(self) -> BoardKind:
+        """What boards of this kind have in common."""
+        return KINDS[self.kind]
+
+    def has(self, field: str) -> bool:
+        """Whether this kind of board has a field, such as `marker`."""
+        return field in self.of_kind.fields
+
     def __reduce__(self) -> tuple[type[Board], tuple[Any, ...]]:
         """Pickled as its options, without the cached OpenCV objects."""
         return Board, astuple(self)
@@ -81,7 +112,7 @@ class Board:
     @property
     def marker_count(self) -> int:
         """Number of markers."""
-        return self.columns * self.rows // 2
+        return self.of_kind.marker_count(self)
 
     @property
     def _predefined(self) -> Any:
@@ -103,35 +134,35 @@ class Board:
 
     @cached_property
     def cv_board(self) -> Any:
-        """OpenCV's `CharucoBoard` (its origin is the top left corner, not the centre)."""
-        board = cv2.aruco.CharucoBoard(
-            (self.columns, self.rows), self.square, self.marker, self.cv_dictionary
-        )
-        board.setLegacyPattern(self.legacy)
-        return board
+        """OpenCV's object for this board (its origin is the top left corner, not the centre); None
+        where it has none."""
+        return self.of_kind.cv_board(self)
 
     @property
     def width(self) -> float:
         """Extent along x, metres."""
-        return self.columns * self.square
+        return self.of_kind.size(self)[0]
 
     @property
     def height(self) -> float:
         """Extent along y, metres."""
-        return self.rows * self.square
+        return self.of_kind.size(self)[1]
 
     @property
     def corner_count(self) -> int:
-        """Number of inner corners."""
-        return (self.columns - 1) * (self.rows - 1)
+        """Number of points."""
+        return len(self.lattice)
+
+    @cached_property
+    def lattice(self) -> NDArray[np.intp]:
+        """(M, 2) column and row of each point, in order of the ids; neighbours differ by one."""
+        return self.of_kind.lattice(self)
 
     @cached_property
     def corners(self) -> Array:
-        """(M, 3) inner corners relative to the centre, in order of their ids, metres."""
-        x = (np.arange(1, self.columns) - self.columns / 2) * self.square
-        y = (np.arange(1, self.rows) - self.rows / 2) * self.square
-        across, down = np.tile(x, y.size), np.repeat(y, x.size)
-        flat = np.stack([across, down, np.zeros(down.size)], 1).astype(np.float64)
+        """(M, 3) points relative to the centre, in order of their ids, metres."""
+        points = self.of_kind.points(self)
+        flat = np.column_stack([points, np.zeros(len(points))])
         return flat + np.tensordot([*self.bow, self.stretch], self.deformations(flat), 1)
 
     def deformations(self, points: Array) -> Array:
@@ -157,20 +188,20 @@ class Board:
         return self.corners[np.asarray(ids, dtype=np.intp)]
 
     def id_of(self, column: int, row: int) -> int:
-        """Id of the inner corner right below square (column, row), both from 0 at the top left."""
-        if not (0 <= column < self.columns - 1 and 0 <= row < self.rows - 1):
+        """Id of the point in this column and row of points, both from 0 at the top left."""
+        found = np.flatnonzero((self.lattice == [column, row]).all(axis=1))
+        if not found.size:
             raise BoardError(f"The board has no inner corner ({column}, {row}).")
-        return row * (self.columns - 1) + column
+        return int(found[0])
 
     def column_row_of(self, corner_id: int) -> tuple[int, int]:
-        """(column, row) of a corner id; the inverse of `id_of`."""
+        """(column, row) of a point's id; the inverse of `id_of`."""
         if not 0 <= corner_id < self.corner_count:
             raise BoardError(f"The board has no inner corner number {corner_id}.")
-        row, column = divmod(corner_id, self.columns - 1)
-        return column, row
+        column, row = self.lattice[corner_id]
+        return int(column), int(row)
 
     def texture(self, square_px: int = 60) -> NDArray[np.uint8]:
-        """Grey image (rows * square_px, columns * square_px) of the board without a margin."""
-        size = (self.columns * square_px, self.rows * square_px)
-        picture = np.asarray(self.cv_board.generateImage(size, marginSize=0), dtype=np.uint8)
+        """(height, width) grey image of what is printed, without a margin, `square_px` a square."""
+        picture = self.of_kind.texture(self, square_px)
         return 255 - picture if self.inverted else picture

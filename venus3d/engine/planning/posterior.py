@@ -166,13 +166,16 @@ def board_nodes(board: Board) -> tuple[Array, Array]:
     On the default board 24 nodes replace 40 corners: over 1000 poses the projection variance is
     0.05 % off (rms; 0.6 % at worst) with one view known, 0.01 % with three, less with more.
     """
-    across, down = board.columns - 1, board.rows - 1
+    across, down = board.lattice.max(axis=0) + 1
     long, short = NODES
     x, wx = _gauss(across, long if across >= down else short)
     y, wy = _gauss(down, short if across >= down else long)
     nodes = np.zeros((len(x) * len(y), 3))
     nodes[:, 0], nodes[:, 1] = np.tile(x, len(y)), np.repeat(y, len(x))
-    return nodes * board.square, np.asarray(np.outer(wy, wx).ravel(), dtype=np.float64)
+    step = np.round(np.ptp(board.of_kind.points(board), axis=0) / board.square, 9) * board.square
+    nodes[:, :2] *= step / (np.array([across, down]) - 1)
+    weights = np.outer(wy, wx).ravel() * (board.corner_count / (across * down))
+    return nodes, np.asarray(weights, dtype=np.float64)
 
 
 def _gauss(count: int, nodes: int) -> tuple[Array, Array]:

@@ -9,13 +9,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from datetime import datetime, timezone
-from typing import Any
+from typing import Any, cast
 
 import cv2
 import numpy as np
 
 from venus3d.engine.errors import BoardError
-from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.board import KINDS, Board, Kind
 from venus3d.engine.geometry.pose import Array
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
@@ -53,11 +53,14 @@ def opencv_text(record: CameraRecord, extension: str = "yaml") -> str:
         file.write("board_width", board.columns)
         file.write("board_height", board.rows)
         file.write("square_size", board.square)
-        file.write("marker_size", board.marker)
-        file.write("aruco_dictionary", board.dictionary)
-        file.write("board_legacy", int(board.legacy))
-        file.write("board_inverted", int(board.inverted))
-        file.write("board_first_id", board.first_id)
+        file.write("board_kind", board.kind)
+        if board.has("marker"):
+            file.write("marker_size", board.marker)
+        if board.has("dictionary"):
+            file.write("aruco_dictionary", board.dictionary)
+        for name in ("legacy", "inverted", "first_id"):
+            if board.has(name):
+                file.write(f"board_{name}", int(getattr(board, name)))
     return file.releaseAndGetString()
 
 
@@ -96,12 +99,15 @@ def _record_of(file: cv2.FileStorage) -> CameraRecord:
 
 
 def _board_of(file: cv2.FileStorage) -> Board | None:
-    """The board, if it is a ChArUco board of ours."""
-    dictionary = file.getNode("aruco_dictionary")
+    """The board, if it is one of ours; a file without its kind is of a time with one kind."""
+    kind, dictionary = file.getNode("board_kind"), file.getNode("aruco_dictionary")
     sides = [_number(file, key) for key in ("board_width", "board_height", "square_size",
                                             "marker_size")]  # fmt: skip
     columns, rows, square, marker = (-1.0 if side is None else side for side in sides)
-    if not dictionary.isString() or min(columns, rows, square, marker) < 0:
+    name = kind.string() if kind.isString() else "charuco"
+    if name not in KINDS or min(columns, rows, square) < 0:
+        return None
+    if not dictionary.isString() and "dictionary" in KINDS[name].fields:
         return None
     try:
         return Board(
@@ -109,10 +115,11 @@ def _board_of(file: cv2.FileStorage) -> Board | None:
             rows=int(rows),
             square=square,
             marker=marker,
-            dictionary=dictionary.string(),
+            dictionary=dictionary.string() if dictionary.isString() else "",
             legacy=bool(_number(file, "board_legacy")),
             inverted=bool(_number(file, "board_inverted")),
             first_id=int(_number(file, "board_first_id") or 0),
+            kind=cast(Kind, name),
         )
     except BoardError:
         return None

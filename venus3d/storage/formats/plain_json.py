@@ -14,6 +14,7 @@ from venus3d.engine.geometry.lenses import BROWN5
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 from venus3d.storage.result import SCHEMA, board_summary, to_json
+from venus3d.storage.result_reader import board_of
 
 _BROWN5 = (*PINHOLE_PARAMETERS, *BROWN5.coefficient_names)
 
@@ -67,11 +68,11 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
 def _board_of(content: Any) -> Board | None:
     if content is None:
         return None
-    lengths = {name: values.number(content[f"{name}_mm"]) / 1000 for name in ("square", "marker")}
-    others = ("columns", "rows", "dictionary", "legacy", "inverted")
+    for name in ("square_mm", "marker_mm"):
+        if name in content:
+            values.number(content[name])
     try:
-        first_id = int(content.get("first_id", 0))
-        return Board(**lengths, **{name: content[name] for name in others}, first_id=first_id)
+        return board_of(content)
     except BoardError as error:
         raise ValueError("no board") from error
 

@@ -1,0 +1,73 @@
+"""What finds one kind of board in a picture: the part of detection that differs between kinds."""
+
+from __future__ import annotations
+
+import copy
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array
+
+Grey = NDArray[np.uint8]
+Region = tuple[int, int, int, int]
+"""Search region x0, y0, x1, y1 in pixels; x1 and y1 are exclusive."""
+Read = tuple[NDArray[np.intp], Array]
+"""Ids (N,) ascending and corners (N, 2), pixels of the whole image."""
+Reader = TypeVar("Reader", bound="BoardReader")
+NOTHING: Read = (np.zeros(0, np.intp), np.zeros((0, 2)))
+
+
+class BoardReader:
+    """Reads a board in grey images; learns from them how it is printed. Used by one thread."""
+
+    quick_from_px = 0.0
+    """The narrow side of a square from which a quick search finds as much as a full one."""
+
+    def __init__(self, board: Board) -> None:
+        """Reads `board` as it is given."""
+        self.board = board
+        """As it is known to be printed so far."""
+        self.settled = True
+        """Whether that will stay."""
+        self.confused = False
+        """Whether the last image showed two boards that cannot be told apart."""
+        self.weighing = False
+        """Whether this has seen an image from which it learns; of copies."""
+        self.is_copy = False
+
+    def copy(self: Reader) -> Reader:
+        """A reader for another thread, for images in any order: it searches as well as it can, and
+        does not follow the board from one image to the next."""
+        other = copy.copy(self)
+        other.weighing, other.is_copy = False, True
+        return other
+
+    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
+        """The board's points in a region of an image (H, W); none if it is not there."""
+        raise NotImplementedError
+
+    def adopt(self, board: Board) -> None:
+        """Read this board from now on."""
+        self.board = board
+
+    def seen_otherwise(self, ids: NDArray[np.intp], corners: Array) -> Board | None:
+        """The board that the last image shows instead, if it was found, but not as it is."""
+        del ids, corners
+        return None
+
+    def take_over(self, by: BoardReader) -> None:
+        """What a copy has learnt."""
+
+    def notes(self, asked: Board) -> tuple[str, ...]:
+        """Sentences on harmless differences from the board asked for."""
+        del asked
+        return ()
+
+    def diagnoses(self, asked: Board) -> list[Diagnosis]:
+        """How the board differs from the one asked for."""
+        del asked
+        return []

@@ -1,0 +1,231 @@
+"""Reads ChArUco boards: OpenCV finds markers and corners, and the layout and polarity in which the
+board is printed are found out; see `detection` for what all kinds have in common."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
+from venus3d.engine.calibration.board_recognition import (
+    OTHER_MARKER,
+    first_id_diagnosis,
+    marker_size_diagnosis,
+    two_boards_diagnosis,
+)
+from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.marker_lattice import side_of
+from venus3d.engine.calibration.observation import determines_homography
+from venus3d.engine.calibration.thin_borders import thin_border_diagnosis
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array
+from venus3d.engine.sentences import Sentence
+
+# Evidence for a layout: this many frames with corners, one reading ahead by this many corners.
+_FRAMES_TO_SETTLE = 3
+_FRAMES_AT_MOST = 12
+_LEAD = 2.0
+# OpenCV searches markers with three threshold windows (3, 13 and 23 px). A single one of 7 px takes
+# less than half the time, and finds as much where a square's narrow side has this many pixels: no
+# corner of 5985 was lost on real recordings, none of 2262 on simulated tilted boards
+# (docs/method.md). Smaller squares need all three.
+QUICK_FROM_PX = 40.0
+_QUICK_WINDOW_PX = 7
+_FEWEST_MEASURED = 8
+# Different markers seen twice in one image: two boards.
+_TWICE = 4
+
+_WHITE_ON_BLACK = Sentence(
+    "The board is printed white on black, not black on white; it is read that way."
+)
+_BLACK_ON_WHITE = Sentence(
+    "The board is printed black on white, not white on black; it is read that way."
+)
+_OLD_LAYOUT = (
+    Sentence(
+        "The board is printed in the layout used before OpenCV 4.6 (legacy is on), not in the one "
+        "asked for; it is read that way."
+    ),
+    Sentence("Start with --board.legacy to be sure."),
+)
+_NEW_LAYOUT = (
+    Sentence(
+        "The board is printed in the layout used since OpenCV 4.6 (legacy is off), not in the one "
+        "asked for; it is read that way."
+    ),
+    Sentence("Leave out --board.legacy to be sure."),
+)
+
+
+class CharucoReader(BoardReader):
+    """Compares the ways in which a board may be printed, until enough images agree on one."""
+
+    quick_from_px = QUICK_FROM_PX
+
+    def __init__(self, board: Board, *, find_layout: bool = True) -> None:
+        """`find_layout`: see `Detector`."""
+        super().__init__(board)
+        self.settled = not find_layout
+        self._finders: dict[tuple[Board, bool], Any] = {}
+        self._evidence: dict[Board, int] = dict.fromkeys(_readings(board), 0)
+        self._frames = 0
+        self._markers: Any = None
+        self._two_boards = False
+
+    def copy(self) -> CharucoReader:
+        """Reads one image until the layout is settled, then any number."""
+        other = super().copy()
+        other._finders, other._evidence = {}, dict(self._evidence)
+        other._frames = 0
+        return other
+
+    def take_over(self, by: BoardReader) -> None:
+        """Whether a copy saw two boards."""
+        if isinstance(by, CharucoReader):
+            self._two_boards |= by._two_boards
+
+    def notes(self, asked: Board) -> tuple[str, ...]:
+        """On the polarity."""
+        if self.board.inverted == asked.inverted:
+            return ()
+        return (_WHITE_ON_BLACK if self.board.inverted else _BLACK_ON_WHITE,)
+
+    def diagnoses(self, asked: Board) -> list[Diagnosis]:
+        """Two boards; another layout, first id or marker size than given; thin borders."""
+        found = [two_boards_diagnosis()] if self._two_boards else []
+        if self.board.legacy != asked.legacy:
+            found.append(
+                Diagnosis("wrong-layout", *(_OLD_LAYOUT if self.board.legacy else _NEW_LAYOUT))
+            )
+        if self.board.first_id != asked.first_id:
+            found.append(first_id_diagnosis(self.board))
+        if self.board.marker != asked.marker:
+            found.append(marker_size_diagnosis(asked, self.board))
+        thin = thin_border_diagnosis(self.board) if self._frames else None
+        return found if thin is None else [*found, thin]
+
+    def adopt(self, board: Board) -> None:
+        """Read this board from now on, in whichever layout."""
+        super().adopt(board)
+        self.settled, self._frames, self.weighing = False, 0, False
+        self._evidence = dict.fromkeys(_readings(board), 0)
+
+    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
+        """The corners of the presumed board; compares readings until settled."""
+        x0, y0, x1, y1 = region
+        self._markers = None
+        ids, corners = self._found(grey[y0:y1, x0:x1], quick)
+        self.confused = self._shows_two_boards()
+        return ids, corners + np.array([x0, y0])
+
+    def _found(self, grey: Grey, quick: bool) -> Read:
+        if self.settled:
+            ids, corners, _ = self._detect_board(self.board, grey, quick=quick)
+            return ids, corners
+        found: dict[Board, Read] = {}
+        for inverted in (self.board.inverted, not self.board.inverted):
+            markers: Any = None
+            for board in self._evidence:
+                if board.inverted == inverted:
+                    ids, corners, markers = self._detect_board(board, grey, markers)
+                    found[board] = (ids, corners)
+            if any(ids.size for ids, _ in found.values()):
+                break  # a board has one polarity: the other would give nothing
+        self._weigh({board: ids.size for board, (ids, _) in found.items()})
+        return found.get(self.board, NOTHING)
+
+    def seen_otherwise(self, ids: NDArray[np.intp], corners: Array) -> Board | None:
+        """The board with the size of the markers as it is seen, if that is quite another."""
+        if self.settled or not determines_homography(self.board.points_of(ids)):
+            return None
+        square = self.board.square
+        share = _marker_share(self.board, ids, corners, self._markers)
+        if share is None or abs(share * square / self.board.marker - 1) < OTHER_MARKER:
+            return None
+        marker = round(2000 * share * square) / 2000  # to half a millimetre
+        if not 0 < marker < square or marker == self.board.marker:
+            return None
+        return replace(self.board, marker=marker)
+
+    def _shows_two_boards(self) -> bool:
+        """Whether several of the markers just found are there twice."""
+        if self._markers is None:
+            return False
+        _, counts = np.unique(np.asarray(self._markers[1]).reshape(-1), return_counts=True)
+        twice = int((counts > 1).sum()) >= _TWICE
+        self._two_boards |= twice
+        return twice
+
+    def _weigh(self, counts: dict[Board, int]) -> None:
+        """Add a frame's evidence: the right reading finds more corners over several frames.
+        The wrong one finds some too, even with a lower reprojection error: neither is proof."""
+        if not any(counts.values()):
+            return
+        self._frames += 1
+        self.weighing = True
+        for board, count in counts.items():
+            self._evidence[board] += count
+        # The first of equals wins, and the board as given comes first.
+        self.board = max(self._evidence, key=lambda board: self._evidence[board])
+        best, *others = sorted(self._evidence.values(), reverse=True)
+        clear = all(best >= _LEAD * other for other in others)
+        self.settled = self._frames >= (_FRAMES_TO_SETTLE if clear else _FRAMES_AT_MOST)
+
+    def _detect_board(
+        self, board: Board, grey: Grey, markers: Any = None, *, quick: bool = False
+    ) -> tuple[NDArray[np.intp], Array, Any]:
+        """Ids (N,) ascending, corners (N, 2), and the markers, which another layout can reuse.
+
+        OpenCV 4 gives (N, 1, 2) and (N, 1), OpenCV 5 (N, 2) and (N,); both None or empty if none.
+        """
+        if (board, quick) not in self._finders:
+            self._finders[board, quick] = _finder(board, quick)
+        picture = 255 - grey if board.inverted else grey
+        known = () if markers is None else (None, None, *markers)
+        corners, ids, marker_corners, marker_ids = self._finders[board, quick].detectBoard(
+            picture, *known
+        )
+        seen = (marker_corners, marker_ids) if marker_ids is not None and len(marker_ids) else None
+        if seen is not None:
+            self._markers = seen
+        if ids is None or len(ids) == 0:
+            return np.zeros(0, np.intp), np.zeros((0, 2)), seen
+        numbers = np.asarray(ids, dtype=np.intp).reshape(-1)
+        pixels = np.asarray(corners, dtype=np.float64).reshape(-1, 2)
+        order = np.argsort(numbers)
+        return numbers[order], pixels[order], seen
+
+
+def _marker_share(
+    board: Board, ids: NDArray[np.intp], corners: Array, markers: Any
+) -> float | None:
+    """Side of the markers over that of a square, as seen; None if too little is seen."""
+    if markers is None or len(markers[1]) < _FEWEST_MEASURED or ids.size < _FEWEST_MEASURED:
+        return None
+    H, _ = cv2.findHomography(corners, board.points_of(ids)[:, :2])
+    if H is None:
+        return None
+    quads = np.asarray(markers[0], dtype=np.float64).reshape(-1, 4, 2)
+    return side_of(quads, np.asarray(H, dtype=np.float64)) / board.square
+
+
+def _finder(board: Board, quick: bool) -> Any:
+    markers = cv2.aruco.DetectorParameters()
+    if quick:
+        markers.adaptiveThreshWinSizeMin = markers.adaptiveThreshWinSizeMax = _QUICK_WINDOW_PX
+    return cv2.aruco.CharucoDetector(board.cv_board, cv2.aruco.CharucoParameters(), markers)
+
+
+def _readings(board: Board) -> list[Board]:
+    """The board as given, then the other ways in which it may be printed."""
+    # With an odd row count both layouts are the same board.
+    layouts = (board.legacy, not board.legacy) if board.rows % 2 == 0 else (board.legacy,)
+    return [
+        replace(board, legacy=legacy, inverted=inverted)
+        for inverted in (board.inverted, not board.inverted)
+        for legacy in layouts
+    ]

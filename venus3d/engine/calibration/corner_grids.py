@@ -1,0 +1,53 @@
+"""Grids of a checkerboard's inner corners in an image: evenness, colours, ways to read them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from venus3d.engine.calibration.board_reader import Grey
+from venus3d.engine.geometry.pose import Array
+
+_UNEVEN = 0.5
+"""Largest change of a step from one corner to the next, as a share of it: less in a fisheye."""
+_LEAST_CONTRAST = 10.0
+"""Grey levels between neighbouring squares."""
+
+
+def is_even(corners: Array) -> bool:
+    """Whether corners (R, C, 2) are about evenly spaced along both directions."""
+    for along in (corners, corners.transpose(1, 0, 2)):
+        steps = np.diff(along, axis=1)
+        uneven = np.linalg.norm(np.diff(steps, axis=1), axis=2)
+        if (uneven > _UNEVEN * np.linalg.norm(steps[:, 1:], axis=2)).any():
+            return False
+    return True
+
+
+def contrast_of(grey: Grey, corners: Array) -> float:
+    """By how much the second square of a row is lighter than the first one, between corners
+    (R, C, 2), grey levels; 0 unless the squares' colours alternate all over the grid."""
+    middles = (corners[:-1, :-1] + corners[1:, :-1] + corners[:-1, 1:] + corners[1:, 1:]) / 4
+    height, width = grey.shape
+    x, y = np.rint(middles).astype(int).transpose(2, 0, 1)
+    if (x < 1).any() or (y < 1).any() or (x >= width - 1).any() or (y >= height - 1).any():
+        return 0.0
+    around = [grey[y + j, x + i].astype(np.float64) for j in (-1, 0, 1) for i in (-1, 0, 1)]
+    tones = np.mean(around, axis=0)
+    rows, columns = tones.shape
+    sign = 1 - 2 * (np.indices((rows, columns)).sum(axis=0) % 2)
+    across = sign[:, :-1] * np.diff(tones, axis=1)
+    down = sign[:-1] * np.diff(tones, axis=0)
+    steps = np.concatenate([across.ravel(), down.ravel()])
+    lightest = float(np.median(steps))
+    if abs(lightest) < _LEAST_CONTRAST or (np.sign(lightest) * steps <= 0).any():
+        return 0.0
+    return lightest
+
+
+def turned(corners: Array) -> list[Array]:
+    """The ways to number corners (R, C, 2) as seen from the front: two, of a square board four."""
+    right, down = corners[0, 1] - corners[0, 0], corners[1, 0] - corners[0, 0]
+    if right[0] * down[1] - right[1] * down[0] < 0:
+        corners = corners[:, ::-1]
+    square = corners.shape[0] == corners.shape[1]
+    return [np.rot90(corners, k) for k in ((0, 1, 2, 3) if square else (0, 2))]

@@ -1,0 +1,1 @@
+"""The kinds of boards; what a kind is says `kind`."""

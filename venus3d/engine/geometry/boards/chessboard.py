@@ -1,0 +1,86 @@
+"""The checkerboard: black and white squares and nothing else, read only as a whole."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from venus3d.engine.errors import BoardError
+from venus3d.engine.geometry.boards.drawing import BoardDrawing
+from venus3d.engine.geometry.boards.kind import row_major
+from venus3d.engine.geometry.pose import Array
+
+if TYPE_CHECKING:
+    from venus3d.engine.geometry.board import Board
+
+_FEWEST_SQUARES = 4
+"""`cv2.findChessboardCornersSB` needs three corners along each side."""
+_CLEARANCE = 0.22
+_LEGIBLE_PX = 10.0
+"""Sides of a square from which it is found in the simulated camera's noise and blur."""
+
+
+class Chessboard:
+    """Inner corners, numbered row by row; the square in the top left corner is black."""
+
+    name = "checkerboard"
+    fields: tuple[str, ...] = ()
+    partial = False
+
+    def check(self, board: Board) -> None:
+        """Raises `BoardError` if the squares are too few."""
+        if board.columns < _FEWEST_SQUARES or board.rows < _FEWEST_SQUARES:
+            raise BoardError(
+                f"A checkerboard of {board.columns} x {board.rows} squares is too small to be "
+                "found; use at least 4 columns and 4 rows. Squares are counted, not inner corners: "
+                "9 x 6 corners are 10 x 7 squares."
+            )
+
+    def size(self, board: Board) -> tuple[float, float]:
+        """All squares."""
+        return board.columns * board.square, board.rows * board.square
+
+    def lattice(self, board: Board) -> NDArray[np.intp]:
+        """Row by row."""
+        return row_major(board.columns - 1, board.rows - 1)
+
+    def points(self, board: Board) -> Array:
+        """The inner corners."""
+        return inner_corners(board)
+
+    def clearance(self, board: Board) -> float:
+        """A fifth of a square: the edges go on, but in a larger window the lens bends them."""
+        return _CLEARANCE * board.square
+
+    def legible_square_px(self, board: Board) -> float:
+        """Plain squares are seen when they are small."""
+        return _LEGIBLE_PX
+
+    def marker_count(self, board: Board) -> int:
+        """None."""
+        return 0
+
+    def cv_board(self, board: Board) -> Any:
+        """OpenCV has no object for it."""
+        return None
+
+    def drawing(self, board: Board) -> BoardDrawing:
+        """The black squares."""
+        row, column = np.nonzero(np.indices((board.rows, board.columns)).sum(axis=0) % 2 == 0)
+        places = np.stack([column, row], axis=1) * board.square - np.array(self.size(board)) / 2
+        return BoardDrawing(np.hstack([places, np.full_like(places, board.square)]))
+
+    def texture(self, board: Board, square_px: int) -> NDArray[np.uint8]:
+        """(rows * square_px, columns * square_px)."""
+        white = np.indices((board.rows, board.columns)).sum(axis=0) % 2
+        squares = np.asarray(255 * white, dtype=np.uint8)
+        return np.kron(squares, np.ones((square_px, square_px), dtype=np.uint8))
+
+
+def inner_corners(board: Board) -> Array:
+    """(M, 2) the corners where four squares meet, row by row, metres from the centre."""
+    x = (np.arange(1, board.columns) - board.columns / 2) * board.square
+    y = (np.arange(1, board.rows) - board.rows / 2) * board.square
+    return np.stack([np.tile(x, y.size), np.repeat(y, x.size)], axis=1).astype(np.float64)
