@@ -194,10 +194,10 @@ def with_corner_banner(picture: Picture, step: Step, dark: bool) -> Picture:
 
 def _banner(draw: ImageDraw.ImageDraw, size: tuple[int, int], corners: int, dark: bool) -> None:
     colours = ground(dark)
-    # A tile on the page is half as wide as its picture and must stay readable.
-    face = font(round(size[0] * 0.04), bold=True)
     text = texts.ONE_CORNER_OUTSIDE if corners == 1 else texts.CORNERS_OUTSIDE.format(count=corners)
-    half, tall = face.getlength(text) / 2 + 8, round(size[0] * 0.056)
+    # A tile in a low window is a third as wide as its picture: as large as there is room.
+    face = fitting_font(text, round(size[0] * 0.08), 0.95 * size[0], bold=True)
+    half, tall = face.getlength(text) / 2 + 8, round(size[0] * 0.07)
     middle, bottom = size[0] / 2, size[1] - 5
     draw.rectangle((middle - half, bottom - tall, middle + half, bottom), fill=colours.warning)
     draw.text(

@@ -122,6 +122,26 @@ def test_a_browser_that_applies_eye_and_target_one_by_one_is_no_person(rig: Came
         assert sent(client, PATIENCE_S, 1)
 
 
+def test_a_browser_that_does_not_know_yet_what_is_up_is_no_person(rig: CameraRig) -> None:
+    """Seen in Chromium: the page said at its opening that the view stays as it was turned."""
+
+    def look_before_up(share: float) -> None:
+        (x, y, z), (at_x, at_y, at_z) = (share * EYE).tolist(), AT.tolist()
+        client.look(position=(x, -z, y), look_at=(at_x, -at_z, at_y))
+
+    with RawClient(port_of(rig)) as client:
+        client.backlog()
+        client.look(**USUAL)
+        assert sent(client, PATIENCE_S, 1)
+        look_before_up(1.0)
+        rig.refit(lambda _: SceneCamera(1.1 * EYE, AT, 0.7), at_once=True)
+        sent(client, 0.2)
+        look_before_up(1.1)
+        sent(client, 0.3)
+        rig.refit(lambda _: SceneCamera(2 * EYE, AT, 0.7), at_once=True)
+        assert sent(client, PATIENCE_S, 1)
+
+
 def test_a_browser_that_is_seconds_late_is_no_person(
     rig: CameraRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -258,7 +258,8 @@ class _Tab:
                 self.turned_at = None
                 self.leave()
             return
-        known = (*(view for _, view in self.sent), *resets)
+        shown = (*(view for _, view in self.sent), *resets)
+        known = (*shown, *map(_before_up, shown))
         if not _is_mixed(seen, known) and before is not None and _is_turned(before, seen):
             self.settled, self.start = True, None
             self.turned_at = time.monotonic()
@@ -307,6 +308,12 @@ def _is_turned(before: SceneCamera, after: SceneCamera) -> bool:
 
 def _is_same(one: SceneCamera, other: SceneCamera) -> bool:
     return _difference(one, other) < _SAME
+
+
+def _before_up(view: SceneCamera) -> SceneCamera:
+    """What a browser reports of a view while it does not know yet that our up is -y."""
+    (x, y, z), (at_x, at_y, at_z) = view.position, view.look_at
+    return SceneCamera(np.array([x, -z, y]), np.array([at_x, -at_z, at_y]), view.fov_rad)
 
 
 def _is_mixed(seen: SceneCamera, known: Sequence[SceneCamera]) -> bool:

@@ -15,13 +15,13 @@ from PIL import Image, ImageDraw
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array
-from venus3d.languages import translated
 from venus3d.render.annotated_picture import draw_line
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground, picture_background, text_on
 from venus3d.render.projections import Picture, Projections
 from venus3d.render.shapes import Colour
-from venus3d.render.text_drawing import font, wrapped_lines
+from venus3d.render.text_drawing import fitting_font
+from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
@@ -69,6 +69,7 @@ class TeachPictures:
                 dark=dark,
                 supersample=supersample,
                 header=False,
+                amounts=False,  # the tile says it, in letters that can be read
             ),
         )
 
@@ -101,7 +102,7 @@ def _size(camera: Camera, width: int) -> tuple[int, int]:
 
 
 def with_refusal(picture: Picture, taught: TaughtPose, dark: bool) -> Picture:
-    """The picture of a refused pose with the offending corners and the main reason."""
+    """The picture of a refused pose with the offending corners. The page says why."""
     if not taught.refusals:
         return picture
     colour = ground(dark).warning
@@ -112,7 +113,7 @@ def with_refusal(picture: Picture, taught: TaughtPose, dark: bool) -> Picture:
     drawn = np.array(picture)
     for place in places[np.isfinite(places).all(axis=1)]:
         _mark(drawn, place, colour)
-    return _banner(drawn, translated(taught.refusals[0].text), colour)
+    return _banner(drawn, texts.REFUSED_LABEL, colour)
 
 
 def _mark(picture: Picture, place: Array, colour: Colour) -> None:
@@ -137,12 +138,10 @@ def _mark(picture: Picture, place: Array, colour: Colour) -> None:
 def _banner(picture: Picture, text: str, colour: Colour) -> Picture:
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image)
-    size = round(image.width * 0.031)
-    face = font(size, bold=True)
-    lines = wrapped_lines(text, face, image.width - 2 * size)
-    tall = round((len(lines) + 0.6) * 1.25 * size)
-    draw.rectangle((0, image.height - tall, image.width, image.height), fill=colour)
-    for i, line in enumerate(lines):
-        at = (image.width / 2, image.height - tall + (i + 0.8) * 1.25 * size)
-        draw.text(at, line, fill=text_on(colour), font=face, anchor="mm")
+    # Where the page is low, it shows the picture at a third of its size.
+    face = fitting_font(text, round(image.width * 0.06), 0.95 * image.width, bold=True)
+    top = image.height - round(image.width * 0.09)
+    draw.rectangle((0, top, image.width, image.height), fill=colour)
+    at = (image.width / 2, (top + image.height) / 2)
+    draw.text(at, text, fill=text_on(colour), font=face, anchor="mm")
     return np.asarray(image)
