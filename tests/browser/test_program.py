@@ -22,6 +22,8 @@ from venus3d.scene.web.step_texts import PICTURE_LEGEND
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 _PATIENCE_MS = 90_000
+_CONNECTED = ".tabler-icon-cloud-check"
+"""viser's mark beside the page's title."""
 
 
 Start = Callable[..., Any]
@@ -48,9 +50,11 @@ def wait_for_views(page: Any, count: int) -> None:
 def test_keys_reach_the_calibration_and_every_tab_sees_it(
     chromium: Any, start: Start, tmp_path: Path
 ) -> None:
-    """C takes a view and U takes it back; a reload and a second tab show the same."""
+    """C takes a view and U takes it back; a reload and a second tab show the same. A tab stays open
+    while the program is gone, and shows the session when it is resumed."""
+    port = str(free_port())
     simulated = start(
-        *("guide", "sim", "--autopilot", "--speed", "3", "--port", str(free_port()), "--no-tour"),
+        *("guide", "sim", "--autopilot", "--speed", "3", "--port", port, "--no-tour"),
         *("--output", str(tmp_path)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
@@ -74,15 +78,22 @@ def test_keys_reach_the_calibration_and_every_tab_sees_it(
     second.keyboard.press("Backspace")
     wait_for_views(page, taken - 1)
     second.close()
-    page.close()
 
     out, err = simulated.end()
+    page.wait_for_selector(_CONNECTED, state="detached", timeout=_PATIENCE_MS)
     assert simulated.process.returncode in (0, 130) and "Traceback" not in err, err
     result = json.loads((tmp_path / "result.json").read_text())
     assert result["views"] == taken - 1 and f" in {taken - 1} view" in out
     saved = cv2.FileStorage(str(tmp_path / "camera.yaml"), cv2.FILE_STORAGE_READ)
     matrix = saved.getNode("camera_matrix").mat()
     assert matrix[0, 0] == pytest.approx(result["intrinsics"]["fx"])
+
+    start("guide", "--resume", str(tmp_path), "--speed", "0.1", "--port", port)
+    page.wait_for_selector(_CONNECTED, timeout=_PATIENCE_MS)
+    wait_for_views(page, taken - 1)
+    page.keyboard.press("Backspace")
+    wait_for_views(page, taken - 2)
+    page.close()
 
 
 def test_a_real_video_is_guided_and_captured_on_the_key(

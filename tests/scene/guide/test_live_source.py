@@ -5,14 +5,17 @@ from __future__ import annotations
 
 import threading
 from html import escape
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tests.ports import free_port
 from tests.sources.network_camera import network_camera
+from tests.sources.test_recordings import write_video
 from tests.waiting import wait_until
 from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.errors import SourceError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.guidance.session import Session
 from venus3d.scene.pages.audience.sound import ALARM_S, Alarm
@@ -21,6 +24,7 @@ from venus3d.scene.pages.guide.intents import NewSession
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.frame import Source
 from venus3d.sources.live import Live
 from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.source_news import tell_of_trouble
@@ -70,6 +74,44 @@ def test_a_camera_that_is_gone_or_changes_its_size_does_not_end_the_session():
     said = "\n".join(printed)
     for part in ("no pictures since", "try 1: ", "pictures again, after", "96 x 48"):
         assert part in said, printed
+
+
+def test_a_recording_that_ends_begins_again_until_its_file_is_gone(tmp_path: Path):
+    """The views stay; what ends the session is told on the page."""
+    video = write_video(tmp_path / "short.avi", "MJPG", frames=8, rate=40.0)
+    source = open_frame_source(str(video), realtime=True)
+    viewer = Viewer(port=free_port())
+    session = Session(Board(), source.image_size)
+    tracker = BoardTracker(Detector(Board(), find_layout=False))
+    opened = list[Source]()
+
+    def again() -> Source:
+        opened.append(open_frame_source(str(video), realtime=True))
+        return opened[-1]
+
+    failed = list[BaseException]()
+
+    def run() -> None:
+        try:
+            live.run()
+        except SourceError as error:
+            failed.append(error)
+
+    live = LiveGuide(session, source, tracker, viewer, lambda _: None, again)
+    running = threading.Thread(target=run, daemon=True)
+    running.start()
+    try:
+        wait_until(lambda: len(opened) >= 3)
+        seen = session.snapshot().number
+        wait_until(lambda: session.snapshot().number > seen)
+        assert running.is_alive() and not viewer.state.no_pictures
+        video.unlink()
+        wait_until(lambda: failed)
+        assert "short.avi" in str(failed[0]) and viewer.state.no_pictures
+    finally:
+        live.stop()
+        running.join(20)
+        viewer.close()
 
 
 def test_the_alarm_sounds_after_half_a_minute_and_again():
