@@ -1,4 +1,9 @@
-"""Where bundle adjustment starts: homographies, a focal length from them, and a few guesses."""
+"""Where bundle adjustment starts: homographies, a focal length from them, and a few guesses.
+
+The image of a board in a wide lens is no homography's. With an equidistant lens as a guess, of a few
+fields of view, each corner becomes a ray; turned so that their mean is the axis, the rays of a view
+meet a plane in the board's homography, also beside the lens where Z is not positive.
+"""
 
 from __future__ import annotations
 
@@ -9,17 +14,63 @@ import numpy as np
 
 from venus3d.engine.calibration.bundle import Corners, Parameters
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.lenses import BROWN5, EQUIDISTANT, LensModel
 from venus3d.engine.geometry.pose import Array
 
 FIELDS_OF_VIEW_DEG = (60.0, 40.0, 90.0)
 """Horizontal fields of view that are tried beside the closed form."""
+WIDE_FIELDS_DEG = (100.0, 140.0, 190.0, 250.0)
+"""The same for wide lenses; an image circle inside the picture leaves the width unseen."""
+_STEEPEST = np.radians(80.0)
+"""Of a ray to the mean of its view's."""
 _PLAUSIBLE = (0.05, 50.0)
 """Focal lengths, in widths of the image, at which the closed form is believed."""
 
 
-def initial_parameters(corners: Corners, size: tuple[int, int]) -> Iterator[Parameters]:
-    """Pinholes without distortion, centred in an image of `size` (width, height), with poses: of
-    the closed form, if the homographies give one, and of `FIELDS_OF_VIEW_DEG`."""
+def initial_parameters(
+    corners: Corners, size: tuple[int, int], lens: LensModel = BROWN5
+) -> Iterator[Parameters]:
+    """Cameras with a lens that is centred in an image of `size` (width, height), with poses.
+
+    Perspective lenses begin as pinholes: of the closed form, if the homographies give one, and of
+    `FIELDS_OF_VIEW_DEG`. Lenses that have a form of a wide one begin with that too.
+    """
+    if lens.is_perspective:
+        for start in _pinholes(corners, size):
+            yield replace(start, camera=replace(start.camera, lens=lens, coefficients=()))
+    if lens.wide is not None:
+        for angle in WIDE_FIELDS_DEG:
+            wide = equidistant(size, angle)
+            found = _seen_wide(corners, wide)
+            yield replace(found, camera=replace(wide, lens=lens, coefficients=lens.wide))
+
+
+def equidistant(size: tuple[int, int], field_deg: float) -> Camera:
+    """A camera whose image radius is the angle, of this field across the image's width."""
+    width, height = size
+    f = width / np.radians(field_deg)
+    return Camera(width, height, f, f, (width - 1) / 2, (height - 1) / 2, lens=EQUIDISTANT)
+
+
+def on_planes(corners: Corners, camera: Camera) -> tuple[Corners, Array]:
+    """The corners where their rays meet a plane before each view's mean ray, at unit distance, with
+    weight 0 where they do not; and (N, 3, 3) the turns from the camera's frame to the plane's."""
+    rays = camera.unproject(corners.pixels.swapaxes(1, 2))
+    weights = corners.weights * np.isfinite(rays).all(axis=2)
+    rays = np.nan_to_num(rays)
+    mean = (rays * weights[:, :, None]).sum(axis=1)
+    mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)
+    # The smallest turn from the mean to z.
+    half = mean + [0.0, 0.0, 1.0]
+    half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-12)
+    turns = 2 * half[:, :, None] * half[:, None] - np.eye(3)
+    turned = rays @ turns.swapaxes(1, 2)
+    steep = turned[:, :, 2] > np.cos(_STEEPEST)
+    plane = turned[:, :, :2] / np.where(steep, turned[:, :, 2], 1.0)[:, :, None]
+    return Corners(corners.points, plane.swapaxes(1, 2), weights * steep), turns
+
+
+def _pinholes(corners: Corners, size: tuple[int, int]) -> Iterator[Parameters]:
     centred = Camera.guess(size)
     scale = float(size[0])
     H = homographies(corners, scale, np.array([centred.cx, centred.cy]))
@@ -30,8 +81,18 @@ def initial_parameters(corners: Corners, size: tuple[int, int]) -> Iterator[Para
         yield located(H, Camera.guess(size, angle).fx / scale, size)
 
 
+def _seen_wide(corners: Corners, camera: Camera) -> Parameters:
+    planes, turns = on_planes(corners, camera)
+    found = located(homographies(planes, 1.0, np.zeros(2)), 1.0, camera.image_size)
+    back = turns.swapaxes(1, 2)
+    t = (back @ found.t[:, :, None])[:, :, 0]
+    return Parameters(camera, np.zeros(0), back @ found.R, t)
+
+
 def located_by(corners: Corners, camera: Camera) -> Parameters:
-    """A camera with poses for its pinhole."""
+    """A camera with poses: for a perspective lens those of its pinhole."""
+    if not camera.lens.is_perspective:
+        return _seen_wide(corners, camera)
     centre = np.array([camera.cx, camera.cy])
     H = homographies(corners, camera.width, centre)
     found = located(H, camera.fx / camera.width, camera.image_size)

@@ -107,10 +107,7 @@ def from_several_starts(
     problem: Problem, size: tuple[int, int], lens: LensModel = BROWN5
 ) -> Solution:
     """The best of the optima near `initial_parameters`: all start, the best is finished."""
-    starts = [
-        replace(start, camera=replace(start.camera, lens=lens, coefficients=()))
-        for start in initial_parameters(problem.corners, size)
-    ]
+    starts = list(initial_parameters(problem.corners, size, lens))
     # No solution of a race is the optimum yet, so a step's share of the cost cannot be judged.
     raced = [found for start in starts if (found := _tried(problem, start, _RACE)) is not None]
     if not raced:

@@ -32,6 +32,7 @@ class Brown:
     name: str
     coefficient_names: tuple[str, ...]
     is_perspective: bool = True
+    wide: tuple[float, ...] | None = None
 
     @property
     def usual(self) -> tuple[float, ...]:

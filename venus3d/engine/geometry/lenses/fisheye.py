@@ -28,6 +28,11 @@ class Fisheye:
     usual: tuple[float, ...]
     is_perspective: bool = False
 
+    @property
+    def wide(self) -> tuple[float, ...]:
+        """None of the coefficients is needed for it."""
+        return (0.0,) * len(self.coefficient_names)
+
     def image(self, coefficients: Coefficients, points: Array) -> Array:
         """See `LensModel`."""
         angle, per_radius = _angle(points[0], points[1], points[2])

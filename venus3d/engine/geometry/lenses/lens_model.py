@@ -41,6 +41,12 @@ class LensModel(Protocol):
         Coefficients of zero are a pinhole then."""
         ...
 
+    @property
+    def wide(self) -> tuple[float, ...] | None:
+        """(p,) coefficients with which the image radius is nearly the angle; None if there are none
+        for a wide field."""
+        ...
+
     def image(self, coefficients: Coefficients, points: Array) -> Array:
         """Normalised image coordinates (2, ...) of points (3, ...), also beyond `angle_limit`."""
         ...

@@ -37,6 +37,13 @@ class Rational:
     usual: tuple[float, ...]
     is_perspective: bool = True
 
+    @property
+    def wide(self) -> tuple[float, ...]:
+        """Padé's quotient of atan(r) / r, good to 1 % up to 63° and 7 % up to 72°."""
+        above, below = (7 / 9, 64 / 945), (10 / 9, 5 / 21)
+        found = (*above, 0.0, 0.0, 0.0, *below, 0.0)
+        return (*found, *[0.0] * (len(self.coefficient_names) - len(found)))
+
     def image(self, coefficients: Coefficients, points: Array) -> Array:
         """See `LensModel`."""
         k1, k2, p1, p2, k3, k4, k5, k6, *prism = coefficients
