@@ -7,7 +7,7 @@ Lengths are in millimetres, as a person types them; `BoardOptions.board()` and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from tyro.conf import FlagCreatePairsOff, arg
 
@@ -24,6 +24,18 @@ def optional(unit: str, usual: str) -> object:
     return arg(metavar=unit, help_behavior_hint=f"(usual: {usual})")
 
 
+LensName = Literal[
+    "auto",
+    "pinhole",
+    "brown3",
+    "brown4",
+    "brown5",
+    "rational",
+    "rational-thin-prism",
+    "equidistant",
+    "fisheye",
+]
+"""A lens model, or auto."""
 LanguageOption = Annotated[Language | None, arg(help_behavior_hint="(usual: the browser's)")]
 """The language of a page."""
 

@@ -33,6 +33,7 @@ WPILIB += ["--board.marker-mm", "13.9954", "--board.dictionary", "DICT_5X5_1000"
 KEYS = {
     "schema",
     "model",
+    "model_reason",
     "rms_px",
     "views",
     "intrinsics",

@@ -18,6 +18,7 @@ from scipy.io import loadmat, savemat
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.lenses import lens_called
 from venus3d.engine.geometry.pose import Array
 from venus3d.storage.formats import FORMATS, CameraRecord, encode, export_camera, import_camera
 
@@ -350,8 +351,8 @@ BAD: dict[str, tuple[bytes, str]] = {
                       "no camera"),
     "laughs": (LAUGHS.encode() + b"camera_matrix: 1\ndistortion_model: plumb_bob\n", "no camera"),
     "large YAML": (b"camera_matrix: 1\ndistortion_model: a\n" + b"#" * 2_000_000, "no camera"),
-    "fisheye": (b"1 OPENCV_FISHEYE 10 10 5 5 5 5 0 0 0 0\n", "OPENCV"),
-    "equidistant": (b"cam0: {camera_model: pinhole, distortion_model: equidistant, resolution: "
+    "another fisheye": (b"1 THIN_PRISM_FISHEYE 10 10 5 5 5 5 0 0 0 0\n", "OPENCV"),
+    "omni": (b"cam0: {camera_model: omni, distortion_model: radtan, resolution: "
                     b"[10, 10], intrinsics: [1, 1, 1, 1]}", "pinhole-radtan"),
     "no format": (b"hello", "name it with --format"),
     "nothing": (b"", "name it with --format"),
@@ -376,6 +377,46 @@ def test_a_mat_file_unpacks_only_small_arrays(tmp_path: Path) -> None:
     assert place.stat().st_size < 1_000_000
     with pytest.raises(StorageError, match="no camera"):
         import_camera(place)
+
+
+WIDE = {
+    "rational": Camera(
+        *(1280, 720, 700, 705, 640, 355, 0.4, 0.05, 1e-3, -2e-3, 0.01, 0.7, 0.1, 0.005),
+        lens=lens_called("rational"),
+    ),
+    "fisheye": Camera(
+        1280, 720, 400, 405, 640, 355, 0.02, -0.01, 3e-3, -7e-4, lens=lens_called("fisheye")
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("lens", WIDE)
+def test_other_lenses_come_back_or_are_refused(lens: str, name: str, tmp_path: Path) -> None:
+    camera, target = WIDE[lens], FORMATS[name]
+    place = tmp_path / target.file_name
+    if lens not in target.lenses:
+        with pytest.raises(StorageError, match=f"{lens}; export to .*opencv-yaml"):
+            export_camera(camera, place, name)
+        return
+    covariance = np.diag(np.arange(1.0, 1 + len(camera.parameters)))
+    record = CameraRecord(camera, covariance, np.sqrt(np.diag(covariance)))
+    export_camera(record, place, name)
+    back = import_camera(place)
+    assert back.camera.lens == camera.lens
+    np.testing.assert_allclose(back.camera.parameters, camera.parameters, rtol=1e-12)
+    if target.keeps_sigma:
+        assert back.sigma is not None
+        np.testing.assert_allclose(back.sigma, record.sigma)
+
+
+def test_a_simpler_lens_is_written_as_one_that_the_format_has() -> None:
+    camera = Camera(640, 480, 500, 500, 320, 240, -0.2, 0.05, 0, 0, lens=lens_called("brown4"))
+    sigma = np.arange(1.0, 9.0)
+    held = encode(CameraRecord(camera, np.diag(sigma**2), sigma), FORMATS["opencv-yaml"])
+    back = FORMATS["opencv-yaml"].read(held.content, None)
+    assert back.camera == Camera(640, 480, 500, 500, 320, 240, -0.2, 0.05)
+    assert back.sigma is not None and back.sigma.tolist() == [*sigma, 0.0]
 
 
 def test_a_skew_is_refused(tmp_path: Path) -> None:

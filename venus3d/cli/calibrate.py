@@ -37,6 +37,7 @@ def calibrate_command(options: CalibrateOptions) -> None:
             max_frames=options.max_frames,
             every=options.every,
             flip=options.flip,
+            lens=options.lens,
             on_progress=print_note,
             on_count=on_count,
         )

@@ -10,7 +10,7 @@ from tyro.conf import Positional, arg
 
 from venus3d.engine.geometry.pose import Axes
 from venus3d.engine.geometry.resize import ResizeBy
-from venus3d.options import BoardOptions, LanguageOption, LimitOptions, Switch
+from venus3d.options import BoardOptions, LanguageOption, LensName, LimitOptions, Switch
 
 Number = Positional[float]
 
@@ -24,6 +24,8 @@ class CalibrateOptions:
     board: BoardOptions = field(default_factory=BoardOptions)
     flip: Switch = False
     """Exchange left and right: for pictures that are mirrored. The camera file holds for these."""
+    lens: LensName = "auto"
+    """The lens model; auto finds out whether five coefficients do, or it is a fisheye."""
     max_frames: int = 40
     """Maximum number of frames from a video: the most informative ones, no near-duplicates."""
     every: Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: chosen)")] = None

@@ -73,6 +73,8 @@ def print_result(
         f"rms {calibration.rms_px:.3f} px over {corners} corners in {_views(calibration)} "
         f"of {width} x {height} px{_left_out(calibration)}"
     )
+    if calibration.lens_reason:
+        print(printable(calibration.lens_reason))
     for warning in warnings:
         print(printable(f"Mind: {warning}"))
     for diagnosis in diagnoses:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 from venus3d.cli.options import VerifyOptions
 from venus3d.cli.progress import search_progress
@@ -11,6 +11,7 @@ from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.verification import CHANCE, Verdict, Verification, verify
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.printable import printable
+from venus3d.options import LensName
 from venus3d.report.verification_report import (
     CHANGES_HEAD,
     changes_of,
@@ -40,7 +41,8 @@ def verify_command(options: VerifyOptions) -> int:
     if options.output is not None:
         prepare(options.output)
     live = options.source == "sim" or is_live(options.source)
-    fresh = _guided(options) if live else _found(options)
+    lens = record.camera.lens.name
+    fresh = _guided(options, lens) if live else _found(options, lens)
     found = verify(record.camera, record.covariance, fresh, options.limit)
     notes = [] if record.covariance is not None else [_UNCERTAIN.format(name=options.file.name)]
     _print(found, notes)
@@ -60,13 +62,14 @@ _UNCERTAIN = (
 )
 
 
-def _found(options: VerifyOptions) -> Calibration:
+def _found(options: VerifyOptions, lens: str) -> Calibration:
     with search_progress() as on_count:
         found = calibrate_recording(
             options.source,
             options.board.board(),
             max_frames=options.max_frames,
             flip=options.flip,
+            lens=lens,
             on_progress=print_note,
             on_count=on_count,
         )
@@ -75,10 +78,15 @@ def _found(options: VerifyOptions) -> Calibration:
     return found.calibration
 
 
-def _guided(options: VerifyOptions) -> Calibration:
+def _guided(options: VerifyOptions, lens: str) -> Calibration:
     """Fresh views from a live camera, guided on the page until Ctrl-C."""
     print_note("Take fresh views as the page asks; Ctrl-C when it says that the camera is known.")
-    chosen = GuideOptions(source=options.source, board=options.board, flip=options.flip)
+    chosen = GuideOptions(
+        source=options.source,
+        board=options.board,
+        flip=options.flip,
+        lens=cast(LensName, lens),
+    )
     known = run_guide(chosen).snapshot.calibration
     if known is None:
         raise CalibrationError("No view was captured, so nothing is verified.")

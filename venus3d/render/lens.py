@@ -86,7 +86,7 @@ def lens_for(camera: Camera, shapes: Sequence[MeshShape | LineShape] = ()) -> Le
 
 @lru_cache(maxsize=16)
 def _narrow(camera: Camera) -> Lens:
-    if camera.lens.is_perspective and not camera.distortion.any():
+    if camera.is_pinhole:
         return Lens(camera, camera, None)
     rays = _perspective_rays(camera)
     # One coordinate at a time: numpy takes eight times as long over pairs.

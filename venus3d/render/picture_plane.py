@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
+from venus3d.engine.geometry.undistortion import undistortion_maps
 
 _SPARE = 1.2
 """A barrel lens sees more than its pinhole: show up to this factor farther from the centre."""
@@ -68,11 +69,9 @@ def undistortion(camera: Camera) -> Undistortion:
     K = np.array(pinhole.K)
     K[0, 0], K[1, 1] = f * scale
     K[:2, 2] = -low * f * scale - 0.5
-    maps = cv2.initUndistortRectifyMap(
-        camera.K, camera.distortion, np.eye(3), K, size, cv2.CV_16SC2
-    )
+    maps = undistortion_maps(camera, K, size)
     plane = Plane(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-    return Undistortion(plane, (np.asarray(maps[0]), np.asarray(maps[1])))
+    return Undistortion(plane, maps)
 
 
 def _reach(camera: Camera) -> tuple[Array, Array]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.undistortion import undistortion_maps
 from venus3d.render.annotated_picture import CASING
 
 _LINE = (255, 255, 255)
@@ -18,7 +21,7 @@ class Straightener:
 
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
-        self._maps: tuple[NDArray[np.int16], NDArray[np.uint16]] | None = None
+        self._maps: tuple[NDArray[Any], NDArray[Any]] | None = None
 
     def straighten(self, rgb: NDArray[np.uint8], camera: Camera, share: float) -> None:
         """Show the left `share` of a picture (H, W, 3) as a lens without distortion would, in
@@ -33,15 +36,10 @@ class Straightener:
             cv2.line(rgb, (end, 0), (end, height), CASING, 4)
             cv2.line(rgb, (end, 0), (end, height), _LINE, 2)
 
-    def _maps_for(
-        self, camera: Camera, size: tuple[int, int]
-    ) -> tuple[NDArray[np.int16], NDArray[np.uint16]]:
+    def _maps_for(self, camera: Camera, size: tuple[int, int]) -> tuple[NDArray[Any], NDArray[Any]]:
         key = (camera, size)
         if self._maps is None or key != self._key:
             seen = camera.scaled(size)
-            maps = cv2.initUndistortRectifyMap(
-                seen.K, seen.distortion, np.eye(3), seen.K, size, cv2.CV_16SC2
-            )
-            self._maps = (np.asarray(maps[0], np.int16), np.asarray(maps[1], np.uint16))
+            self._maps = undistortion_maps(seen, seen.K, size)
             self._key = key
         return self._maps

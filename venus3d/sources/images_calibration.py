@@ -15,6 +15,7 @@ from venus3d.engine.calibration.refusals import FEWEST_VIEWS, calibrate_or_refus
 from venus3d.engine.calibration.view_selection import select_views
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.lenses import AUTO, lens_chosen
 from venus3d.engine.sentences import listed
 from venus3d.sources.recording import Images, OnCount, Recording, observe_recording
 
@@ -36,6 +37,7 @@ def calibrate_images(
     max_frames: int = 40,
     every: int | None = None,
     flip: bool = False,
+    lens: str = AUTO,
 ) -> Calibration:
     """Detect the board in images or a video, and calibrate the camera from all that show it.
 
@@ -48,6 +50,7 @@ def calibrate_images(
         max_frames: of a video, the maximum number of frames, the most informative ones.
         every: of a video, take every n-th frame that shows the board instead.
         flip: exchange left and right, for mirrored images; the camera is that of the flipped ones.
+        lens: name of a lens model (`LENSES`); "auto": it is found out, `Calibration.lens_reason`.
 
     Images that do not show the board are left out: `len(calibration.views)` tells, and each view's
     `observation.name`. See `diagnose` for what may be wrong with the calibration.
@@ -60,10 +63,12 @@ def calibrate_images(
     listed = images if isinstance(images, Sequence) and not isinstance(images, str) else ()
     observations = [image for image in listed if isinstance(image, Observation)]
     if observations:
-        return calibrate_or_refuse(_board_of(observations, board), observations)
+        return calibrate_or_refuse(
+            _board_of(observations, board), observations, lens=lens_chosen(lens)
+        )
     recorded = cast(Images, images)
     return calibrate_recording(
-        recorded, board, max_frames=max_frames, every=every, flip=flip
+        recorded, board, max_frames=max_frames, every=every, flip=flip, lens=lens
     ).calibration
 
 
@@ -74,11 +79,13 @@ def calibrate_recording(
     max_frames: int = 40,
     every: int | None = None,
     flip: bool = False,
+    lens: str = AUTO,
     on_progress: Callable[[str], None] = lambda _: None,
     on_count: OnCount | None = None,
 ) -> ImagesCalibration:
     """`calibrate_images`, with warnings and diagnoses; `on_progress` is called with sentences,
     `on_count` after every image."""
+    lens_chosen(lens)  # a wrong name is said before the work
     detector = Detector(board)
     recording = observe_recording(images, detector, on_count, flip=flip)
     seen = [o for o in recording.observations if o.count]
@@ -104,7 +111,9 @@ def calibrate_recording(
     another = [d for d in diagnoses if not (seen and d.kind == "small-board")]
     if len(seen) < FEWEST_VIEWS and another:
         raise CalibrationError(str(another[0]))
-    calibration = calibrate_or_refuse(detector.board, seen, len(recording.observations))
+    calibration = calibrate_or_refuse(
+        detector.board, seen, len(recording.observations), lens_chosen(lens)
+    )
     found = worst_first(dict.fromkeys((*diagnoses, *diagnose(calibration))))
     return ImagesCalibration(calibration, tuple(warnings), found)
 

@@ -50,6 +50,7 @@ def summary_of(
         "rms_px": calibration.rms_px,
         "views": len(calibration.views),
         "model": camera.lens.name,
+        "model_reason": str(calibration.lens_reason),
         "intrinsics": camera.named,
         "std": _named(camera, calibration.sigma),
         "std_noise_only": _named(camera, calibration.sigma_noise_only),

@@ -127,6 +127,7 @@ def _result_of(content: Mapping[str, Any]) -> Result:
                 for one in content.get("left_out", ())
             ),
             shape_sigma=shape_sigma,
+            lens_reason=str(content.get("model_reason", "")),
         ),
         warnings=tuple(text for text in content["warnings"] if text not in sentences),
         diagnoses=diagnoses,

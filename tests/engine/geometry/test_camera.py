@@ -159,5 +159,5 @@ def test_numbers_that_are_no_camera() -> None:
         Camera(0, 720, 1, 1, 0, 0)
     with pytest.raises(CalibrationError, match="positive focal"):
         Camera(10, 10, -1, 1, 0, 0)
-    with pytest.raises(CalibrationError, match="five"):
-        Camera.from_opencv(np.eye(3), np.ones(8), (10, 10))
+    with pytest.raises(CalibrationError, match="fewer"):
+        Camera.from_opencv(np.eye(3), np.ones(14), (10, 10))

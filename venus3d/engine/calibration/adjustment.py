@@ -79,6 +79,8 @@ class Calibration:
     views: tuple[View, ...]
     left_out: tuple[LeftOut, ...] = ()
     """Views that are not fitted, by number."""
+    lens_reason: str = ""
+    """Why this lens, in a sentence; empty if it was asked for, or is the usual one."""
     shape_sigma: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Standard deviations of the board's two `bow`s, metres, and of its `stretch`; 0 where the
     residuals did not ask for it."""
@@ -180,9 +182,10 @@ def calibrate(
     """
     size = _common_size(observations)
     counted = range(1, len(observations) + 1) if numbers is None else numbers
-    usable, corners, left_out = _usable(board, list(zip(counted, observations, strict=True)), size)
     if lens is None:
         lens = BROWN5 if start is None else start.lens
+    every = list(zip(counted, observations, strict=True))
+    usable, corners, left_out = _usable(board, every, size, lens)
     basis = _basis(lens, model, square_pixels)
     try:
         fit = _fitted(board, _checked_count(corners, basis), size, lens, model, basis, start)
@@ -208,7 +211,10 @@ def _named(left_out: Sequence[LeftOut]) -> str:
 
 
 def _usable(
-    board: Board, views: Sequence[tuple[int, Observation]], size: tuple[int, int]
+    board: Board,
+    views: Sequence[tuple[int, Observation]],
+    size: tuple[int, int],
+    lens: LensModel,
 ) -> tuple[list[tuple[int, Observation]], Corners | None, list[LeftOut]]:
     """The views that can show the board and fix its pose, their corners, and the other views."""
     left_out: list[LeftOut] = []
@@ -225,7 +231,7 @@ def _usable(
         return [], None, left_out
     points = [board.points_of(seen.ids) for _, seen in fixed]
     corners = Corners.of(points, [seen.corners for _, seen in fixed])
-    weights = readable(corners, size)
+    weights = readable(corners, size, lens)
     good = weights.sum(axis=1) > 0
     usable: list[tuple[int, Observation]] = []
     for view, kept in zip(fixed, good, strict=True):

@@ -1,8 +1,8 @@
 """Where bundle adjustment starts: homographies, a focal length from them, and a few guesses.
 
-The image of a board in a wide lens is no homography's. With an equidistant lens as a guess, of a few
-fields of view, each corner becomes a ray; turned so that their mean is the axis, the rays of a view
-meet a plane in the board's homography, also beside the lens where Z is not positive.
+The image of a board in a wide lens is no homography's. With an equidistant lens as a guess, of a
+few fields of view, each corner becomes a ray; turned so that their mean is the axis, the rays of a
+view meet a plane in the board's homography, also beside the lens where Z is not positive.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ def on_planes(corners: Corners, camera: Camera) -> tuple[Corners, Array]:
     rays = np.nan_to_num(rays)
     mean = (rays * weights[:, :, None]).sum(axis=1)
     mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)
-    # The smallest turn from the mean to z.
-    half = mean + [0.0, 0.0, 1.0]
+    # The half turn that takes the mean to z.
+    half = mean + np.array([0.0, 0.0, 1.0])
     half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-12)
     turns = 2 * half[:, :, None] * half[:, None] - np.eye(3)
     turned = rays @ turns.swapaxes(1, 2)

@@ -44,6 +44,8 @@ _FISHEYE_ONLY = Sentence(
 
 def other_cameras(calibration: Calibration) -> Iterator[Diagnosis]:
     """The camera that the views are from, if the calibration is of another one."""
+    if calibration.camera.lens.wide is not None:
+        return
     misfits = [one.observation for one in calibration.left_out if one.reason == "misfit"]
     if calibration.rms_px < SUSPICIOUS_PX and not misfits:
         return
@@ -91,10 +93,7 @@ def _fisheye(fit: FisheyeFit, pinhole_px: float) -> Diagnosis:
         (_FISHEYE_ONLY if pinhole_px > _FITS_NONE_PX else _FISHEYE).format(
             angle=angle, rms=rms, pinhole=f"{pinhole_px:.2f}"
         ),
-        Sentence(
-            "Calibrate it with a program that has a fisheye model, such as cv2.fisheye: the "
-            "pinhole with nine parameters does not reach so far."
-        ),
+        Sentence("Calibrate it as such: --lens fisheye, or --lens auto, which finds it out."),
     )
 
 

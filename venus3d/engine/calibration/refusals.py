@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens
 from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.calibration.other_cameras import explained, other_cameras
 from venus3d.engine.calibration.refinement import local_scales
@@ -20,10 +21,11 @@ from venus3d.engine.calibration.repeats import repeated
 from venus3d.engine.calibration.turned_pictures import without_turned
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.lenses import LensModel
 from venus3d.engine.sentences import Sentence
 
 FEWEST_VIEWS = 3
-"""Two views determine nine parameters in theory only; three can contradict each other."""
+"""Two views determine all parameters in theory only; three can contradict each other."""
 
 
 _NEEDED = Sentence(
@@ -79,13 +81,17 @@ class _Kept:
 
 
 def calibrate_or_refuse(
-    board: Board, observations: Sequence[Observation], looked: int | None = None
+    board: Board,
+    observations: Sequence[Observation],
+    looked: int | None = None,
+    lens: LensModel | None = None,
 ) -> Calibration:
-    """`calibrate` all nine parameters from at least three different views.
+    """`calibrate` all parameters from at least three different views.
 
     Args:
         board, observations: see `calibrate`; observations without a board are not used.
         looked: the number of pictures in which the board was looked for.
+        lens: None: it is found out (`lens_choice`).
 
     Raises:
         CalibrationError: with the cause that the observations themselves show.
@@ -98,7 +104,10 @@ def calibrate_or_refuse(
     if seen and kept.different < FEWEST_VIEWS:
         raise CalibrationError(_too_few(board, kept))
     try:
-        calibration = calibrate(board, seen)
+        if lens is None:
+            calibration = calibrate_with_any_lens(board, seen)
+        else:
+            calibration = calibrate(board, seen, lens=lens)
     except CalibrationError as error:
         cause = explained(board, seen, float("inf"))
         raise error if cause is None else OtherCameraError(str(cause)) from error

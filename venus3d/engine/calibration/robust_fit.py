@@ -14,7 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.bundle import Corners, Parameters, Problem, Solution, adjust
-from venus3d.engine.calibration.initial_values import homographies, initial_parameters
+from venus3d.engine.calibration.initial_values import (
+    WIDE_FIELDS_DEG,
+    equidistant,
+    homographies,
+    initial_parameters,
+    on_planes,
+)
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.lenses import BROWN5, LensModel
 from venus3d.engine.geometry.pose import Array
@@ -60,14 +66,23 @@ class RobustFit:
         return float(np.sqrt(self.solution.cost / max(freedom, 1.0)))
 
 
-def readable(corners: Corners, size: tuple[int, int]) -> Array:
+def readable(corners: Corners, size: tuple[int, int], lens: LensModel | None = None) -> Array:
     """(N, M) weights without the corners that cannot be the board's: what is left of each view is
     the image of a plane, but for a lens, and seen from the front if most views are. All zero for a
-    view of which too little is left."""
+    view of which too little is left. For a wide lens as much as is left with any field of view."""
     centre = (np.array(size) - 1) / 2
-    H = homographies(corners, float(size[0]), centre)
+    image = replace(corners, pixels=(corners.pixels - centre[:, None]) / size[0])
+    found = [_readable(image)]
+    if lens is not None and lens.wide is not None:
+        wide = (equidistant(size, angle) for angle in WIDE_FIELDS_DEG)
+        found += [_readable(on_planes(corners, camera)[0]) for camera in wide]
+    return max(found, key=lambda weights: float(weights.sum()))
+
+
+def _readable(corners: Corners) -> Array:
+    H = homographies(corners, 1.0, np.zeros(2))
     xy1 = np.concatenate([corners.points[:, :, :2], np.ones_like(corners.points[:, :, :1])], axis=2)
-    observed = (corners.pixels - centre[:, None]) / size[0]
+    observed = corners.pixels
     weights = corners.weights.copy()
     share = weights / weights.sum(axis=1, keepdims=True)
     middle = (observed * share[:, None]).sum(axis=2, keepdims=True)

@@ -13,7 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.geometry.lenses import BROWN5, PINHOLE, LensModel
+from venus3d.engine.geometry.lenses import (
+    BROWN5,
+    FISHEYE,
+    PINHOLE,
+    RATIONAL,
+    RATIONAL_THIN_PRISM,
+    LensModel,
+)
 from venus3d.engine.geometry.pose import Array
 
 PINHOLE_PARAMETERS = ("fx", "fy", "cx", "cy")
@@ -75,18 +82,25 @@ class Camera:
         return Camera(*image_size, *values[:4], coefficients=tuple(values[4:]), lens=lens)
 
     @staticmethod
-    def from_opencv(K: ArrayLike, distortion: ArrayLike, image_size: tuple[int, int]) -> Camera:
-        """Camera of OpenCV's camera matrix (3, 3) and up to five distortion coefficients."""
+    def from_opencv(
+        K: ArrayLike, distortion: ArrayLike, image_size: tuple[int, int], *, fisheye: bool = False
+    ) -> Camera:
+        """Camera of OpenCV's camera matrix (3, 3) and distortion coefficients: up to five, eight
+        (rational) or twelve (with a thin prism); or the four of `cv2.fisheye`."""
         k = np.asarray(K, dtype=np.float64)
-        d = np.zeros(5)
         given = np.asarray(distortion, dtype=np.float64).ravel()
-        if given.size > 5 and np.any(given[5:] != 0):
-            raise CalibrationError(
-                "This camera has more than OpenCV's five distortion coefficients; "
-                "calibrate with the five-coefficient model."
-            )
-        d[: min(5, given.size)] = given[:5]
-        return Camera.from_parameters([k[0, 0], k[1, 1], k[0, 2], k[1, 2], *d], image_size)
+        known = (FISHEYE,) if fisheye else (BROWN5, RATIONAL, RATIONAL_THIN_PRISM)
+        for lens in known:
+            count = len(lens.coefficient_names)
+            if not np.any(given[count:] != 0):
+                own = np.zeros(count)
+                own[: min(count, given.size)] = given[:count]
+                focal = [k[0, 0], k[1, 1], k[0, 2], k[1, 2]]
+                return Camera.from_parameters([*focal, *own], image_size, lens)
+        raise CalibrationError(
+            f"This camera has {given.size} distortion coefficients, and no lens model here has so "
+            "many; calibrate with fewer."
+        )
 
     @staticmethod
     def guess(image_size: tuple[int, int], fov_deg: float = 60.0) -> Camera:
@@ -122,9 +136,13 @@ class Camera:
 
     @property
     def distortion(self) -> Array:
-        """(p,) the lens's coefficients. For brown5 and rational lenses OpenCV's `distCoeffs`, for a
-        fisheye the `D` of `cv2.fisheye`."""
-        return np.array(self.coefficients, dtype=np.float64)
+        """OpenCV's `distCoeffs` (5,), (8,) or (12,); of a fisheye the `D` (4,) of `cv2.fisheye`."""
+        return np.array(self.lens.opencv(self.coefficients), dtype=np.float64)
+
+    @property
+    def is_pinhole(self) -> bool:
+        """Whether the lens bends nothing."""
+        return self.lens.is_perspective and not any(self.coefficients)
 
     @property
     def fov_deg(self) -> tuple[float, float]:
@@ -144,6 +162,14 @@ class Camera:
         if self.lens.is_perspective:
             return replace(self, coefficients=())
         return replace(self, coefficients=(), lens=PINHOLE)
+
+    def with_lens(self, lens: LensModel) -> Camera:
+        """The same camera with a lens model that has all coefficients of this one, the others zero.
+        Raises `CalibrationError` for another one."""
+        if not set(self.lens.coefficient_names) <= set(lens.coefficient_names):
+            raise CalibrationError(f"A lens of the model {self.lens.name} is none of {lens.name}.")
+        own = tuple(self.named.get(name, 0.0) for name in lens.coefficient_names)
+        return replace(self, coefficients=own, lens=lens)
 
     def scaled(self, image_size: tuple[int, int]) -> Camera:
         """The same lens with another image size; half a pixel is kept at the borders."""

@@ -25,9 +25,7 @@ class Undistortion:
         if alpha is not None:
             if not 0 <= alpha <= 1:
                 raise CalibrationError(f"alpha is from 0 to 1, not {alpha:g}.")
-            K, _ = cv2.getOptimalNewCameraMatrix(
-                camera.K, camera.distortion, camera.image_size, alpha
-            )
+            K = _new_matrix(camera, alpha)
             self.camera = Camera.from_opencv(K, np.zeros(5), camera.image_size)
         u, v = np.meshgrid(
             np.arange(camera.width, dtype=np.float64), np.arange(camera.height, dtype=np.float64)
@@ -55,3 +53,30 @@ class Undistortion:
             picture, *self._maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT
         )
         return undistorted
+
+
+def _new_matrix(camera: Camera, alpha: float) -> Any:
+    if camera.lens.is_perspective:
+        return cv2.getOptimalNewCameraMatrix(camera.K, camera.distortion, camera.image_size, alpha)[
+            0
+        ]
+    return cv2.fisheye.estimateNewCameraMatrixForUndistortRectify(
+        camera.K, camera.distortion, camera.image_size, np.eye(3), balance=alpha
+    )
+
+
+def undistortion_maps(
+    camera: Camera, K: NDArray[np.float64], size: tuple[int, int]
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Maps for `cv2.remap` from a camera's picture to that of a pinhole with the matrix K (3, 3),
+    of this size: fast ones, exact to 1/32 px."""
+    if camera.lens.is_perspective:
+        one, two = cv2.initUndistortRectifyMap(
+            camera.K, camera.distortion, np.eye(3), K, size, cv2.CV_16SC2
+        )
+        return np.asarray(one), np.asarray(two)
+    u, v = np.meshgrid(np.arange(size[0], dtype=np.float64), np.arange(size[1], dtype=np.float64))
+    rays = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones_like(u)])
+    map_x, map_y = np.where(camera.reaches(rays), camera.pixels_of(rays), -10).astype(np.float32)
+    one, two = cv2.convertMaps(map_x, map_y, cv2.CV_16SC2)
+    return np.asarray(one), np.asarray(two)

@@ -15,6 +15,8 @@ class Settings(PlanningSettings):
 
     wanted_uncertainty_px: float | None = 0.3
     """Projection uncertainty up to which the forecast counts views; None: no forecast."""
+    lens: str = "auto"
+    """Name of a lens model; "auto": the simplest that predicts the views as well as any."""
     seed: int = 0
     max_views: int = 20
     auto_capture: bool = True

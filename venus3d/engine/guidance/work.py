@@ -11,6 +11,7 @@ import numpy as np
 
 from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens
 from venus3d.engine.calibration.observation import (
     Observation,
     View,
@@ -21,6 +22,7 @@ from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.lenses import lens_chosen
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress, check_convergence
 from venus3d.engine.guidance.known_camera import KnownCamera
@@ -105,7 +107,7 @@ class Work:
             on_calibrated(calibrated)
         settings = self.settings
         posterior = Posterior.of_calibration(
-            calibration, settings.noise, None if self.known is None else self.known.information
+            calibration, settings.noise, self._known_of(calibration)
         )
         history = (*self.history, self._progress(calibration))
         convergence = check_convergence(history, epsilon=settings.epsilon, rule=settings.rule)
@@ -155,6 +157,13 @@ class Work:
             calibration.camera.parameter_names,
         )
 
+    def _known_of(self, calibration: Calibration) -> Array | None:
+        """What is known from before of the parameters that the calibration has."""
+        known = self.known
+        if known is None or known.camera.lens != calibration.camera.lens:
+            return None
+        return known.information
+
     def _promised(self, calibration: Calibration) -> Array:
         """(p,) the sigmas that the last view's target promised; NaN if it promised none."""
         aim, p = self.last_target, len(calibration.camera.parameters)
@@ -167,7 +176,7 @@ class Work:
         cause: str = ""
         if len(self.observations) > 1:
             try:
-                return calibrate(self.board, self.observations, numbers=self.numbers), ()
+                return self._with_lens(), ()
             except CalibrationError as error:
                 cause = said_by(error)
         if self.known is not None:
@@ -181,6 +190,12 @@ class Work:
             return provisional(self.board, self.observations, self.numbers, self.start), (
                 _GUESSED.format(cause=cause or said_by(error)),
             )
+
+    def _with_lens(self) -> Calibration:
+        lens = lens_chosen(self.settings.lens)
+        if lens is None:
+            return calibrate_with_any_lens(self.board, self.observations, numbers=self.numbers)
+        return calibrate(self.board, self.observations, lens=lens, numbers=self.numbers)
 
     def _forecast(
         self, planner: Planner, calibration: Calibration, suggestion: NextTarget | None

@@ -13,6 +13,7 @@ from pathlib import Path
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.lenses import BROWN5, LENSES
 from venus3d.engine.geometry.nearest_camera import nearest_without_k3
 from venus3d.storage.folder import reason, write_bytes
 from venus3d.storage.formats.blender import BLENDER
@@ -85,12 +86,19 @@ def encode(
     if undistorted:
         record = replace(_camera_alone(record), camera=record.camera.without_distortion())
         losses.append("Without distortion: this file is for pictures undistorted to this camera.")
-    elif target.coefficients == 0 and record.camera.distortion.any():
+    record = _held(record, target)
+    if undistorted:
+        pass
+    elif target.coefficients == 0 and not record.camera.is_pinhole:
         raise StorageError(
             f"{_start(target)} has no lens distortion, and this camera has; undistort the pictures "
             "(venus3d undistort) and say so with --undistorted."
         )
-    elif target.coefficients == 4 and (k3 := record.camera.named.get("k3")):
+    elif (
+        target.coefficients == 4
+        and record.camera.lens == BROWN5
+        and (k3 := record.camera.named["k3"])
+    ):
         if not without_k3:
             raise StorageError(
                 f"{_start(target)} has no k3, and this camera has k3 = {k3:.4g}; "
@@ -217,6 +225,24 @@ def _none_in(path: Path, source: CameraFormat) -> StorageError:
     return StorageError(
         f"There is no camera in {path} as {source.title} holds it; see docs/formats.md, or name "
         "another --format."
+    )
+
+
+def _held(record: CameraRecord, target: CameraFormat) -> CameraRecord:
+    """The record with a lens model that the format has. Raises `StorageError` if there is none."""
+    own = record.camera.lens
+    for name in target.lenses:
+        lens = LENSES[name]
+        same = own.is_perspective == lens.is_perspective
+        if own == lens or (same and set(own.coefficient_names) <= set(lens.coefficient_names)):
+            return record if own == lens else record.with_lens(lens)
+    others = [
+        one.name for one in FORMATS.values() if own.name in one.lenses and one.name != target.name
+    ]
+    raise StorageError(
+        f"{_start(target)} has no lens model that holds this camera's, {own.name}; export to "
+        f"{', '.join(others)}, or undistort the pictures (venus3d undistort) and say so with "
+        "--undistorted."
     )
 
 

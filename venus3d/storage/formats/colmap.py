@@ -19,16 +19,23 @@ _PARAMETERS = {
     "RADIAL": "f cx cy k1 k2",
     "OPENCV": "fx fy cx cy k1 k2 p1 p2",
     "FULL_OPENCV": "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6",
+    "OPENCV_FISHEYE": "fx fy cx cy k1 k2 k3 k4",
 }
 """In the order of the file (src/colmap/sensor/models.h)."""
 
+_OPENCV = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
+
 
 def write(record: CameraRecord) -> bytes:
-    """The text of a cameras.txt with one camera: OPENCV, or FULL_OPENCV if there is a k3."""
+    """The text of a cameras.txt with one camera: OPENCV, FULL_OPENCV if there is a k3 or
+    more, or OPENCV_FISHEYE."""
     camera = record.camera
-    fx, fy, cx, cy, k1, k2, p1, p2, k3 = camera.parameters.tolist()
-    model = "FULL_OPENCV" if k3 else "OPENCV"
-    parameters = [fx, fy, cx + 0.5, cy + 0.5, k1, k2, p1, p2, *([k3, 0.0, 0.0, 0.0] if k3 else [])]
+    named = {**camera.named, "cx": camera.cx + 0.5, "cy": camera.cy + 0.5}
+    full = any(named.get(name) for name in ("k3", "k4", "k5", "k6"))
+    model = "FULL_OPENCV" if full else "OPENCV"
+    if not camera.lens.is_perspective:
+        model = "OPENCV_FISHEYE"
+    parameters = [named.get(name, 0.0) for name in _PARAMETERS[model].split()]
     return (
         "# Camera list with one line of data per camera:\n"
         "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
@@ -51,10 +58,13 @@ def read(content: bytes, name: str | None = None) -> CameraRecord:
     given = dict(zip(names, values.numbers(parameters, len(names)), strict=True))
     fx, fy = given.get("fx", given.get("f", 0.0)), given.get("fy", given.get("f", 0.0))
     K = [fx, 0, given["cx"] - 0.5, 0, fy, given["cy"] - 0.5, 0, 0, 1]
-    order = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
+    fisheye = model == "OPENCV_FISHEYE"
+    order = ("k1", "k2", "k3", "k4") if fisheye else _OPENCV
     size = values.size(width, height)
     distortion = [given.get(one, 0.0) for one in order]
-    return CameraRecord(values.camera_of(size, K, distortion, model=f"COLMAP's {model}"))
+    return CameraRecord(
+        values.camera_of(size, K, distortion, model=f"COLMAP's {model}", fisheye=fisheye)
+    )
 
 
 COLMAP = CameraFormat(
@@ -62,6 +72,7 @@ COLMAP = CameraFormat(
     "COLMAP's cameras.txt",
     "cameras.txt",
     ("cameras.txt",),
+    lenses=("brown5", "rational", "fisheye"),
     write=write,
     read=read,
     recognises=lambda content: re.search(rb"(?m)^\d+ [A-Z_]+ \d+ \d+ ", content) is not None,

@@ -37,7 +37,7 @@ def write(record: CameraRecord) -> bytes:
     intrinsics = ", ".join(map(repr, camera.parameters.tolist()))
     lines += [
         "{",
-        "    'lensmodel':  'LENSMODEL_OPENCV5',",
+        f"    'lensmodel':  'LENSMODEL_OPENCV{len(camera.coefficients)}',",
         "    # intrinsics are fx,fy,cx,cy,distortion0,distortion1,....",
         f"    'intrinsics': [ {intrinsics} ],",
         "    # extrinsics are rt_fromref",
@@ -71,6 +71,7 @@ MRCAL = CameraFormat(
     "mrcal's .cameramodel",
     "camera.cameramodel",
     ("*.cameramodel",),
+    lenses=("brown5", "rational", "rational-thin-prism"),
     write=write,
     read=read,
     recognises=lambda content: b"LENSMODEL_" in content and b"imagersize" in content,

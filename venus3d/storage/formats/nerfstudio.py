@@ -14,21 +14,23 @@ from venus3d.engine.errors import StorageError
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 
-_MODELS = ("OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL")
+_MODELS = ("OPENCV", "OPENCV_FISHEYE", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL")
+
+_KEYS = ("k1", "k2", "k3", "k4", "p1", "p2")
 
 
 def write(record: CameraRecord) -> bytes:
     """The text of a transforms.json; `frames` is empty and to be filled."""
     camera = record.camera
     content = {
-        "camera_model": "OPENCV",
+        "camera_model": "OPENCV" if camera.lens.is_perspective else "OPENCV_FISHEYE",
         "w": camera.width,
         "h": camera.height,
         "fl_x": camera.fx,
         "fl_y": camera.fy,
         "cx": camera.cx + 0.5,
         "cy": camera.cy + 0.5,
-        **{key: camera.named[key] for key in ("k1", "k2", "k3", "p1", "p2")},
+        **{key: camera.named[key] for key in _KEYS if key in camera.named},
         "frames": [],
     }
     return (json.dumps(content, indent=2) + "\n").encode()
@@ -50,10 +52,14 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
     fx = values.number(found["fl_x"])
     fy = values.number(found.get("fl_y", fx))
     cx, cy = (values.number(found[key]) - 0.5 for key in ("cx", "cy"))
-    distortion = [found.get(key, 0.0) for key in ("k1", "k2", "p1", "p2", "k3", "k4")]
+    fisheye = model == "OPENCV_FISHEYE"
+    order = ("k1", "k2", "k3", "k4") if fisheye else ("k1", "k2", "p1", "p2", "k3", "k4")
+    distortion = [found.get(key, 0.0) for key in order]
     size = values.size(found["w"], found["h"])
     K = [fx, 0, cx, 0, fy, cy, 0, 0, 1]
-    return CameraRecord(values.camera_of(size, K, distortion, model="transforms.json"))
+    return CameraRecord(
+        values.camera_of(size, K, distortion, model="transforms.json", fisheye=fisheye)
+    )
 
 
 NERFSTUDIO = CameraFormat(
@@ -61,6 +67,7 @@ NERFSTUDIO = CameraFormat(
     "nerfstudio's transforms.json",
     "transforms.json",
     ("transforms*.json",),
+    lenses=("brown5", "fisheye"),
     write=write,
     read=read,
     recognises=lambda content: (

@@ -20,6 +20,7 @@ from venus3d.engine.geometry.pose import Array
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 
+_LENSES = ("brown5", "rational", "rational-thin-prism", "fisheye")
 _IN_MEMORY = cv2.FILE_STORAGE_MEMORY
 _FLAG_OF = {
     "yaml": cv2.FILE_STORAGE_FORMAT_YAML,
@@ -38,8 +39,11 @@ def opencv_text(record: CameraRecord, extension: str = "yaml") -> str:
     file.write("image_width", camera.width)
     file.write("image_height", camera.height)
     file.write("camera_matrix", camera.K)
-    # One row, k1 k2 p1 p2 k3, as in OpenCV's sample.
-    file.write("distortion_coefficients", camera.distortion.reshape(1, 5))
+    # One row, k1 k2 p1 p2 k3 ..., as in OpenCV's sample; of cv2.fisheye k1 k2 k3 k4.
+    if not camera.lens.is_perspective:
+        file.write("fisheye_model", 1)
+    file.write("lens_model", camera.lens.name)
+    file.write("distortion_coefficients", camera.distortion.reshape(1, -1))
     if record.sigma is not None:
         file.writeComment(
             f"Standard deviations of {' '.join(camera.parameter_names)}; 0: was held fixed."
@@ -87,7 +91,10 @@ def _record_of(file: cv2.FileStorage) -> CameraRecord:
     if K is None or distortion is None:
         raise ValueError("no camera matrix")
     width, height = _number(file, "image_width"), _number(file, "image_height")
-    camera = values.camera_of(values.size(width, height), K, distortion.ravel(), model="The file")
+    fisheye = bool(_number(file, "fisheye_model"))
+    camera = values.camera_of(
+        values.size(width, height), K, distortion.ravel(), model="The file", fisheye=fisheye
+    )
     sigma, views = _matrix(file, "standard_deviations"), _number(file, "nframes")
     return CameraRecord(
         camera,
@@ -156,6 +163,7 @@ OPENCV_YAML = CameraFormat(
     read=read_opencv,
     recognises=lambda content: b"!!opencv-matrix" in content,
     keeps_sigma=True,
+    lenses=_LENSES,
 )
 OPENCV_JSON = CameraFormat(
     "opencv-json",
@@ -166,6 +174,7 @@ OPENCV_JSON = CameraFormat(
     read=read_opencv,
     recognises=lambda content: b'"opencv-matrix"' in content,
     keeps_sigma=True,
+    lenses=_LENSES,
 )
 OPENCV_XML = CameraFormat(
     "opencv-xml",
@@ -176,4 +185,5 @@ OPENCV_XML = CameraFormat(
     read=read_opencv,
     recognises=lambda content: b"<opencv_storage" in content,
     keeps_sigma=True,
+    lenses=_LENSES,
 )

@@ -9,14 +9,12 @@ import numpy as np
 
 from venus3d.engine.errors import BoardError, StorageError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS
-from venus3d.engine.geometry.lenses import BROWN5
+from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS, Camera
+from venus3d.engine.geometry.lenses import BROWN5, LENSES, LensModel, lens_called
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 from venus3d.storage.result import SCHEMA, board_summary, to_json
 from venus3d.storage.result_reader import board_of
-
-_BROWN5 = (*PINHOLE_PARAMETERS, *BROWN5.coefficient_names)
 
 
 def write(record: CameraRecord) -> bytes:
@@ -25,6 +23,7 @@ def write(record: CameraRecord) -> bytes:
     content: dict[str, Any] = {
         "schema": SCHEMA,
         "image_size": list(camera.image_size),
+        "model": camera.lens.name,
         "intrinsics": camera.named,
         "parameters": list(camera.parameter_names),
     }
@@ -51,18 +50,25 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
             f"{SCHEMA}; take the camera.yaml beside it."
         )
     intrinsics = values.mapping(found["intrinsics"])
-    parameters = [values.number(intrinsics[name]) for name in _BROWN5]
-    covariance, std = values.covariance(found.get("covariance")), found.get("std")
-    sigma = None if std is None else np.array([values.number(std[name]) for name in _BROWN5])
+    lens = lens_called(str(found.get("model", BROWN5.name)))
+    names = (*PINHOLE_PARAMETERS, *lens.coefficient_names)
+    parameters = [values.number(intrinsics[name]) for name in names]
+    covariance, std = values.covariance(found.get("covariance"), len(names)), found.get("std")
+    sigma = None if std is None else np.array([values.number(std[name]) for name in names])
     views, rms = found.get("views"), found.get("rms_px")
     return CameraRecord(
-        values.checked(parameters, values.size(*found["image_size"])),
+        _camera_of(parameters, values.size(*found["image_size"]), lens),
         covariance=covariance,
         sigma=sigma if covariance is None else np.sqrt(np.diag(covariance)),
         rms_px=None if rms is None else values.number(rms),
         views=None if views is None else int(views),
         board=_board_of(found.get("board")),
     )
+
+
+def _camera_of(parameters: list[float], size: tuple[int, int], lens: LensModel) -> Camera:
+    values.checked(parameters, size)
+    return Camera.from_parameters(parameters, size, lens)
 
 
 def _board_of(content: Any) -> Board | None:
@@ -82,6 +88,7 @@ JSON = CameraFormat(
     "plain JSON",
     "camera.json",
     ("result.json", "camera.json"),
+    lenses=tuple(LENSES),
     write=write,
     read=read,
     recognises=lambda content: b'"intrinsics"' in content and b'"image_size"' in content,

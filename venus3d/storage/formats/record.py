@@ -10,6 +10,7 @@ import numpy as np
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.lenses import LensModel
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.geometry.resize import Resize
 
@@ -45,6 +46,21 @@ class CameraRecord:
             source.board,
         )
 
+    def with_lens(self, lens: LensModel) -> CameraRecord:
+        """The same camera with a lens model that has all of its coefficients, and more."""
+        camera = self.camera.with_lens(lens)
+        place = [camera.parameter_names.index(name) for name in self.camera.parameter_names]
+        covariance, sigma = self.covariance, self.sigma
+        if covariance is not None:
+            wider = np.zeros((len(camera.parameters),) * 2)
+            wider[np.ix_(place, place)] = covariance
+            covariance = wider
+        if sigma is not None:
+            longer = np.zeros(len(camera.parameters))
+            longer[place] = sigma
+            sigma = longer
+        return replace(self, camera=camera, covariance=covariance, sigma=sigma)
+
     def resized(self, resize: Resize) -> CameraRecord:
         """The same camera for pictures of another size. The rms stays that of the calibration's
         pixels, so it is left out if pixels change their size."""
@@ -78,6 +94,9 @@ class CameraFormat:
     recognises: Callable[[bytes], bool]
     """Whether a file's content looks like this format."""
     coefficients: int = 5
-    """Distortion coefficients that it holds: 5, 4 (no k3) or 0."""
+    """Distortion coefficients of brown5 that it holds: 5, 4 (no k3) or 0."""
+    lenses: tuple[str, ...] = ("brown5",)
+    """Names of the lens models that it holds; others are written as one that has all of their
+    coefficients."""
     keeps_covariance: bool = False
     keeps_sigma: bool = False

@@ -17,6 +17,9 @@ from venus3d.engine.errors import StorageError
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 
+_MODELS = {"brown5": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
+"""What ROS (sensor_msgs/distortion_models.hpp) calls the lens models."""
+
 
 def write(record: CameraRecord) -> bytes:
     """The text of a camera_info file."""
@@ -26,8 +29,8 @@ def write(record: CameraRecord) -> bytes:
         "image_height": camera.height,
         "camera_name": "camera",
         "camera_matrix": _matrix(camera.K),
-        "distortion_model": "plumb_bob",
-        "distortion_coefficients": _matrix(camera.distortion.reshape(1, 5)),
+        "distortion_model": _MODELS[camera.lens.name],
+        "distortion_coefficients": _matrix(camera.distortion.reshape(1, -1)),
         "rectification_matrix": _matrix(np.eye(3)),
         "projection_matrix": _matrix(np.hstack([camera.K, np.zeros((3, 1))])),
     }
@@ -36,13 +39,13 @@ def write(record: CameraRecord) -> bytes:
 
 def read(content: bytes, _name: str | None = None) -> CameraRecord:
     """The camera of a camera_info file, or of the message itself as `rostopic echo` and `ros2 topic
-    echo` print it. Of `rational_polynomial`, only with k4 = k5 = k6 = 0."""
+    echo` print it."""
     found = values.yaml_of(content)
     model = found["distortion_model"]
-    if model not in ("plumb_bob", "rational_polynomial", ""):
+    if model not in (*_MODELS.values(), ""):
         raise StorageError(
-            f"The distortion model {str(model)[:40]!r} is not OpenCV's five-coefficient model "
-            "(plumb_bob); calibrate with that."
+            f"The distortion model {str(model)[:40]!r} is not one of "
+            f"{', '.join(_MODELS.values())}; calibrate with one of these."
         )
     if "image_width" in found:
         size = values.size(found["image_width"], found["image_height"])
@@ -52,7 +55,10 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
         # ROS 2 writes small letters.
         K, D = (found[key if key in found else key.upper()] for key in ("k", "d"))
     matrix = values.numbers(K, 9)
-    return CameraRecord(values.camera_of(size, matrix, D, model=f"The model {model}"))
+    fisheye = model == _MODELS["fisheye"]
+    return CameraRecord(
+        values.camera_of(size, matrix, D, model=f"The model {model}", fisheye=fisheye)
+    )
 
 
 def _matrix(matrix: Any) -> dict[str, Any]:
@@ -65,6 +71,7 @@ ROS = CameraFormat(
     "ROS's camera_info",
     "camera_info.yaml",
     ("camera_info.yaml", "camera_info.yml", "*_camera_info.yaml", "*_camera_info.yml"),
+    lenses=tuple(_MODELS),
     write=write,
     read=read,
     recognises=lambda content: (

@@ -53,16 +53,23 @@ def size(width: Any, height: Any) -> tuple[int, int]:
 
 
 def camera_of(
-    image_size: tuple[int, int], K: Any, distortion: Iterable[Any], *, model: str = "the model"
+    image_size: tuple[int, int],
+    K: Any,
+    distortion: Iterable[Any],
+    *,
+    model: str = "the model",
+    fisheye: bool = False,
 ) -> Camera:
-    """The camera of a camera matrix and OpenCV's distortion coefficients; more than five only if
-    the others are zero. Raises `ValueError` and `StorageError`."""
+    """The camera of a camera matrix and OpenCV's distortion coefficients: up to five, eight or
+    twelve, more only if the others are zero; with `fisheye` the four of `cv2.fisheye`. Raises
+    `ValueError` and `StorageError`."""
     matrix = np.asarray(K, dtype=np.float64).reshape(3, 3)
     coefficients = np.array([number(value) for value in distortion], dtype=np.float64)
-    if coefficients.size > 5 and np.any(coefficients[5:] != 0):
+    most = 4 if fisheye else 12
+    if np.any(coefficients[most:] != 0):
         raise StorageError(
-            f"{model} has {coefficients.size} distortion coefficients, and cameras here have five; "
-            "calibrate with the five-coefficient model."
+            f"{model} has {coefficients.size} distortion coefficients, and cameras here have at "
+            f"most {most}; calibrate with fewer."
         )
     if abs(matrix[0, 1]) > 1e-9 * abs(matrix[0, 0]):
         raise StorageError(
@@ -71,18 +78,20 @@ def camera_of(
         )
     if np.any(matrix[1, 0] != 0) or np.any(matrix[2] != [0, 0, 1]):
         raise ValueError("no camera matrix")
-    return checked(
-        [matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2], *coefficients], image_size
-    )
+    focal = [matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]]
+    checked([*focal, *coefficients], image_size)
+    return Camera.from_opencv(matrix, coefficients, image_size, fisheye=fisheye)
 
 
 def checked(parameters: Iterable[float], image_size: tuple[int, int]) -> Camera:
-    """The camera of up to nine parameters of brown5. Raises `StorageError` where they make none."""
+    """The camera of up to nine parameters of brown5, of more those. Raises `StorageError` where
+    they make none."""
     values = np.zeros(9)
-    given = np.array([*parameters], dtype=np.float64)[:9]
-    values[: given.size] = given
-    if not np.isfinite(values).all():
+    every = np.array([*parameters], dtype=np.float64)
+    if not np.isfinite(every).all():
         raise StorageError("Some of the camera's numbers are not finite; calibrate anew.")
+    given = every[:9]
+    values[: given.size] = given
     if not (values[:2] > 0).all():
         raise StorageError(
             f"Focal lengths of {values[0]:g} and {values[1]:g} px make no camera; they must be "
@@ -91,11 +100,11 @@ def checked(parameters: Iterable[float], image_size: tuple[int, int]) -> Camera:
     return Camera.from_parameters(values, image_size)
 
 
-def covariance(content: Any) -> Array | None:
-    """A (9, 9) covariance, or None. Raises `ValueError`."""
+def covariance(content: Any, parameters: int = 9) -> Array | None:
+    """A (p, p) covariance, or None. Raises `ValueError`."""
     if content is None:
         return None
-    matrix = np.array(content, dtype=np.float64).reshape(9, 9)
+    matrix = np.array(content, dtype=np.float64).reshape(parameters, parameters)
     scale = np.sqrt(np.abs(np.outer(np.diag(matrix), np.diag(matrix)))) + 1e-300
     if (
         not np.isfinite(matrix).all()

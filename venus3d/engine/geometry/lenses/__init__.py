@@ -23,7 +23,11 @@ LENSES: dict[str, LensModel] = {
 }
 """By name, those of one family from few coefficients to many."""
 
+AUTO = "auto"
+"""Instead of a lens model's name: it is found out."""
+
 __all__ = [
+    "AUTO",
     "BROWN3",
     "BROWN4",
     "BROWN5",
@@ -38,6 +42,7 @@ __all__ = [
     "LensModel",
     "Rational",
     "lens_called",
+    "lens_chosen",
 ]
 
 
@@ -46,3 +51,11 @@ def lens_called(name: str) -> LensModel:
     if name not in LENSES:
         raise CalibrationError(f"There is no lens model {name!r}; use one of {', '.join(LENSES)}.")
     return LENSES[name]
+
+
+def lens_chosen(name: str) -> LensModel | None:
+    """The lens model of this name, None for "auto". Raises `CalibrationError` for neither."""
+    if name != AUTO and name not in LENSES:
+        named = ", ".join((AUTO, *LENSES))
+        raise CalibrationError(f"There is no lens model {name!r}; use one of {named}.")
+    return None if name == AUTO else LENSES[name]

@@ -111,6 +111,10 @@ class Brown:
         xy = inverted(self, coefficients, image)
         return unit(xy[..., 0], xy[..., 1], np.ones(xy.shape[:-1]))
 
+    def opencv(self, coefficients: Coefficients) -> tuple[float, ...]:
+        """All five."""
+        return tuple(self._five(coefficients))
+
     def angle_limit(self, coefficients: Coefficients) -> float:
         """See `LensModel`; of the radial part."""
         k1, k2, _, _, k3 = self._five(coefficients)

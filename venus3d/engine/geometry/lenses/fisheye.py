@@ -85,6 +85,10 @@ class Fisheye:
             over = np.where(radius > 0, np.sin(angle) / radius, 1.0)
         return np.stack([x * over, y * over, np.cos(angle)], axis=-1)
 
+    def opencv(self, coefficients: Coefficients) -> tuple[float, ...]:
+        """All four."""
+        return (*coefficients, *[0.0] * (4 - len(coefficients)))
+
     def angle_limit(self, coefficients: Coefficients) -> float:
         """See `LensModel`; at most half a turn."""
         slopes = [1.0, *(k * (2 * i + 3) for i, k in enumerate(coefficients))]

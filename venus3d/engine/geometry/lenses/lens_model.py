@@ -76,6 +76,10 @@ class LensModel(Protocol):
         there is none within `angle_limit`."""
         ...
 
+    def opencv(self, coefficients: Coefficients) -> tuple[float, ...]:
+        """OpenCV's `distCoeffs`, or `D` of `cv2.fisheye` for a lens that is not perspective."""
+        ...
+
     def angle_limit(self, coefficients: Coefficients) -> float:
         """Largest angle from the optical axis, rad, up to which the image radius grows. Beyond it
         the model folds back, and points outside the view have an image inside it."""

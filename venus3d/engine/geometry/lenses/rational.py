@@ -118,6 +118,10 @@ class Rational:
         xy = inverted(self, coefficients, image)
         return unit(xy[..., 0], xy[..., 1], np.ones(xy.shape[:-1]))
 
+    def opencv(self, coefficients: Coefficients) -> tuple[float, ...]:
+        """As they are."""
+        return tuple(coefficients)
+
     def angle_limit(self, coefficients: Coefficients) -> float:
         """See `LensModel`; of the radial part."""
         k1, k2, _, _, k3, k4, k5, k6 = coefficients[:8]

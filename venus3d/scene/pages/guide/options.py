@@ -14,6 +14,7 @@ from venus3d.engine.planning.settings import Cost, Method, PlanningSettings, Str
 from venus3d.options import (
     BoardOptions,
     LanguageOption,
+    LensName,
     LimitOptions,
     Switch,
     check_range,
@@ -66,6 +67,9 @@ class GuideOptions:
     """When a parameter counts as settled: the repaired rule, or the paper's as printed."""
     max_views: int = 20
     """End after this many views at the latest."""
+    lens: LensName = "auto"
+    """The lens model; auto begins with five coefficients and takes a fisheye's or eight when the
+    views say so."""
     seed: int = 0
     """One number that makes a run repeat: search, simulated noise, autopilot."""
     autopilot: bool = False

@@ -233,6 +233,7 @@ def settings_of(options: GuideOptions) -> Settings:
         wanted_uncertainty_px=options.wanted_error,
         limits=options.limits.chosen(),
         keep_best=options.keep_best,
+        lens=options.lens,
         seed=options.seed,
         max_views=options.max_views,
         auto_capture=options.auto_capture,

@@ -142,7 +142,7 @@ def _corners(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> ShownMap:
 
 def _lens(snapshot: Snapshot, size: tuple[int, int], dark: bool) -> ShownMap:
     calibration = snapshot.calibration
-    if calibration is None or not calibration.camera.distortion.any():
+    if calibration is None or calibration.camera.is_pinhole:
         return ShownMap(texts.LENS_TITLE, texts.LENS_NONE)
     camera = calibration.camera
     factor, largest = distortion_magnification(camera), largest_shift_px(camera)
