@@ -60,14 +60,19 @@ def on_planes(corners: Corners, camera: Camera) -> tuple[Corners, Array]:
     rays = np.nan_to_num(rays)
     mean = (rays * weights[:, :, None]).sum(axis=1)
     mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)
-    # The half turn that takes the mean to z.
+    # The smallest turn from the mean to z: half a turn about each of the mean and the half way.
     half = mean + np.array([0.0, 0.0, 1.0])
     half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-12)
-    turns = 2 * half[:, :, None] * half[:, None] - np.eye(3)
+    turns = _half_turns(half) @ _half_turns(mean)
     turned = rays @ turns.swapaxes(1, 2)
     steep = turned[:, :, 2] > np.cos(_STEEPEST)
     plane = turned[:, :, :2] / np.where(steep, turned[:, :, 2], 1.0)[:, :, None]
     return Corners(corners.points, plane.swapaxes(1, 2), weights * steep), turns
+
+
+def _half_turns(axes: Array) -> Array:
+    """(N, 3, 3) rotations by 180° about unit vectors (N, 3)."""
+    return np.asarray(2 * axes[:, :, None] * axes[:, None] - np.eye(3))
 
 
 def _pinholes(corners: Corners, size: tuple[int, int]) -> Iterator[Parameters]:
