@@ -42,7 +42,8 @@ LanguageOption = Annotated[Language | None, arg(help_behavior_hint="(usual: the 
 
 @dataclass(frozen=True)
 class BoardOptions:
-    """The board that is held in front of the camera."""
+    """The board that is held in front of the camera. --board FILE gives all of it: a file that
+    venus3d board --save wrote, Kalibr's YAML, or the name of a calib.io file."""
 
     kind: Kind = "charuco"
     """What is printed on it."""

@@ -19,6 +19,7 @@ import tyro
 from tyro.conf import subcommand
 
 from venus3d import __version__
+from venus3d.cli.board_argument import with_board_file
 from venus3d.cli.options import (
     BoardCommand,
     CalibrateOptions,
@@ -110,7 +111,10 @@ def _run(given: list[str]) -> int:
                 "--poses."
             )
         options = tyro.cli(
-            _COMMAND, prog="venus3d", description=DESCRIPTION, args=given or ["--help"]
+            _COMMAND,
+            prog="venus3d",
+            description=DESCRIPTION,
+            args=with_board_file(given) or ["--help"],
         )
         # On a kill or a closed terminal the captured views are kept, as with Ctrl-C.
         with on_stop_signal(_interrupt, ctrl_c=False):

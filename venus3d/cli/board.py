@@ -8,7 +8,7 @@ from pathlib import Path
 from venus3d.cli.options import BoardCommand
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
-from venus3d.storage.board_file import board_text
+from venus3d.storage.board_file import board_text, save_board
 from venus3d.storage.board_sheet.files import pdf_of, picture_of_sheet, png_of, svg_of
 from venus3d.storage.board_sheet.screen import screen_page
 from venus3d.storage.board_sheet.sheet import Sheet, lay_out, paper_size, tiles
@@ -20,6 +20,10 @@ _KINDS = (".pdf", ".svg", ".png")
 def board_command(options: BoardCommand) -> None:
     """Write the board and print instructions. Raises `VenusError` for a user's mistake."""
     board = options.board.board()
+    if options.save is not None:
+        path = save_board(board, options.save)
+        print(f"{path}: give it to the other commands as --board {path}.")
+        return
     if options.show:
         _show(board, options.output)
         return

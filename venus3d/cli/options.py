@@ -107,6 +107,8 @@ class BoardCommand:
     """Only the board: no ruler, words and QR code."""
     show: Switch = False
     """Open a page that shows the board on this screen in true size instead."""
+    save: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
+    """Write only the board's options to a file, which --board FILE reads."""
     output: Annotated[Path, arg(metavar="PATH")] = Path("board.pdf")
     """The file to write, .pdf, .svg or .png; in a folder board.pdf."""
 
