@@ -99,3 +99,12 @@ def test_mistyped_settings_and_sources_without_any(capsys: pytest.CaptureFixture
     assert "--camera.focus wants a number, auto or lock, not 'soft'" in capsys.readouterr().err
     assert main(["guide", "sim", "--camera.gain", "3", "--headless", "--no-record"]) == 2
     assert "nothing to set" in capsys.readouterr().err
+
+
+def test_a_pipeline_without_gstreamer_names_the_way_out(capsys: pytest.CaptureFixture[str]) -> None:
+    """OpenCV 5 lists GStreamer as a plugin, whether it is there or not."""
+    if cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER):
+        pytest.skip("this OpenCV has GStreamer")
+    pipeline = "videotestsrc ! videoconvert ! appsink"
+    assert main(["guide", pipeline, "--headless", "--no-record"]) == 2
+    assert "was built without GStreamer" in capsys.readouterr().err

@@ -422,3 +422,31 @@ def test_a_click_that_raises_is_logged_once_and_its_tab_is_told(
         assert len(logged(caplog)) == 1
     finally:
         server.stop()
+
+
+def test_what_raises_on_visers_loop_is_logged_once(
+    fault: Fault, caplog: pytest.LogCaptureFixture
+) -> None:
+    """asyncio printed a traceback for each message."""
+    server, _ = start_server("127.0.0.1", free_port())
+    done = list[Any]()
+
+    async def clicked(event: Any) -> None:
+        done.append(event)
+        fault(event)
+
+    try:
+        button = server.gui.add_button("b")
+        button.on_click(clicked)
+        fault.due = 2
+        with RawClient(server.get_port()) as tab:
+            tab.backlog()
+            tab.look()
+            wait_until(server.get_clients)
+            for _ in range(3):
+                click = {"uuid": button._impl.uuid, "updates": {"value": True}}
+                tab.send({"type": "GuiUpdateMessage", **click})
+            wait_until(lambda: len(done) == 3 and logged(caplog))
+        assert fault.raised == 2 and len(logged(caplog)) == 1
+    finally:
+        server.stop()

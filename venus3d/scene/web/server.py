@@ -107,6 +107,8 @@ class LocalServer(viser.ViserServer):
         self._sockets.on_client_connect(self._welcome)
         self._failures = Failures()
         call_within(self, lambda n: self._spoken_with(n).spoken(), self._callback_failed)
+        # What viser awaits on its loop, not on its threads.
+        loop.call_soon_threadsafe(loop.set_exception_handler, self._loop_failed)
         loop.call_soon_threadsafe(self._complete.set)
 
     @property
@@ -188,6 +190,13 @@ class LocalServer(viser.ViserServer):
         if tab is not None:
             cause = texts.ACTION_FAILED_WHY.format(cause=type(error).__name__)
             tab.add_notification(texts.ACTION_FAILED, cause, color="yellow")
+
+    def _loop_failed(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        error = context.get("exception")
+        if isinstance(error, Exception) and not isinstance(error, OSError):
+            self._callback_failed(error, None)
+        else:
+            loop.default_exception_handler(context)
 
     def _make_safe(self, buffer: Any) -> None:
         """Let any thread push messages: viser sets its event outside the event's own thread, which
