@@ -59,9 +59,9 @@ def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
         mine.set_width(width(height))
 
     if isinstance(host, viser.ClientHandle):
-        fit(host, _window_height(host))
+        fit(host, window_height(host))
     else:
-        host.on_client_connect(lambda client: fit(client, _window_height(client)))
+        host.on_client_connect(lambda client: fit(client, window_height(client)))
     # No message of viser's tells of it: window.js writes the height into a field without a look.
     host.gui.add_html("<i class='v-window-height'></i>")
     field = host.gui.add_text("", "")
@@ -74,9 +74,10 @@ def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
     field.on_update(resized)
 
 
-def _window_height(client: viser.ClientHandle) -> int:
-    """As the browser told it in a cookie (window.js). Its camera tells the scene's height in pixels
-    of the device, of which viser takes fewer when drawing is slow."""
+def window_height(client: viser.ClientHandle) -> int:
+    """Of a tab's window, CSS pixels, as the browser told it in a cookie (window.js). Its camera
+    tells the scene's height in pixels of the device, of which viser takes fewer when drawing is
+    slow."""
     headers = headers_of(sockets_of(server_of(client)), client.client_id)
     for line in headers.get_all("cookie"):
         with suppress(CookieError):

@@ -42,7 +42,7 @@ from venus3d.scene.pages.exercise.view_model import (
 )
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
-from venus3d.scene.web.panels import fit_width
+from venus3d.scene.web.panels import fit_width, window_height
 from venus3d.scene.web.projections_panel import ProjectionsPanel
 from venus3d.scene.web.step_card import picture_legend_html
 from venus3d.scene.web.theme import Theme
@@ -56,7 +56,7 @@ _KEYS: dict[Action, str] = {
 _PICTURE_PERIOD_S = 1 / 15
 _JPEG_QUALITY = 75
 _SIDE_WIDTH, _LEFT_WIDTH, _RIGHT_WIDTH = 340, 480, 510
-_SMALL_SCREEN_HEIGHT, _SMALL_RIGHT_WIDTH = 850, 350
+_SMALL_WINDOW_HEIGHT, _SMALL_LEFT_WIDTH, _SMALL_RIGHT_WIDTH = 850, 400, 350
 # Height in the window of a card, a legend and their frame, pixels.
 _AROUND_THE_PICTURE = 230
 _SHARE_BESIDE_THE_SCENE = 0.68
@@ -141,8 +141,8 @@ class TrialPage(ExercisePage[TrialViewModel]):
         self._guidance_panel.visible = layout == "steps"
         if layout == "steps":  # a hidden panel loses its place
             self._guidance_panel.dock_above(self._left)
-        self._left.set_width(_LEFT_WIDTH if layout == "steps" else _SIDE_WIDTH)
-        self._gui.main_panel.set_width(self._right_width(self._client.camera.image_height))
+        self._left.set_width(self._left_width(self._height))
+        self._gui.main_panel.set_width(self._right_width(self._height))
 
     def _look(self, view: TrialViewModel, before: TrialViewModel | None) -> None:
         if self._layout == "result":
@@ -157,10 +157,17 @@ class TrialPage(ExercisePage[TrialViewModel]):
             still=is_held or (before is not None and not len(content.boards)),
         )
 
+    def _left_width(self, height: int) -> int:
+        """Width of the left panel in a window of this height, pixels."""
+        if self._layout != "steps":
+            return _SIDE_WIDTH
+        return _SMALL_LEFT_WIDTH if height < _SMALL_WINDOW_HEIGHT else _LEFT_WIDTH
+
     def _right_width(self, height: int) -> int:
         """Width of the right panel in a window of this height, pixels."""
+        self._height = height  # as it is when the layout changes
         if self._layout == "steps":
-            return _SMALL_RIGHT_WIDTH if height < _SMALL_SCREEN_HEIGHT else _RIGHT_WIDTH
+            return _SMALL_RIGHT_WIDTH if height < _SMALL_WINDOW_HEIGHT else _RIGHT_WIDTH
         # As wide as a 16:9 picture that fits the window's height.
         whole = max(480.0, (height - _AROUND_THE_PICTURE) * 16 / 9)
         beside = self._simulated and self._layout == "picture"
@@ -176,7 +183,9 @@ class TrialPage(ExercisePage[TrialViewModel]):
         self._make_right()
         self._make_left()
         self._gizmo = self._make_gizmo() if self._simulated else None
+        self._height = window_height(self._client)
         self._arrange(layout_of(view))
+        fit_width(self._client, self._left, self._left_width)
         fit_width(self._client, self._gui.main_panel, self._right_width)
 
     def _make_left(self) -> None:
