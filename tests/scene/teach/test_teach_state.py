@@ -241,7 +241,7 @@ def test_pictures_mark_what_is_refused_and_are_drawn_once(
 def test_the_steps_card_marks_the_step_and_tells_both_sides(study: PoseAnalysis) -> None:
     taught, theme = study(FREE_VECTOR), Theme(True)
     assert "data-marked='3'" in heading_html("", TeachState(progress=2.5).step)
-    told = steps_html(taught, ["a", "b", "c", "d"], theme)
+    told = steps_html(taught, theme)
     for step in taught.steps:
         words = step_prompt(step)
         assert words.camera in told

@@ -3,7 +3,6 @@ Right: the current step in words and numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -139,17 +138,14 @@ def heading_html(text: str, marked: int = 0) -> str:
     return f"<div class='v-steps' data-marked='{marked}'><h3>{text}</h3></div>"
 
 
-def steps_html(taught: TaughtPose, sources: Sequence[str], theme: Theme) -> str:
-    """The four steps, each a card with amount, words for both sides, and its picture, `sources` of
-    HTML images."""
-    cards = "".join(
-        _step_card(step, source, theme.steps[step.number - 1])
-        for step, source in zip(taught.steps, sources, strict=True)
-    )
+def steps_html(taught: TaughtPose, theme: Theme) -> str:
+    """The four steps, each a card with amount, words for both sides, and a place for its picture in
+    the set "taught" (`pictures_html`): words do not wait for pictures."""
+    cards = "".join(_step_card(step, theme.steps[step.number - 1]) for step in taught.steps)
     return f"<div class='v-steps v-cards'><div class='v-grid'>{cards}</div></div>"
 
 
-def _step_card(step: Step, source: str, colour: str) -> str:
+def _step_card(step: Step, colour: str) -> str:
     prompt, amount = step_prompt(step), "–" if step.is_idle else amount_text(step, 1.0)
     words, held = translated(prompt.camera), escape(holder_sentence(prompt))
     alt = escape(texts.STEP_ALT.format(number=step.number, words=words), quote=True)
@@ -158,7 +154,8 @@ def _step_card(step: Step, source: str, colour: str) -> str:
         f"<div class='v-told'><b>{step.number}</b><strong>{step_style(step.number).title}</strong>"
         f"<i>{escape(amount)}</i><span>{escape(words)}</span>"
         f"<span class='v-held'>{held}</span></div>"
-        f"<img alt=\"{alt}\" src='{source}'></div>"
+        f"<div class='v-shot' data-shot='taught-{step.number}' role='img' aria-label=\"{alt}\">"
+        "</div></div>"
     )
 
 
@@ -173,7 +170,8 @@ def _step(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
     if state.at_rest or (state.focus is not None and step.is_idle):
         busy = [one for one in taught.steps if not one.is_idle]
         only = _told(busy[0], state) if len(busy) == 1 else []
-        return _now(theme.good, texts.THERE_HEADLINE, "", (texts.THERE_SENTENCE, ""), *only)
+        sentence = texts.THERE_SENTENCE if busy else texts.NO_WAY_SENTENCE
+        return _now(theme.good, texts.THERE_HEADLINE, "", (sentence, ""), *only)
     if state.progress == 0.0:
         return _now(theme.good, texts.START_HEADLINE, "", (texts.START_SENTENCE, ""))
     headline = texts.STEP.format(number=step.number, title=step_style(step.number).title)

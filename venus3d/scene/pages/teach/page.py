@@ -37,7 +37,7 @@ from venus3d.scene.pages.teach.scene_shapes import scene_shapes, scene_view_of
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.panels import PanelStyle, fit_width
-from venus3d.scene.web.projections_panel import encoded
+from venus3d.scene.web.projections_panel import encoded, pictures_html
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.tabs import Ask, Job
 from venus3d.scene.web.theme import Theme
@@ -119,6 +119,7 @@ class TeachPage:
             _put(self.card, card_html(taught, state, theme))
             marked = 0 if state.at_rest else state.step
             _put(self._steps_head, heading_html(texts.STEPS_PICTURE_TITLE, marked))
+            _put(self.steps, steps_html(taught, theme))
             for row in self._rows:
                 row.show(state, visible=view.role != "follows")
             self._show_progress(state, view.role != "follows")
@@ -217,7 +218,7 @@ class TeachPage:
         taught, dark, drawn = view.taught, view.state.dark, self._steps_drawn
         picture = self._pictures.step_picture(taught, step, dark, fine=fine)
         drawn[step.number] = _DrawnStep(step_key(step, dark), fine, encoded(picture))
-        # The cards are sent with their words, all four at once.
+        # All four at once.
         now = [drawn.get(each.number) for each in taught.steps]
         ready = [
             one.source
@@ -225,7 +226,7 @@ class TeachPage:
             if one is not None and one.serves(each, dark, fine)
         ]
         if len(ready) == len(now):
-            self.steps.content = steps_html(taught, ready, Theme(dark))
+            self._shots.content = pictures_html("taught", tuple(ready))
             self._client.flush()
 
     def _show_progress(self, state: TeachState, visible: bool) -> None:
@@ -270,7 +271,7 @@ class TeachPage:
 
         self.progress.on_update(moved)
         self._rows.append(StateButtons(gui, texts.LOOK, LOOK_ROW, self._act, texts.LOOK_HINT))
-        self._steps_head, self.steps = gui.add_html(""), gui.add_html("")
+        self._shots, self._steps_head, self.steps = (gui.add_html("") for _ in range(3))
         fit_width(self._client, gui.main_panel, lambda height: _widths(height)[1])
 
 

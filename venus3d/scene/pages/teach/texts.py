@@ -115,6 +115,7 @@ START_HEADLINE = "An upright board"
 START_SENTENCE = "Half a metre in front of the lens. From here, four steps lead to the pose."
 THERE_HEADLINE = "This is the pose"
 THERE_SENTENCE = "Space bar: watch the board get here in four steps."
+NO_WAY_SENTENCE = "It is where every way starts, so no step is needed."
 SIDES = {
     "camera": "in the picture",
     "holder": "for your hands",
