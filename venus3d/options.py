@@ -40,6 +40,9 @@ LanguageOption = Annotated[Language | None, arg(help_behavior_hint="(usual: the 
 """The language of a page."""
 
 
+_DICTIONARIES = {"aprilgrid": "DICT_APRILTAG_36H11"}
+
+
 @dataclass(frozen=True)
 class BoardOptions:
     """The board that is held in front of the camera. --board FILE gives all of it: a file that
@@ -48,14 +51,18 @@ class BoardOptions:
     kind: Kind = "charuco"
     """What is printed on it."""
     columns: int = 9
-    """Squares from left to right: a checkerboard of 9 x 6 inner corners has 10 x 7."""
+    """Squares, tags or circles from left to right; a checkerboard of 9 x 6 inner corners has 10 x 7
+    squares."""
     rows: int = 6
-    """Squares from top to bottom."""
+    """Squares, tags or circles from top to bottom."""
     square_mm: float = 28.0
-    """Side of a square in millimetres, as measured on the printed board."""
+    """Side of a square in millimetres, as measured on the printed board; from one tag or circle to
+    the next."""
     marker_mm: float = 21.0
-    """Side of a marker in millimetres."""
-    dictionary: str = "DICT_5X5_100"
+    """Side of a marker or tag in millimetres."""
+    dictionary: Annotated[
+        str | None, optional("NAME", "DICT_5X5_100; of an aprilgrid DICT_APRILTAG_36H11")
+    ] = None
     """OpenCV's name of the marker dictionary."""
     legacy: Switch = False
     """The layout of boards printed before OpenCV 4.6; detected where it matters."""
@@ -71,7 +78,7 @@ class BoardOptions:
             rows=self.rows,
             square=self.square_mm / 1000,
             marker=self.marker_mm / 1000,
-            dictionary=self.dictionary,
+            dictionary=self.dictionary or _DICTIONARIES.get(self.kind, Board.dictionary),
             legacy=self.legacy,
             inverted=self.inverted,
             first_id=self.first_id,

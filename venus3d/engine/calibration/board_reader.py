@@ -35,6 +35,8 @@ class BoardReader:
         """Whether that will stay."""
         self.confused = False
         """Whether the last image showed two boards that cannot be told apart."""
+        self.exact = False
+        """Whether the points need no refinement by windows around each."""
         self.weighing = False
         """Whether this has seen an image from which it learns; of copies."""
         self.is_copy = False

@@ -29,6 +29,7 @@ from venus3d.engine.calibration.refinement import (
     refinement_windows,
 )
 from venus3d.engine.calibration.small_boards import small_board
+from venus3d.engine.calibration.tag_reader import TagReader
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 
@@ -40,7 +41,9 @@ def reader_of(board: Board, *, find_layout: bool = True) -> BoardReader:
     """What reads boards of this kind."""
     if board.kind == "charuco":
         return CharucoReader(board, find_layout=find_layout)
-    return ChessboardReader(board)
+    if board.kind == "chessboard":
+        return ChessboardReader(board)
+    return TagReader(board, 2 if board.kind == "aprilgrid" else 1)
 
 
 class Detector:
@@ -191,7 +194,7 @@ class Detector:
         if not reader.is_copy:
             self._check.found()
         scales = local_scales(self.board, ids, corners)
-        if self._refine:
+        if self._refine and not reader.exact:
             windows = refinement_windows(self.board, scales, corners)
             corners = refine_corners(self.board, ids, grey, corners, windows)
         squares = np.linalg.norm(scales, axis=1).min(axis=1) * self.board.square

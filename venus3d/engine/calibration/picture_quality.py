@@ -95,6 +95,7 @@ def _plain_black(board: Board) -> NDArray[np.bool_]:
     texture = board.texture(_TEXTURE_PX)
     origin = np.array([board.width, board.height]) / 2
     around = (board.corners[:, None, :2] + board.square * _GRID + origin) / board.square
-    at = np.floor(around * _TEXTURE_PX).astype(int)
+    last = np.array(texture.shape[::-1]) - 1
+    at = np.clip(np.floor(around * _TEXTURE_PX).astype(int), 0, last)
     printed = texture[at[..., 1], at[..., 0]] < 128
     return (printed[:, None] | ~_QUADRANTS).all(axis=2)

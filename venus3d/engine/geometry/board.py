@@ -16,6 +16,7 @@ from venus3d.engine.errors import BoardError
 from venus3d.engine.geometry.boards.charuco import Charuco
 from venus3d.engine.geometry.boards.chessboard import Chessboard
 from venus3d.engine.geometry.boards.kind import BoardKind
+from venus3d.engine.geometry.boards.tags import APRILGRID, ARUCO_GRID
 from venus3d.engine.geometry.pose import Array
 
 DICTIONARIES: tuple[str, ...] = tuple(
@@ -26,9 +27,14 @@ DICTIONARIES: tuple[str, ...] = tuple(
 """Names of the marker dictionaries of this OpenCV version."""
 
 
-Kind = Literal["charuco", "chessboard"]
+Kind = Literal["charuco", "chessboard", "aprilgrid", "aruco-grid"]
 """Names of the kinds of boards."""
-KINDS: Mapping[str, BoardKind] = {"charuco": Charuco(), "chessboard": Chessboard()}
+KINDS: Mapping[str, BoardKind] = {
+    "charuco": Charuco(),
+    "chessboard": Chessboard(),
+    "aprilgrid": APRILGRID,
+    "aruco-grid": ARUCO_GRID,
+}
 assert tuple(KINDS) == get_args(Kind)
 _ABSENT: Mapping[str, Any] = {
     "marker": 0.0,
@@ -45,13 +51,13 @@ class Board:
     """A calibration board. Lengths in metres. Raises `BoardError` for invalid options."""
 
     columns: int = 9
-    """Squares along x."""
+    """Squares, tags or circles along x."""
     rows: int = 6
-    """Squares along y."""
+    """Squares, tags or circles along y."""
     square: float = 0.028
-    """Side of a square, metres."""
+    """Side of a square, or of the cell that holds one tag or circle, metres."""
     marker: float = 0.021
-    """Side of a marker, metres."""
+    """Side of a marker, or diameter of a circle, metres."""
     dictionary: str = "DICT_5X5_100"
     legacy: bool = False
     """Layout of boards printed before OpenCV 4.6; differs if the row count is even."""

@@ -22,12 +22,20 @@ if TYPE_CHECKING:
 class BoardKind(Protocol):
     """A kind of board. Every method takes a `Board` of this kind."""
 
-    name: str
-    """What it is called in a sentence."""
-    fields: tuple[str, ...]
-    """The board's fields that this kind has, besides `columns`, `rows` and `square`."""
-    partial: bool
-    """Whether it is read where a part of it is hidden or outside the picture."""
+    @property
+    def name(self) -> str:
+        """What it is called in a sentence."""
+        ...
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The board's fields that this kind has, besides `columns`, `rows` and `square`."""
+        ...
+
+    @property
+    def partial(self) -> bool:
+        """Whether it is read where a part of it is hidden or outside the picture."""
+        ...
 
     def check(self, board: Board) -> None:
         """Raises `BoardError`, with cause and cure, for fields that make no such board."""

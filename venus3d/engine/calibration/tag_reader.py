@@ -1,0 +1,102 @@
+"""Reads grids of tags: each tag found gives its four corners."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+
+from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
+from venus3d.engine.calibration.board_recognition import two_boards_diagnosis
+from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.tag_edges import corners_by_edges
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array
+
+_QUICK_FROM_PX, _QUICK_WINDOW_PX = 40.0, 7
+_OF_CLEARANCE, _LARGEST_WINDOW = 0.75, 10
+_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 30, 0.003)
+_BORDER_PX = 1.0
+"""Corners nearer to the border are not measured: the tag may go on outside."""
+_TWICE = 4
+"""Different tags seen twice in one image: two boards."""
+
+
+class TagReader(BoardReader):
+    """OpenCV's detector of markers, told the board's border and its tags alone."""
+
+    quick_from_px = _QUICK_FROM_PX
+
+    def __init__(self, board: Board, border: int) -> None:
+        """`border`: width of the tags' black border, in cells."""
+        super().__init__(board)
+        self._border = border
+        self.exact = True
+        self._finders: dict[tuple[Board, bool], Any] = {}
+        self._two_boards = False
+
+    def copy(self) -> TagReader:
+        """With detectors of its own."""
+        other = super().copy()
+        other._finders = {}
+        return other
+
+    def take_over(self, by: BoardReader) -> None:
+        """Whether a copy saw two boards."""
+        if isinstance(by, TagReader):
+            self._two_boards |= by._two_boards
+
+    def diagnoses(self, asked: Board) -> list[Diagnosis]:
+        """Two boards."""
+        del asked
+        return [two_boards_diagnosis()] if self._two_boards else []
+
+    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
+        """The corners of the tags that are seen once."""
+        x0, y0, x1, y1 = region
+        if (self.board, quick) not in self._finders:
+            self._finders[self.board, quick] = _finder(self.board, self._border, quick)
+        quads, ids, _ = self._finders[self.board, quick].detectMarkers(grey[y0:y1, x0:x1])
+        self.confused = False
+        if ids is None or not len(ids):
+            return NOTHING
+        numbers, first, counts = np.unique(
+            np.asarray(ids, dtype=np.intp).reshape(-1), return_index=True, return_counts=True
+        )
+        self.confused = int((counts > 1).sum()) >= _TWICE
+        self._two_boards |= self.confused
+        once = counts == 1
+        corners = np.asarray(quads, dtype=np.float64).reshape(-1, 4, 2)[first[once]]
+        found = corners.reshape(-1, 4, 2) + np.array([x0, y0])
+        quads = corners_by_edges(grey, found, self._clear_share)
+        limit = np.array(grey.shape[::-1]) - 1 - _BORDER_PX
+        inside = ((quads > _BORDER_PX) & (quads < limit)).all(axis=(1, 2))
+        if not inside.any():
+            return NOTHING
+        points = 4 * numbers[once][inside, None] + np.arange(4)
+        return points.reshape(-1).astype(np.intp), self._refined(grey, quads[inside])
+
+    @property
+    def _clear_share(self) -> float:
+        return self.board.of_kind.clearance(self.board) / self.board.marker
+
+    def _refined(self, grey: Grey, quads: Array) -> Array:
+        """(4 N, 2) corners. Where black squares touch a tag's corners, OpenCV's outlines run into
+        them by some pixels, so that the edges were found anew; there cornerSubPix is better still,
+        in a window as wide as that of the smallest tag may be."""
+        if self._border == 1:
+            return quads.reshape(-1, 2)
+        sides = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)
+        half = int(np.clip(_OF_CLEARANCE * self._clear_share * sides.min(), 2, _LARGEST_WINDOW))
+        start = quads.astype(np.float32).reshape(-1, 1, 2)
+        moved = cv2.cornerSubPix(grey, start.copy(), (half, half), (-1, -1), _CRITERIA)
+        return np.asarray(moved, dtype=np.float64).reshape(-1, 2)
+
+
+def _finder(board: Board, border: int, quick: bool) -> Any:
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.markerBorderBits = border
+    if quick:
+        parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = _QUICK_WINDOW_PX
+    return cv2.aruco.ArucoDetector(board.cv_dictionary, parameters)
