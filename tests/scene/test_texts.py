@@ -129,3 +129,9 @@ def test_every_text_says_something_and_its_holes_have_names() -> None:
             for text in _strings(value):
                 holes = [hole for _, hole, _, _ in Formatter().parse(text) if hole is not None]
                 assert all(hole.isidentifier() for hole in holes), (name, constant, text)
+
+
+def test_no_text_is_capitalised_by_a_method_that_lowers_its_nouns() -> None:
+    """`str.capitalize` made "das linke brett" of a German sentence."""
+    for path in SEEN:
+        assert not re.search(r"\.(capitalize|title)\(\)", path.read_text("utf-8")), path

@@ -73,7 +73,7 @@ def comparison_words(taught: TaughtPose, state: TeachState) -> ComparisonWords:
         same = apart < 0.05
         amount = texts.SAME if same else texts.APART.format(angle=size_deg(apart))
         sentence = texts.SAME_LABEL if same else texts.APART_LABEL
-        return ComparisonWords(texts.COMPARE_END, amount, sentence.capitalize() + ".")
+        return ComparisonWords(texts.COMPARE_END, amount, sentence)
     left, right = taught.fixed[step - 2], taught.others(state.arrangement)[step - 2]
     names = {"left": left.axis.upper(), "right": right.axis.upper()}
     alike = left.axis == right.axis

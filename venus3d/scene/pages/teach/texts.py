@@ -77,9 +77,9 @@ COMPARE_WHY = {
     ),
 }
 APART = "{angle} apart"
-APART_LABEL = "turn the left board by this much, and it stands like the right one"
+APART_LABEL = "Turn the left board by this much, and it stands like the right one."
 SAME = "the same"
-SAME_LABEL = "with these numbers both end alike; turn about two axes at least"
+SAME_LABEL = "With these numbers both end alike; turn about two axes at least."
 COMPARE_TURN = "Turn {number} of 3: about {left}"
 COMPARE_TURN_TWO = "Turn {number} of 3: {left} on the left, {right} on the right"
 COMPARE_START = "Both boards stand upright"

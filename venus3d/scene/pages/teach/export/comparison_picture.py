@@ -61,7 +61,8 @@ def _words(taught: TaughtPose, state: TeachState) -> tuple[str, Colour, str, str
     if state.progress <= 1:  # a film has no buttons
         return texts.ALIKE, colour, remark.headline, ""
     badge = texts.ALIKE if taught.apart_deg(state.arrangement) < 0.5 else texts.DIFFERENT
-    return badge, colour, remark.headline, f"{remark.amount.capitalize()}. {remark.sentence}"
+    amount = remark.amount[:1].upper() + remark.amount[1:]
+    return badge, colour, remark.headline, f"{amount}. {remark.sentence}"
 
 
 def _half(
