@@ -29,7 +29,9 @@ def parameter_table(calibration: Calibration, truth: Camera | None = None) -> st
         known = f"± {sigma:.{digits}f}" if calibration.free[index] else "held"
         row = f"{name:4}{value:12.{digits}f}   {known:>10}"
         if truth is not None:
-            row += f"{truth.parameters[index]:12.{digits}f}"
+            # The coefficients of two lens models cannot be compared.
+            same = index < 4 or truth.lens == calibration.camera.lens
+            row += f"{truth.named[name]:12.{digits}f}" if same else f"{'–':>12}"
         rows.append(f"{row}  {unit:2}  {PARAMETER_DESCRIPTIONS[name]}")
     return "\n".join(rows)
 

@@ -322,11 +322,12 @@ def _focal_share(calibration: Calibration) -> float:
 
 
 def _depths(calibration: Calibration) -> Array:
-    """(N,) depths of all corners of all views, metres."""
+    """(N,) depths of all corners of all views, metres; for a wide lens distances."""
     points_of = calibration.board.points_of
-    return np.concatenate(
-        [v.pose.apply(points_of(v.observation.ids))[:, 2] for v in calibration.views]
-    )
+    points = np.concatenate([v.pose.apply(points_of(v.observation.ids)) for v in calibration.views])
+    if not calibration.camera.lens.is_perspective:
+        return np.asarray(np.linalg.norm(points, axis=1))
+    return points[:, 2]
 
 
 _CHECKS = (

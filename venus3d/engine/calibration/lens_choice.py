@@ -39,6 +39,8 @@ FEWEST_VIEWS = 5
 """With fewer views, prediction says nothing, and only a model that does not fit is replaced."""
 NARROW_DEG = 75.0
 """From corner to corner: five coefficients describe a lens that sees less."""
+FOLDED = 1.1
+"""A model that folds back in the picture gives way to a richer one up to this share of its rms."""
 HOPELESS = 1.7
 """A model whose rms is this many times that of a richer one does not fit."""
 GOOD_PX = 1.0
@@ -122,6 +124,31 @@ def _is_narrow(camera: Camera) -> bool:
     return bool(np.degrees(2 * np.arctan(diagonal / 2)) < NARROW_DEG)
 
 
+def start_with_any_lens(
+    board: Board,
+    observations: Sequence[Observation],
+    *,
+    lens: LensModel | None = None,
+    numbers: Sequence[int] | None = None,
+) -> Calibration:
+    """`calibrate` with the start-up model, of a pinhole or an equidistant lens, whichever fits.
+    `lens`: the one that is wanted; None: it is found out. Raises `CalibrationError` likewise."""
+
+    def started(which: LensModel) -> Calibration:
+        return calibrate(board, observations, model="startup", lens=which, numbers=numbers)
+
+    if lens is not None:
+        return started(BROWN5 if lens.is_perspective else lens)
+    plain = started(BROWN5)
+    if _is_narrow(plain.camera):
+        return plain
+    try:
+        wide = started(FISHEYE)
+    except CalibrationError:
+        return plain
+    return wide if wide.rms_px * HOPELESS < plain.rms_px else plain
+
+
 def field_deg(camera: Camera) -> float:
     """Degrees that the camera sees across the row of its principal point."""
     ends = np.array([[-0.5, camera.cy], [camera.width - 0.5, camera.cy]])
@@ -175,6 +202,10 @@ def _is_better(rich: _Tried, simple: _Tried) -> bool:
     rms = rich.calibration.rms_px
     if rms > GOOD_PX or rich.corners < _KEPT * simple.corners:
         return False
+    # No lens folds back within its picture: such a model has only not been shown where it fails.
+    folds = planning_camera(simple.calibration.camera) is not simple.calibration.camera
+    if folds and rms < FOLDED * simple.calibration.rms_px:
+        return True
     # What a model leaves out, it does not describe.
     describes_more = simple.corners < _KEPT * rich.corners
     if HOPELESS * rms < simple.calibration.rms_px or (

@@ -181,13 +181,16 @@ def _area(polygon: Array) -> float:
 def _silhouette(camera: Camera, board: Board, pose: Pose) -> Array:
     """(K, 2) convex polygon in pixels, clipped at a plane just in front of the lens."""
     outline = pose.apply(board.outline)
+    if not camera.lens.is_perspective:
+        return camera.pixels_of(outline.T).T
     points = _kept_side(outline, outline[:, 2] - _NEAR_PLANE)
     return points[:, :2] / points[:, 2:] * [camera.fx, camera.fy]
 
 
 def _corner_distance_px(camera: Camera, board: Board, one: Pose, other: Pose) -> float:
-    """Mean distance of the projected inner corners, pixels, by the undistorted pinhole."""
-    pinhole = camera.without_distortion()
+    """Mean distance of the projected inner corners, pixels, by the undistorted pinhole or a
+    wide lens."""
+    pinhole = camera.without_distortion() if camera.lens.is_perspective else camera
     shift = pinhole.project(one.apply(board.corners)) - pinhole.project(other.apply(board.corners))
     distance = np.linalg.norm(shift, axis=1)
     seen = np.isfinite(distance)

@@ -23,6 +23,7 @@ from venus3d.engine.calibration.repeats import repeats
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
+from venus3d.engine.geometry.lenses import lens_chosen
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
 from venus3d.engine.guidance.known_camera import KnownCamera, KnownStart
@@ -82,7 +83,7 @@ class Session:
         self.pending: Work | None = None
         """Work to be run; pass its outcome to `apply`."""
         self._startup = (
-            Startup(board, self._image_size)
+            Startup(board, self._image_size, lens_chosen(self.settings.lens))
             if self._known is None
             else KnownStart(board, self._known, self.settings)
         )

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.lens_choice import start_with_any_lens
 from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.lenses import LensModel
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import STARTUP_REASON
 from venus3d.engine.planning.settings import Cost, Method
@@ -35,8 +37,12 @@ _FOV_DEG = (5.0, 140.0)
 class Startup:
     """The best camera estimated from single views of a moving board. Used by one thread."""
 
-    def __init__(self, board: Board, image_size: tuple[int, int]) -> None:
-        """No estimate yet: `camera` is a guess for images of `image_size` (width, height)."""
+    def __init__(
+        self, board: Board, image_size: tuple[int, int], lens: LensModel | None = None
+    ) -> None:
+        """No estimate yet: `camera` is a guess for images of `image_size` (width, height). `lens`:
+        the one that is wanted; None: it is found out."""
+        self._lens = lens
         self._board, self._image_size = board, image_size
         self.camera = Camera.guess(image_size)
         """The best estimate so far; `Camera.guess` before the first."""
@@ -106,7 +112,7 @@ class Startup:
         if observation.count < _LEAST_CORNERS:
             return False
         try:
-            found = calibrate(self._board, [observation], model="startup")
+            found = start_with_any_lens(self._board, [observation], lens=self._lens)
         except CalibrationError:
             return False  # this frame does not determine the focal length; the next one may
         if not self._shows_f(found):

@@ -11,7 +11,7 @@ import numpy as np
 
 from venus3d.engine.calibration.adjustment import Calibration, calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
-from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens
+from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens, start_with_any_lens
 from venus3d.engine.calibration.observation import (
     Observation,
     View,
@@ -184,7 +184,12 @@ class Work:
             return located, (_KNOWN.format(cause=cause),) if cause else ()
         # The views stay; a simpler model serves until more come.
         try:
-            simple = calibrate(self.board, self.observations, model="startup", numbers=self.numbers)
+            simple = start_with_any_lens(
+                self.board,
+                self.observations,
+                lens=lens_chosen(self.settings.lens),
+                numbers=self.numbers,
+            )
             return simple, (_SIMPLER.format(cause=cause),) if cause else ()
         except CalibrationError as error:
             return provisional(self.board, self.observations, self.numbers, self.start), (

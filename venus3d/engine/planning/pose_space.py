@@ -30,6 +30,7 @@ _TRIES = 50  # batches of 64 poses drawn for a random one within the limits
 _TILT_DEG = 0.05
 _SHARE = 1e-3
 _PX = 0.2
+_WIDEST = float(np.radians(88.0))  # of a board's centre to the axis: nothing is held behind
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +82,9 @@ class Space:
         limits, camera = self.limits, self.camera
         angles = (2 * unit[:, :3] - 1) * limits.max_angle_deg
         z = limits.nearest * (limits.farthest / limits.nearest) ** unit[:, 5]
+        if not camera.lens.is_perspective:
+            pixels = unit[:, 3:5] * camera.image_size - 0.5
+            return np.column_stack([angles, z[:, None] * _rays_towards(camera, pixels)])
         x = (unit[:, 3] * camera.width - 0.5 - camera.cx) / camera.fx * z
         y = (unit[:, 4] * camera.height - 0.5 - camera.cy) / camera.fy * z
         return np.column_stack([angles, x, y, z])
@@ -89,6 +93,11 @@ class Space:
         """The inverse of `from_unit`."""
         limits, camera = self.limits, self.camera
         z = vectors[:, 5]
+        if not camera.lens.is_perspective:
+            z = np.linalg.norm(vectors[:, 3:], axis=1)
+            uv = (camera.pixels_of(vectors[:, 3:].T).T + 0.5) / camera.image_size
+            far = np.log(z / limits.nearest) / np.log(limits.farthest / limits.nearest)
+            return np.column_stack([(vectors[:, :3] / limits.max_angle_deg + 1) / 2, uv, far])
         return np.column_stack(
             [
                 (vectors[:, :3] / limits.max_angle_deg + 1) / 2,
@@ -97,6 +106,17 @@ class Space:
                 np.log(z / limits.nearest) / np.log(limits.farthest / limits.nearest),
             ]
         )
+
+
+def _rays_towards(camera: Camera, pixels: Array) -> Array:
+    """(N, 3) rays of a wide lens from pixels (N, 2), or from the nearest of its image circle."""
+    centre, f = np.array([camera.cx, camera.cy]), np.array([camera.fx, camera.fy])
+    edge = min(0.98 * camera.angle_limit, _WIDEST)
+    radius = camera.lens.image(camera.coefficients, np.array([np.sin(edge), 0.0, np.cos(edge)]))[0]
+    image = (pixels - centre) / f
+    length = np.maximum(np.linalg.norm(image, axis=1, keepdims=True), 1e-12)
+    rays = camera.lens.rays(camera.coefficients, image * np.minimum(1.0, radius / length))
+    return np.where(np.isfinite(rays), rays, [0.0, 0.0, 1.0])
 
 
 def random_pose(space: Space, rng: np.random.Generator) -> Array:
@@ -242,6 +262,13 @@ def _sideways(limits: Limits, camera: Camera, seen: Visibility, t: Array, factor
     f, c = np.array([[camera.fx], [camera.fy]]), np.array([[camera.cx], [camera.cy]])
     centre = (f * t[:2] / t[2] + c)[:, None]
     pixels = centre + (seen.pixels - centre) / factor
+    if not camera.lens.is_perspective:
+        # By the same pixels, at the same distance from the lens.
+        right = np.max(np.maximum(low + _PX - seen.pixels, 0), axis=1)
+        left = np.max(np.maximum(seen.pixels - (high - _PX), 0), axis=1)
+        moved = _rays_towards(camera, (camera.pixels_of(t) + right - left).T)
+        aside = (np.linalg.norm(t, axis=0)[:, None] * moved).T[:2] - t[:2]
+        return np.where(seen.seen, aside, -0.3 * t[:2])
     depth = seen.depth * factor
     below = np.max(np.maximum(low + _PX - pixels, 0) * depth, axis=1)
     above = np.max(np.maximum(pixels - (high - _PX), 0) * depth, axis=1)
