@@ -39,6 +39,8 @@ FEWEST_VIEWS = 5
 """With fewer views, prediction says nothing, and only a model that does not fit is replaced."""
 NARROW_DEG = 75.0
 """From corner to corner: five coefficients describe a lens that sees less."""
+WIDE_DEG = 100.0
+"""Across the picture, from which on a model that folds back in it is replaced."""
 FOLDED = 1.1
 """A model that folds back in the picture gives way to a richer one up to this share of its rms."""
 HOPELESS = 1.7
@@ -203,8 +205,9 @@ def _is_better(rich: _Tried, simple: _Tried) -> bool:
     if rms > GOOD_PX or rich.corners < _KEPT * simple.corners:
         return False
     # No lens folds back within its picture: such a model has only not been shown where it fails.
+    # A narrower lens is brown5 all the same, and gets a diagnosis.
     folds = planning_camera(simple.calibration.camera) is not simple.calibration.camera
-    if folds and rms < FOLDED * simple.calibration.rms_px:
+    if folds and field_deg(camera) > WIDE_DEG and rms < FOLDED * simple.calibration.rms_px:
         return True
     # What a model leaves out, it does not describe.
     describes_more = simple.corners < _KEPT * rich.corners
