@@ -19,6 +19,11 @@ _KINDS = (".pdf", ".svg", ".png")
 
 def board_command(options: BoardCommand) -> None:
     """Write the board and print instructions. Raises `VenusError` for a user's mistake."""
+    if options.find is not None:
+        from venus3d.cli.find_board import find_board  # other uses need no source
+
+        find_board(options.find)
+        return
     board = options.board.board()
     if options.save is not None:
         path = save_board(board, options.save)

@@ -107,6 +107,9 @@ class BoardCommand:
     """Only the board: no ruler, words and QR code."""
     show: Switch = False
     """Open a page that shows the board on this screen in true size instead."""
+    find: Annotated[str | None, arg(metavar="SOURCE", help_behavior_hint="(optional)")] = None
+    """Instead, look at pictures, a video or a camera, and print which board they show with the
+    options to copy."""
     save: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
     """Write only the board's options to a file, which --board FILE reads."""
     output: Annotated[Path, arg(metavar="PATH")] = Path("board.pdf")

@@ -135,8 +135,8 @@ def test_other_patterns_are_named_as_what_they_are(
     pictures = grey_of(shared_data / name)
     said = recognise_board(Board(), pictures)
     assert said is not None and said.kind == "other-pattern"
-    assert sentence in said.cause and "not a ChArUco board" in said.cause
-    assert "not read yet" in said.cure and "venus3d board" in said.cure
+    assert sentence in said.cause and "not the board asked for" in said.cause
+    assert "--board.kind" in said.cure and "venus3d board --find" in said.cure
     with pytest.raises(CalibrationError, match=sentence):
         calibrate_images(pictures, Board())
 

@@ -21,7 +21,7 @@ from venus3d.engine.calibration.marker_reading import Markers, family_of, read_m
 from venus3d.engine.calibration.plain_patterns import Pattern, find_pattern
 from venus3d.engine.calibration.thin_borders import thin_border
 from venus3d.engine.errors import BoardError
-from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.board import KINDS, Board
 from venus3d.engine.sentences import Sentence
 
 Grey = NDArray[np.uint8]
@@ -43,9 +43,11 @@ it is measured to some 5 %, and corners are found in their places up to some 30 
 _IN_PLACE = 0.8
 """Share of the markers that must be where a layout has them; one may be misread."""
 
-_NOT_YET = Sentence(
-    "Such a pattern is not read yet: print a ChArUco board (venus3d board) and take the pictures "
-    "with it."
+_NOT_READ = Sentence(
+    "Such a pattern is not read: print a board (venus3d board) and take the pictures with it."
+)
+_READ_IT = Sentence(
+    "If that is your board, start with {options}; venus3d board --find tells the rest."
 )
 
 
@@ -146,8 +148,14 @@ def _finding_of(board: Board, grey: Grey, plain: bool) -> Finding | None:
     if seen is not None and family_of(seen.dictionary) == family_of(board.dictionary):
         return None  # perhaps a board that is small or hidden
     if pattern is not None:
-        return Finding(_plain(pattern), weight=pattern.columns * pattern.rows / 1000)
-    return None if seen is None else Finding(_single(board, seen), weight=seen.distinct)
+        other = _plain(board, pattern)
+        weight = pattern.columns * pattern.rows / 1000
+        return None if other is None else Finding(other, weight=weight)
+    return (
+        None
+        if seen is None or not board.has("dictionary")
+        else Finding(_single(board, seen), weight=seen.distinct)
+    )
 
 
 def _mirrored_markers(
@@ -172,17 +180,20 @@ def _of_markers(board: Board, grey: Grey, markers: Markers) -> Finding | None:
     own = family_of(markers.dictionary) == family_of(board.dictionary)
     largest = boards[0] if boards and boards[0].ids.size >= _FEWEST_PLACED else None
     if largest is not None and largest.arrangement == "grid":
-        return Finding(_grid(grey, markers.dictionary, largest), weight=largest.ids.size)
+        grid = _grid(board, grey, markers.dictionary, largest)
+        return None if grid is None else Finding(grid, weight=largest.ids.size)
+    if board.kind != "charuco":
+        return None if largest is None else _squares_with_markers(markers, largest)
     if own:
         if largest is None:
             return None
         return _misplaced(board, largest)
-    size = None if largest is None else _numbering(largest)
+    size = None if largest is None else numbering_of(largest)
     return Finding(_wrong_dictionary(board, markers, size), weight=markers.distinct)
 
 
 @dataclass(frozen=True)
-class _Numbering:
+class Numbering:
     """How the markers of a ChArUco board are numbered."""
 
     columns: tuple[int, ...]
@@ -195,7 +206,7 @@ class _Numbering:
     """Of the topmost row seen; right if `whole`."""
 
 
-def _numbering(lattice: Lattice) -> _Numbering:
+def numbering_of(lattice: Lattice) -> Numbering:
     """Markers are numbered row by row on every second square: id = first + ⌊(n row + column) / 2⌋
     for n columns, in either layout."""
     column, row = lattice.places[:, 0], lattice.places[:, 1]
@@ -210,12 +221,12 @@ def _numbering(lattice: Lattice) -> _Numbering:
     n = fitting[0] if fitting else 0
     firsts, counts = np.unique(lattice.ids - (n * row + column) // 2, return_counts=True)
     first = int(firsts[counts.argmax()])
-    return _Numbering(tuple(fitting), whole, lattice.rows, first)
+    return Numbering(tuple(fitting), whole, lattice.rows, first)
 
 
 def _misplaced(board: Board, lattice: Lattice) -> Finding | None:
     """What is wrong with the arrangement of markers of the right dictionary; None if nothing."""
-    numbering = _numbering(lattice)
+    numbering = numbering_of(lattice)
     weight = int(lattice.ids.size)
     if board.columns in numbering.columns:
         return _read_otherwise(board, numbering, lattice)
@@ -263,7 +274,7 @@ def _start_with(board: Board, columns: int, rows: int, first_id: int) -> Sentenc
     ).format(columns=columns, rows=rows, first=first_id)
 
 
-def _read_otherwise(board: Board, numbering: _Numbering, lattice: Lattice) -> Finding | None:
+def _read_otherwise(board: Board, numbering: Numbering, lattice: Lattice) -> Finding | None:
     """The board with another first id, or another size of the markers."""
     weight = int(lattice.ids.size)
     marker = round(2000 * lattice.marker_share * board.square) / 2000  # to half a millimetre
@@ -317,7 +328,7 @@ def first_id_diagnosis(board: Board) -> Diagnosis:
     )
 
 
-def _wrong_dictionary(board: Board, markers: Markers, size: _Numbering | None) -> Diagnosis:
+def _wrong_dictionary(board: Board, markers: Markers, size: Numbering | None) -> Diagnosis:
     cure = Sentence("Start with --board.dictionary {name}.").format(name=markers.dictionary)
     if size is not None and size.whole and len(size.columns) == 1:
         columns, rows = size.columns[0], size.rows
@@ -354,22 +365,53 @@ def _mirrored(name: str, count: int) -> Diagnosis:
     )
 
 
-def _grid(grey: Grey, dictionary: str, lattice: Lattice) -> Diagnosis:
+def _squares_with_markers(markers: Markers, lattice: Lattice) -> Finding:
+    """A ChArUco board where another kind is asked for."""
+    numbering = numbering_of(lattice)
+    columns = numbering.columns[0] if numbering.columns else lattice.columns
+    cause = Sentence(
+        "The picture shows a ChArUco board of {columns} x {rows} squares, {name}: not the board "
+        "asked for."
+    ).format(columns=columns, rows=lattice.rows, name=markers.dictionary)
+    cure = _options("charuco", columns, lattice.rows, markers.dictionary)
+    return Finding(Diagnosis("other-pattern", cause, cure), weight=markers.distinct)
+
+
+def _options(kind: str, columns: int, rows: int, dictionary: str = "", first_id: int = 0) -> str:
+    """How to have a board read as what it is, if its kind is read."""
+    if kind not in KINDS:
+        return _NOT_READ
+    options = f"--board.kind {kind} --board.columns {columns} --board.rows {rows}"
+    options += f" --board.dictionary {dictionary}" if dictionary else ""
+    options += f" --board.first-id {first_id}" if first_id else ""
+    return _READ_IT.format(options=options)
+
+
+def _grid(board: Board, grey: Grey, dictionary: str, lattice: Lattice) -> Diagnosis | None:
+    """That the picture shows a grid of tags; None if it may be a part of the one asked for."""
     values = {"columns": lattice.columns, "rows": lattice.rows}
     april, _, tags = dictionary.partition("APRILTAG_")
-    if april == "DICT_" and _has_dark_joints(grey, lattice):
+    joints = april == "DICT_" and has_dark_joints(grey, lattice)
+    kind = "aprilgrid" if joints else "aruco-grid"
+    part = lattice.columns <= board.columns and lattice.rows <= board.rows
+    if board.kind == kind and part and family_of(dictionary) == family_of(board.dictionary):
+        return None
+    if joints:
         cause = Sentence(
-            "The picture shows an AprilGrid of {columns} x {rows} tags, {tags}: not a ChArUco "
-            "board."
+            "The picture shows an AprilGrid of {columns} x {rows} tags, {tags}: not the board "
+            "asked for."
         ).format(**values, tags=tags)
     else:
         cause = Sentence(
-            "The picture shows a grid of {columns} x {rows} markers of {name}: not a ChArUco board."
+            "The picture shows a grid of {columns} x {rows} markers of {name}: not the board "
+            "asked for."
         ).format(**values, name=dictionary)
-    return Diagnosis("other-pattern", cause, _NOT_YET)
+    first = int(lattice.ids.min())
+    cure = _options(kind, lattice.columns, lattice.rows, dictionary, first)
+    return Diagnosis("other-pattern", cause, cure)
 
 
-def _has_dark_joints(grey: Grey, lattice: Lattice) -> bool:
+def has_dark_joints(grey: Grey, lattice: Lattice) -> bool:
     """Whether there are dark squares between four tags, as on Kalibr's AprilGrid."""
     inner = np.stack(
         np.meshgrid(np.arange(lattice.columns - 1), np.arange(lattice.rows - 1)), axis=-1
@@ -393,21 +435,26 @@ def _single(board: Board, markers: Markers) -> Diagnosis:
             "The picture shows {count} single markers of {name}: not the board of {asked} asked "
             "for."
         ).format(count=markers.distinct, name=markers.dictionary, asked=board.dictionary),
-        _NOT_YET,
+        _NOT_READ,
     )
 
 
+_KIND_OF = {
+    "checkerboard": "chessboard",
+    "circles": "circles",
+    "asymmetric circles": "asymmetric-circles",
+}
 _PLAIN = {
     "checkerboard": Sentence(
         "The picture shows a checkerboard of {columns} x {rows} inner corners, without markers: "
-        "not a ChArUco board."
+        "not the board asked for."
     ),
     "circles": Sentence(
-        "The picture shows a grid of {columns} x {rows} circles: not a ChArUco board."
+        "The picture shows a grid of {columns} x {rows} circles: not the board asked for."
     ),
     "asymmetric circles": Sentence(
-        "The picture shows an asymmetric grid of circles, {rows} rows of {columns}: not a ChArUco "
-        "board."
+        "The picture shows an asymmetric grid of circles, {rows} rows of {columns}: not the board "
+        "asked for."
     ),
     "unread": Sentence(
         "The picture shows a board of {columns} x {rows} inner corners, but its markers cannot be "
@@ -440,7 +487,8 @@ def _thin(board: Board, grey: Grey, pattern: Pattern) -> Diagnosis | None:
     )
 
 
-def _plain(pattern: Pattern) -> Diagnosis:
+def _plain(board: Board, pattern: Pattern) -> Diagnosis | None:
+    """That the picture shows a pattern without markers; None if it is the board asked for."""
     cause = _PLAIN[pattern.kind].format(columns=pattern.columns, rows=pattern.rows)
     if pattern.kind == "unread":
         return Diagnosis(
@@ -451,4 +499,8 @@ def _plain(pattern: Pattern) -> Diagnosis:
                 "with venus3d board."
             ),
         )
-    return Diagnosis("other-pattern", cause, _NOT_YET)
+    more = 1 if pattern.kind == "checkerboard" else 0  # squares, not inner corners
+    columns, rows, kind = pattern.columns + more, pattern.rows + more, _KIND_OF[pattern.kind]
+    if board.kind == kind and {board.columns, board.rows} == {columns, rows}:
+        return None  # hard to see, or read the other way round
+    return Diagnosis("other-pattern", cause, _options(kind, columns, rows))
