@@ -13,15 +13,19 @@
   /* Written as a person would type it; with the time, since React passes over an equal text. */
   const typed = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
   let settling = 0;
+  const tellFields = tries => {
+    const fields = document.querySelectorAll("div:has(> .v-window-height) + div input");
+    /* Resized while the page was still coming, after its connection had told the height. */
+    if (!fields.length && tries) settling = setTimeout(tellFields, 500, tries - 1);
+    for (const field of fields) {
+      typed.call(field, `${innerHeight} ${Math.round(performance.now())}`);
+      field.dispatchEvent(new Event("input", { bubbles: true }));
+    }
+  };
   addEventListener("resize", () => {
     tellHeight();
     clearTimeout(settling);
-    settling = setTimeout(() => {
-      for (const field of document.querySelectorAll("div:has(> .v-window-height) + div input")) {
-        typed.call(field, `${innerHeight} ${Math.round(performance.now())}`);
-        field.dispatchEvent(new Event("input", { bubbles: true }));
-      }
-    }, 200);
+    settling = setTimeout(tellFields, 200, 60);
   });
 
   const waiting = new MutationObserver(() => {
