@@ -59,6 +59,7 @@ class Autopilot:
         speed: float = 1.0,
         tremor: float = 1.0,
         overshoot: float = 1.0,
+        home: Pose | None = None,
     ) -> None:
         """A hand at rest, without a target.
 
@@ -68,7 +69,9 @@ class Autopilot:
             tremor: 1 is a slow tremor of about 0.5 mm and 0.2 degrees and a placement error of
                 about 2 mm and 0.7 degrees; 0 is none.
             overshoot: 1 is about 5 % before each correction; 0 is none.
+            home: where it brings a board without a target; None: 0.5 m on the axis.
         """
+        self._home = home or home_pose()
         self._rng, self._speed = rng, max(speed, 1e-3)
         self._tremor, self._overshoot = tremor, overshoot
         # A sum of slow sines per degree of freedom: smooth, bounded, independent of the time step.
@@ -109,7 +112,7 @@ class Autopilot:
             pose: `T_camera_board` now; if it is not the one returned last, somebody else moved the
                 board, and the hand starts again from there.
             target: where to go; None holds still or, before the first target, moves the board
-                slowly back to 0.5 m on the axis.
+                slowly to its home.
             dt_s: time step, seconds.
             seen: the board's pose as estimated by the calibration.
         """
@@ -138,7 +141,7 @@ class Autopilot:
         self._aimed = self._aimed or self._target is not None
         self._target = None
         if not self._aimed and not self._legs:
-            self._add(1, home_pose(), speed=_RETREAT_SHARE)
+            self._add(1, self._home, speed=_RETREAT_SHARE)
 
     def _aim(self, target: Target, grabbed: bool) -> None:
         """Plan the path to a new target, or the rest of it if it has only shifted."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.decomposition import HOME_DISTANCE, home_pose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.target import Target
 from venus3d.render.board_mesh import board_shape
@@ -33,6 +34,8 @@ _KEY = (255, 0, 255)
 _NOISE_STRIDE = 64
 # Seconds after which a waiting image is outdated and not shown.
 _STALE_S = 0.5
+_ROOM = 1.3  # home, in distances at which the board fills the image
+_MISJUDGED = 1.5  # of a distance: less is corrected on arrival
 
 Box = tuple[int, int, int, int]
 """Left, top, right, bottom; the last two are exclusive."""
@@ -100,7 +103,8 @@ class Simulation:
         self._realtime, self._fps = realtime, fps
         self._noise_sigma, self._blur_sigma, self._light = noise_sigma, blur_sigma, light
         background_rng, self._rng, hand_rng, self._flex_rng = np.random.default_rng(seed).spawn(4)
-        self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot)
+        home = home_pose(max(HOME_DISTANCE, _ROOM * _filled_at(camera, self.board)))
+        self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot, home)
         if background is None:
             background = interior(camera.image_size, background_rng)
         self._background = background
@@ -164,9 +168,28 @@ class Simulation:
                 across, down = self._flex_rng.normal(0.0, self._flex, 2)
                 bow = (self.board.bow[0] + float(across), self.board.bow[1] + float(down))
                 self._bent = replace(self.board, bow=bow)
-            self._target, self._seen = target, seen
+            self._target, self._seen = self._as_shown(target, seen)
             if begins and target is None:
                 self._autopilot.forget_target()
+
+    def _as_shown(
+        self, target: Target | None, seen: Pose | None
+    ) -> tuple[Target | None, Pose | None]:
+        """A target and the board's pose as a person carries them out: by the picture.
+
+        Both are poses in an estimated camera. One whose focal length is far off, as a telephoto's
+        before the first view, sees the same picture at another distance.
+        """
+        if target is None or seen is None:
+            return target, seen
+        depth = float(self._hand.t[2] / seen.t[2])
+        if 1 / _MISJUDGED < depth < _MISJUDGED:
+            return target, seen
+        true = np.array([1.0, 1.0, depth])
+        return (
+            replace(target, pose=Pose(target.pose.R, target.pose.t * true)),
+            Pose(seen.R, seen.t * true),
+        )
 
     def move_to(self, pose: Pose) -> None:
         """Move the board to `T_camera_board`, kept in front of the lens and in view."""
@@ -257,11 +280,15 @@ class Simulation:
         return np.asarray(image, dtype=np.uint8)
 
 
+def _filled_at(camera: Camera, board: Board) -> float:
+    """The distance at which a board fills the image, metres."""
+    return max(board.width * camera.fx / camera.width, board.height * camera.fy / camera.height)
+
+
 def near_pose(camera: Camera, board: Board) -> Pose:
     """A board too near to fit into the image: where a person starts (3.1)."""
-    fills = max(board.width * camera.fx / camera.width, board.height * camera.fy / camera.height)
     # A fisheye sees the whole of any board that can be held before it.
-    fills = max(fills, 0.15)
+    fills = max(_filled_at(camera, board), 0.15)
     return Pose.from_vector([5.0, -7.0, 3.0, 0.12 * fills, -0.06 * fills, 0.72 * fills])
 
 
