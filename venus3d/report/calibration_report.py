@@ -16,7 +16,7 @@ from venus3d.engine.calibration.adjustment import Calibration, LeftOutReason
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import uncertainty_map
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.field_of_view import fields_of_view_deg
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.prompts import PARAMETER_DESCRIPTIONS
 from venus3d.engine.planning.uncertainty import MAP, influences
@@ -111,7 +111,7 @@ def _result(calibration: Calibration) -> str:
                 str(PARAMETER_DESCRIPTIONS[name]),
             ]
         )
-    across, down, diagonal = _fields_of_view(camera)
+    across, down, diagonal = fields_of_view_deg(camera)
     uncertainty = calibration.uncertainty_px
     known = (
         f"A point is projected with an expected error of {figure(uncertainty)} px (root mean "
@@ -131,17 +131,6 @@ def _result(calibration: Calibration) -> str:
             "is not quite flat; OpenCV's are smaller where there are such errors."
         ),
     )
-
-
-def _fields_of_view(camera: Camera) -> tuple[float, float, float]:
-    """Degrees between the rays of opposite edges and corners; distorted as the lens is."""
-    u, v = camera.width - 1, camera.height - 1
-    pairs = [[(0, camera.cy), (u, camera.cy)], [(camera.cx, 0), (camera.cx, v)], [(0, 0), (u, v)]]
-    found: list[float] = []
-    for pair in pairs:
-        a, b = camera.unproject(np.array(pair, dtype=float))
-        found.append(float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))))
-    return (found[0], found[1], found[2])
 
 
 def _doubts(doubts: Sequence[str]) -> str:

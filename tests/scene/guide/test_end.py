@@ -18,7 +18,7 @@ from venus3d.engine.guidance.convergence import Convergence
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.straighten import Straightener
-from venus3d.scene.pages.guide.end_panel import fields_of_view, result_html
+from venus3d.scene.pages.guide.end_panel import result_html
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
 from venus3d.scene.pages.guide.intents import EndNow, Finish, GoOn, Straighten, Toggle
 from venus3d.scene.pages.guide.state import ViewState
@@ -80,25 +80,6 @@ def test_a_view_taken_back_is_not_said_to_be_captured_by_holding_still(guided: S
     there = replace(guided, remaining=reached, taken_back=True)
     _, text = said(there)
     assert "Hold still" not in text and "C captures it now" in text
-
-
-def test_the_fields_of_view_are_opencvs(paper_camera: Camera) -> None:
-    w, h = paper_camera.image_size
-    cx, cy = paper_camera.cx, paper_camera.cy
-    ends = np.array([[-0.5, cy], [w - 0.5, cy], [cx, -0.5], [cx, h - 0.5], [-0.5, -0.5]])
-    ends = np.vstack([ends, [[w - 0.5, h - 0.5]]])[:, None]
-    criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-12)
-    xy: Any = cv2.undistortPoints(
-        ends, paper_camera.K, paper_camera.distortion, R=None, P=None, criteria=criteria
-    )
-    rays = np.concatenate([xy[:, 0], np.ones((6, 1))], axis=1)
-    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-    angles = [np.degrees(np.arccos(rays[i] @ rays[i + 1])) for i in (0, 2, 4)]
-    np.testing.assert_allclose(fields_of_view(paper_camera), angles, atol=1e-4)
-    pinhole = paper_camera.without_distortion()
-    left, right = (cx + 0.5) / pinhole.fx, (w - 0.5 - cx) / pinhole.fx
-    expected = np.degrees(np.arctan(left) + np.arctan(right))
-    assert fields_of_view(pinhole)[0] == pytest.approx(expected)
 
 
 def test_the_result_can_be_copied_in_full(guided: Snapshot) -> None:

@@ -12,7 +12,7 @@ import viser
 
 from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.adjustment import Calibration
-from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.field_of_view import fields_of_view_deg
 from venus3d.engine.guidance.prompts import Phase
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.sentences import listed
@@ -116,7 +116,7 @@ def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
     if known is None or snapshot.phase not in OVER:
         return ""
     cells = "".join(_cell(known, index) for index in _two_columns(known))
-    wide, high, across = fields_of_view(known.camera)
+    wide, high, across = fields_of_view_deg(known.camera)
     view = say.FIELD_OF_VIEW.format(wide=wide, high=high, across=across)
     copies = "".join(
         copy_button(text, label, hint) for text, (label, hint) in _copies(known, snapshot)
@@ -149,20 +149,6 @@ def _two_columns(known: Calibration) -> list[int]:
     left, right = [*range(4)], [*range(4, len(known.free))]
     pairs = zip_longest(left, right)
     return [index for pair in pairs for index in pair if index is not None]
-
-
-def fields_of_view(camera: Camera) -> tuple[float, float, float]:
-    """Degrees that the picture covers, through the lens as it is: across its middle row and column
-    from edge to edge, and from its upper left to its lower right corner."""
-    w, h = camera.width - 0.5, camera.height - 0.5
-    ends = [
-        [(-0.5, camera.cy), (w, camera.cy)],
-        [(camera.cx, -0.5), (camera.cx, h)],
-        [(-0.5, -0.5), (w, h)],
-    ]
-    rays = camera.unproject(ends)
-    angles = np.degrees(np.arccos(np.clip((rays[:, 0] * rays[:, 1]).sum(axis=1), -1, 1)))
-    return float(angles[0]), float(angles[1]), float(angles[2])
 
 
 def _cell(known: Calibration, index: int) -> str:
