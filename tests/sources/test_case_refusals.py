@@ -14,12 +14,12 @@ import pytest
 from venus3d.cli import main
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.lens_choice import field_deg
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.other_cameras import explained
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.field_of_view import fields_of_view_deg
 from venus3d.engine.geometry.lenses import FISHEYE
 from venus3d.sources.images_calibration import calibrate_images, calibrate_recording
 from venus3d.sources.recording import observe_recording
@@ -43,7 +43,7 @@ def test_a_fisheye_is_found_out(shared_data: Path) -> None:
     truth = Camera(1280, 720, 500, 500, 640, 360, lens=FISHEYE)
     off = (found.camera.parameters - truth.parameters) / found.sigma
     assert found.camera.lens is FISHEYE and np.abs(off).max() < 3
-    assert abs(field_deg(found.camera) - np.degrees(1280 / 500)) < 0.1
+    assert abs(fields_of_view_deg(found.camera)[0] - np.degrees(1280 / 500)) < 0.1
     assert found.lens_reason.startswith("This lens bends like a fisheye: 147° across")
     with pytest.raises(CalibrationError) as caught:
         calibrate_images(seen, Board(), lens="brown5")

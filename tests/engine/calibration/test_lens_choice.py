@@ -11,12 +11,12 @@ from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.lens_choice import (
     calibrate_with_any_lens,
-    field_deg,
     held_out_squares,
 )
 from venus3d.engine.calibration.observation import Observation, reprojection_errors
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.field_of_view import fields_of_view_deg
 from venus3d.engine.geometry.lenses import BROWN5, FISHEYE, RATIONAL
 from venus3d.engine.geometry.pose import Pose
 
@@ -56,7 +56,7 @@ def test_the_lens_is_found_out(truth: Camera) -> None:
     assert np.abs(off).max() < 4
     assert bool(found.lens_reason) == (truth.lens is FISHEYE)
     if truth is WIDE:
-        assert f"{field_deg(truth):.0f}° across" in found.lens_reason
+        assert f"{fields_of_view_deg(truth)[0]:.0f}° across" in found.lens_reason
 
 
 def test_a_wide_rational_lens_starts_where_no_pinhole_does() -> None:

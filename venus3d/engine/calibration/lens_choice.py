@@ -24,6 +24,7 @@ from venus3d.engine.calibration.shared_errors import ViewResidual
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera, planning_camera
+from venus3d.engine.geometry.field_of_view import fields_of_view_deg
 from venus3d.engine.geometry.lenses import BROWN5, FISHEYE, RATIONAL, LensModel
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.sentences import Sentence
@@ -151,18 +152,6 @@ def start_with_any_lens(
     return wide if wide.rms_px * HOPELESS < plain.rms_px else plain
 
 
-def field_deg(camera: Camera) -> float:
-    """Degrees that the camera sees across the row of its principal point."""
-    ends = np.array([[-0.5, camera.cy], [camera.width - 0.5, camera.cy]])
-    edge = 0.0
-    for ray, end in zip(camera.unproject(ends), ends, strict=True):
-        if np.isfinite(ray).all():
-            edge += float(np.arctan2(np.hypot(ray[0], ray[1]), ray[2]))
-        else:  # outside the image circle
-            edge += camera.angle_limit if end[0] != camera.cx else 0.0
-    return float(np.degrees(edge))
-
-
 def held_out_squares(calibration: Calibration) -> Array:
     """(N,) sum of squares of each view's corners, predicted from the other views, px^2."""
     parts = [_residual(calibration, index) for index in range(len(calibration.views))]
@@ -235,5 +224,5 @@ def _reason(best: _Tried, first: _Tried | None) -> Sentence:
     rms = f"{first.calibration.rms_px:.2g}" if first is not None else ""
     if camera.lens.is_perspective:
         return _RATIONAL.format(rms=rms) if fits else _RATIONAL_ONLY
-    angle = f"{field_deg(camera):.0f}"
+    angle = f"{fields_of_view_deg(camera)[0]:.0f}"
     return _FISHEYE.format(angle=angle, rms=rms) if fits else _FISHEYE_ONLY.format(angle=angle)
