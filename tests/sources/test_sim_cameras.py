@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.picture_quality import picture_quality
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.capture_gate import refusal
 from venus3d.render.offscreen import Offscreen
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.sim import Simulation
@@ -86,3 +90,20 @@ def test_a_fisheyes_corners_are_dark_and_its_board_may_be_held_aside() -> None:
         assert simulation.board_pose.t[2] > 0, "never behind the lens"
     finally:
         simulation.close()
+
+
+def test_a_board_on_the_rim_of_the_image_circle_is_no_glare() -> None:
+    """Corners that were not found were looked for where a homography has them: beside the board."""
+    pose = Pose.from_vector([69.8, 63.4, 43.7, 0.38, -0.173, 0.057])
+    with Offscreen() as offscreen:
+        simulation = Simulation(
+            SIM_CAMERAS["fisheye"], autopilot=False, offscreen=offscreen, start=pose,
+            field_deg=FIELD_DEG["fisheye"],
+        )  # fmt: skip
+        frame = simulation.read()
+    assert frame is not None
+    seen = Detector(Board()).detect(frame.image)
+    assert 20 < seen.count < 40
+    quality = picture_quality(frame.image, Board(), seen)
+    assert quality is not None and quality.washed_out == 0
+    assert refusal(replace(seen, image=frame.image), Board()) is None

@@ -22,6 +22,8 @@ _QUADRANTS = np.array(
 ) & (np.abs(_GRID).min(axis=1) > 0.07)
 """(4, 81) which of these lie well within each of the corner's four squares."""
 _TEXTURE_PX = 20
+_BENT = 0.1
+"""Of a square: how far corners may be from a homography's before it predicts none."""
 WASHED_OUT = 0.4
 """Black that is brighter than this share of the way from the board's black to its white is washed
 out. On photographs without glare it is at most 0.34, where a gloss is seen up to 0.6."""
@@ -80,6 +82,8 @@ def _tones(
     at = np.rint(at).astype(int)
     height, width = image.shape[:2]
     inside = ((at >= 0) & (at < [width, height])).all(axis=(1, 2))
+    if _is_bent(seen, flat_px[seen.ids]):
+        inside &= np.isin(np.arange(len(inside)), seen.ids)
     pixels = image[at[inside][..., 1], at[inside][..., 0]].astype(np.float64)
     if pixels.ndim == 3:
         pixels = pixels @ [0.114, 0.587, 0.299]
@@ -87,6 +91,15 @@ def _tones(
     squares = pixels @ (_QUADRANTS / _QUADRANTS.sum(axis=1, keepdims=True)).T
     blacks = np.where(_plain_black(board)[inside], squares, -np.inf).max(axis=1)
     return np.flatnonzero(inside), blacks, np.percentile(pixels, 90, axis=1)
+
+
+def _is_bent(seen: Observation, flat_px: Array) -> bool:
+    """Whether a wide lens bends the board so much that no homography tells where the corners are
+    that were not found; `flat_px` (N, 2): where it has those that were."""
+    apart = np.linalg.norm(seen.corners[:, None] - seen.corners, axis=2)
+    np.fill_diagonal(apart, np.inf)
+    off = np.linalg.norm(seen.corners - flat_px, axis=1)
+    return bool(np.sqrt((off**2).mean()) > _BENT * np.median(apart.min(axis=1)))
 
 
 @lru_cache(maxsize=4)
