@@ -196,7 +196,11 @@ def _is_better(rich: _Tried, simple: _Tried) -> bool:
     # No lens folds back within its picture: such a model has only not been shown where it fails.
     # A narrower lens is brown5 all the same, and gets a diagnosis.
     folds = planning_camera(simple.calibration.camera) is not simple.calibration.camera
-    if folds and field_deg(camera) > WIDE_DEG and rms < FOLDED * simple.calibration.rms_px:
+    if (
+        folds
+        and fields_of_view_deg(camera)[0] > WIDE_DEG
+        and rms < FOLDED * simple.calibration.rms_px
+    ):
         return True
     # What a model leaves out, it does not describe.
     describes_more = simple.corners < _KEPT * rich.corners

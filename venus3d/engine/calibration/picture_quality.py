@@ -82,8 +82,8 @@ def _tones(
     at = np.rint(at).astype(int)
     height, width = image.shape[:2]
     inside = ((at >= 0) & (at < [width, height])).all(axis=(1, 2))
-    if _is_bent(seen, flat_px[seen.ids]):
-        inside &= np.isin(np.arange(len(inside)), seen.ids)
+    if _is_bent(board, seen, flat_px[seen.ids]):
+        inside &= np.isin(np.arange(len(flat)), seen.ids)
     pixels = image[at[inside][..., 1], at[inside][..., 0]].astype(np.float64)
     if pixels.ndim == 3:
         pixels = pixels @ [0.114, 0.587, 0.299]
@@ -93,13 +93,14 @@ def _tones(
     return np.flatnonzero(inside), blacks, np.percentile(pixels, 90, axis=1)
 
 
-def _is_bent(seen: Observation, flat_px: Array) -> bool:
+def _is_bent(board: Board, seen: Observation, flat_px: Array) -> bool:
     """Whether a wide lens bends the board so much that no homography tells where the corners are
     that were not found; `flat_px` (N, 2): where it has those that were."""
-    apart = np.linalg.norm(seen.corners[:, None] - seen.corners, axis=2)
-    np.fill_diagonal(apart, np.inf)
+    points = board.points_of(seen.ids)
+    apart_px, apart = (np.linalg.norm(p[:, None] - p, axis=2) for p in (seen.corners, points))
+    square_px = board.square * float(np.median(apart_px[apart > 0] / apart[apart > 0]))
     off = np.linalg.norm(seen.corners - flat_px, axis=1)
-    return bool(np.sqrt((off**2).mean()) > _BENT * np.median(apart.min(axis=1)))
+    return bool(np.sqrt((off**2).mean()) > _BENT * square_px)
 
 
 @lru_cache(maxsize=4)
