@@ -54,6 +54,29 @@ def distorted(camera: Camera) -> Camera:
     return Camera(camera.width, camera.height, 800, 800, 650, 340, -0.28, 0.09, 0.001, -0.0015)
 
 
+@pytest.mark.parametrize(
+    ("board", "rms_px"),
+    [
+        (Board(kind="chessboard", columns=10, rows=7, square=0.025), 0.1),
+        (Board(6, 4, 0.04, 0.03, "DICT_APRILTAG_36h11", kind="aprilgrid"), 0.1),
+        (Board(6, 4, 0.04, 0.032, kind="aruco-grid"), 0.3),
+    ],
+)
+def test_every_kind_of_board_is_printed_where_its_corners_are(
+    offscreen: Offscreen, paper_camera: Camera, board: Board, rms_px: float
+) -> None:
+    """The picture of a tag grid is larger or smaller than its tags by the gaps between them."""
+    pose = Pose.from_vector([25, -20, 8, 0.01, 0.0, 0.5])
+    simulation = Simulation(
+        paper_camera, board, autopilot=False, offscreen=offscreen, noise_sigma=0.0, start=pose
+    )
+    seen = Detector(board).detect(frame_of(simulation).image)
+    assert seen.count == board.corner_count
+    misses = misses_px(seen, paper_camera, board, pose)
+    assert np.sqrt((misses**2).sum(axis=1).mean()) < rms_px
+    assert np.abs(misses.mean(axis=0)).max() < 0.05
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("lens", "rms_px"), [("paper", 0.05), ("wide", 0.06)])
 def test_corners_are_where_the_camera_projects_them(

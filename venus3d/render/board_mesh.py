@@ -45,7 +45,7 @@ def held_board(board: Board, pose: Pose) -> tuple[MeshShape, MeshShape]:
 def board_mesh(board: Board) -> trimesh.Trimesh:
     """Textured mesh in the board's frame, metres; the front lies in z = 0, but for a bow, and faces
     -z. The same board gives the same object, so renderers may cache it."""
-    picture, px = _atlas(replace(board, bow=(0.0, 0.0), stretch=0.0))
+    picture, px, printed = _atlas(replace(board, bow=(0.0, 0.0), stretch=0.0))
     width, height = board.width / 2 + RIM * board.square, board.height / 2 + RIM * board.square
     front = np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
     faces = [np.column_stack([front, np.zeros(4)])]
@@ -57,10 +57,11 @@ def board_mesh(board: Board) -> trimesh.Trimesh:
         faces.append(np.array([faces[0][j], faces[0][i], back[i], back[j]]))
 
     size = np.array(picture.size, dtype=np.float64)
-    # The board's centre in the picture from its upper left edge: one square of rim, then squares.
-    centre = np.array([board.columns / 2 + 1, board.rows / 2 + 1]) * px
-    front_uv = (front / board.square * px + centre) / size
-    body_uv = np.full((20, 2), (np.array([board.columns / 2, board.rows + 2.5]) * px) / size)
+    # The board's centre in the picture from its upper left edge: one square of rim, then the print.
+    centre = printed / 2 + px
+    scale = printed / np.array([board.width, board.height])
+    front_uv = (front * scale + centre) / size
+    body_uv = np.full((20, 2), np.array([size[0] / 2, size[1] - 0.5 * px]) / size)
     uv = np.vstack([front_uv, body_uv])
     if any(board.bow) or board.stretch:
         front = _cells(width, height)
@@ -70,7 +71,7 @@ def board_mesh(board: Board) -> trimesh.Trimesh:
         body = np.vstack(faces[1:])
         body[:, 2] += max(0.0, float(shift[:, 2].max()))
         faces = [sheet + shift, body]
-        uv = np.vstack([(front / board.square * px + centre) / size, body_uv])
+        uv = np.vstack([(front * scale + centre) / size, body_uv])
     uv[:, 1] = 1 - uv[:, 1]  # texture v points upwards
 
     return _textured(np.vstack(faces), uv, picture)
@@ -121,24 +122,27 @@ def _back_mesh(board: Board) -> trimesh.Trimesh:
 
 
 @lru_cache(maxsize=8)
-def _atlas(board: Board) -> tuple[Image.Image, int]:
-    """Picture (board, a rim one square wide, a row of body colour); px per square.
+def _atlas(board: Board) -> tuple[Image.Image, int, Array]:
+    """Picture (board, a rim one square wide, a row of body colour); px per square; (2,) width and
+    height of what is printed, px.
 
     A square is a power of two wide, so that at every mipmap level down to one texel per square
     texel edges lie on the squares' edges and filtering moves no corner. A palette of three colours
     makes the browser's PNG ten times as fast to encode, which blocks the scene.
     """
     px = 128
-    while px > 16 and max(board.columns + 2, board.rows + 3) * px > LARGEST_TEXTURE_PX:
+    while px > 16 and max(board.columns + 3, board.rows + 4) * px > LARGEST_TEXTURE_PX:
         px //= 2
     rim = 0 if board.inverted else 1
-    numbers = np.full(((board.rows + 3) * px, (board.columns + 2) * px), rim, dtype=np.uint8)
-    printed = numbers[px : (board.rows + 1) * px, px : (board.columns + 1) * px]
-    printed[:] = board.texture(px) > 0
-    numbers[(board.rows + 2) * px :] = 2
+    texture = board.texture(px)
+    height, width = texture.shape
+    columns, rows = -(-width // px), -(-height // px)
+    numbers = np.full(((rows + 3) * px, (columns + 2) * px), rim, dtype=np.uint8)
+    numbers[px : px + height, px : px + width] = texture > 127
+    numbers[(rows + 2) * px :] = 2
     picture = Image.fromarray(numbers).convert("P")
     picture.putpalette([0, 0, 0, 255, 255, 255, *BODY_COLOUR])
-    return picture, px
+    return picture, px, np.array([width, height], dtype=np.float64)
 
 
 @lru_cache(maxsize=8)
