@@ -124,6 +124,7 @@ def _result(calibration: Calibration) -> str:
         f"<p class='v-report-lead'>{known}The corners fit within {figure(calibration.rms_px)} px "
         "rms.</p>",
         table(["", "value", "standard deviation", ""], rows, numbers=(1, 2)),
+        paragraph(f"Lens model: {camera.lens.name}. {calibration.lens_reason}".strip()),
         paragraph(
             f"Field of view: {across:.1f}° across, {down:.1f}° down, {diagonal:.1f}° from corner "
             "to corner. Pixels count from (0, 0), the centre of the upper left pixel. The standard "

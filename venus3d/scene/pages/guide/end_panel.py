@@ -126,11 +126,13 @@ def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
         views=len(known.views), rms=figure(known.rms_px), error=figure(last.uncertainty_px)
     )
     where = f"<div class='v-line'>{escape(translated(saved))}</div>" if saved else ""
+    lens = known.lens_reason
+    lens = f"<div class='v-line'>{escape(translated(lens))}</div>" if lens else ""
     title = f"<h3 title='{escape(say.RESULT_HINT)}'>{say.RESULT_TITLE}</h3>"
     return (
         f"<div class='v-progress' data-panel='result'>{title}<div class='v-figures'>{cells}</div>"
         f"<div class='v-line' title='{escape(say.FIELD_OF_VIEW_HINT)}'>{view}</div>"
-        f"<div class='v-line' title='{escape(say.UNCERTAINTY_HINT)}'>{line}</div>"
+        f"{lens}<div class='v-line' title='{escape(say.UNCERTAINTY_HINT)}'>{line}</div>"
         f"<div class='v-copies'>{copies}{_measure_link(measure_url)}</div>{where}</div>"
     )
 

@@ -45,6 +45,8 @@ def _outcome(snapshot: Snapshot) -> str:
     if snapshot.forecast is not None and snapshot.phase != "finished":
         goes_on = snapshot.phase == "guiding"
         lines.append(f"<b>{forecast_text(snapshot.forecast, goes_on=goes_on)}</b>")
+    if snapshot.calibration is not None and snapshot.calibration.lens_reason:
+        lines.append(escape(translated(snapshot.calibration.lens_reason)))
     return "".join(f"<div class='v-line'>{line}</div>" for line in lines if line)
 
 
