@@ -62,8 +62,15 @@ def page(chromium: Any, teaching: ServedTeaching) -> Iterator[Any]:
 
 
 def sources(page: Any) -> list[str]:
-    """Where the pictures come from; another picture is another address."""
-    return [str(image.get_attribute("src")) for image in page.locator("img").all()]
+    """Where the pictures come from; another picture is another address. The cards' pictures are
+    those that a style sheet puts behind them."""
+    return list(
+        page.evaluate(
+            "[...document.querySelectorAll('img')].map((image) => image.src).concat("
+            "[...document.querySelectorAll('.v-shot')].map("
+            "(place) => getComputedStyle(place).backgroundImage))"
+        )
+    )
 
 
 def changed(page: Any, before: list[str]) -> int:

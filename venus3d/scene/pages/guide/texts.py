@@ -63,7 +63,7 @@ END_NOW, GO_ON, NEW_SESSION = "End now", "Go on", "New session"
 RESULT_TITLE = "The camera"
 RESULT_HINT = "Each value with its uncertainty (one standard deviation)."
 HELD = "held fixed"
-MEASURE = "Measure with this camera"
+MEASURE = "Measure"
 MEASURE_HINT = (
     "Another tab: two clicks in the live picture are a length on the board, to be checked with a "
     "tape"
