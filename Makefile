@@ -27,12 +27,12 @@ help:
 run: $(VENV)/.ready-run
 	$(BIN)/venus3d guide sim --autopilot
 
-# A browser alone takes both cores. Of everything else some waits and some computes: three workers,
-# each with a part of its own, keep two cores busy.
+# A browser alone takes both cores. Of everything else some waits and some computes: three workers
+# keep two cores busy.
 test: lint
 	@failed=0; \
 	echo "pytest -n 3 -m 'not browser'"; \
-	$(BIN)/pytest -n 3 --dist worksteal -m "not browser" || failed=1; \
+	$(BIN)/pytest -n 3 -m "not browser" || failed=1; \
 	echo "pytest -m browser"; $(BIN)/pytest -m browser || failed=1; \
 	exit $$failed
 
