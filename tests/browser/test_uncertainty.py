@@ -143,4 +143,4 @@ def test_views_by_keyboard_and_the_search_replayed(
     page.get_by_role("tab", name=guide_texts.PARAMETERS_TAB).click()
     page.locator("summary").nth(4).focus()
     page.keyboard.press("Enter")
-    page.get_by_text(texts.PARAMETER_SENTENCES[4], exact=True).wait_for(state="visible")
+    page.get_by_text(texts.PARAMETER_SENTENCES["k1"], exact=True).wait_for(state="visible")
