@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from venus3d.render.describe import SceneOptions, describe, describe_step
 from venus3d.render.frustum import DEPTH, border_segments, frustum
 from venus3d.render.redrawing import looks_alike
 from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
+from venus3d.render.step_shapes import instruction_shapes, protractor
 from venus3d.sources.sim_cameras import SIM_CAMERAS, SimCamera
 
 TARGETS = {
@@ -166,6 +167,20 @@ def test_an_arc_that_fits_into_the_picture_is_in_it(
                 pixels = paper_camera.project(points_of(shape))
                 inside = (pixels > 0) & (pixels < paper_camera.image_size)
                 assert inside.all(axis=1).mean() > 0.9
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_board_on_edge_has_its_arrows_too(paper_camera: Camera, default_board: Board) -> None:
+    """One of the board's edges lies on the axis of the turn: the arc began there, with a radius of
+    nothing, and the page stopped."""
+    for x, y, z in product((-90, 0, 90), (-90, 90), (0, -25.49, 90)):
+        live = Pose.from_vector([x, y, z, -0.301, 0.048, 0.843])
+        _, remaining = moment(TARGETS["moderate"], paper_camera, default_board, live)
+        for step in remaining.steps[1:]:
+            place = protractor(default_board, paper_camera, step)
+            assert place.radius > 0.25 * default_board.height
+            for shape in instruction_shapes(default_board, paper_camera, step, dark=True):
+                assert np.isfinite(points_of(shape)).all()
 
 
 @pytest.mark.parametrize("name", ["action", "fisheye"])

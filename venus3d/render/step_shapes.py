@@ -33,6 +33,8 @@ SHORTEST_ARC_DEG = 22.0
 """Shortest arc of an arrow."""
 READABLE_ARC_DEG = 60.0
 """The same where the camera sees the arc edge-on."""
+_SHORTEST_EDGE = 0.3
+"""Sine of the angle between a turn's axis and the way to an edge from which its arc may start."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,9 +183,9 @@ def protractor(board: Board, camera: Camera | None, step: Step) -> Protractor:
     places = _dials(board, step) if step.axis == "z" else _side_places(board, step)
     if camera is None:
         return places[0]
-    # Cutting through the board counts as one hidden point.
-    inner = range(4, 12) if step.axis == "z" else range(2, 4)
-    flaws = [_flaws(p, step, camera) + (i in inner) for i, p in enumerate(places)]
+    # The first ones are outside the board; cutting through it counts as one hidden point.
+    outer = len(places) // (3 if step.axis == "z" else 2)
+    flaws = [_flaws(p, step, camera) + (i >= outer) for i, p in enumerate(places)]
     return places[flaws.index(min(flaws))]
 
 
@@ -230,10 +232,14 @@ def _reach(board: Board, step: Step, axis: Array) -> float:
 
 
 def _edges(step: Step, axis: Array, towards: Array) -> Array:
-    """(4, 3) directions to the board's edges, perpendicular to the axis, best aligned first."""
+    """(4, 3) or (2, 3) unit vectors to the board's edges, perpendicular to the axis, best aligned
+    first; without edges that lie on the axis, which a turn about it hardly moves."""
     edges = np.concatenate([step.before.R[:, :2].T, -step.before.R[:, :2].T])
     flat = edges - np.outer(edges @ axis, axis)
-    return flat[np.argsort(-(flat @ towards), kind="stable")]
+    lengths = np.linalg.norm(flat, axis=1)
+    order = np.argsort(-(flat @ towards), kind="stable")
+    order = order[lengths[order] > _SHORTEST_EDGE]
+    return flat[order] / lengths[order, None]
 
 
 def _flaws(place: Protractor, step: Step, camera: Camera) -> int:
