@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -15,6 +16,8 @@ from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
 from venus3d.engine.geometry.pose import Pose
 from venus3d.render.shapes import LabelShape, MeshShape
+from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera
+from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer, start_server
 
@@ -64,6 +67,38 @@ def test_an_arrow_looks_the_same_and_is_nearer_until_another_tab_looks_from_else
             other.look(position=(0.5, -0.5, 1.0), look_at=(0.0, 0.0, 0.5))
             wait_until(lambda: len(server.get_clients()) == 2 and settled(view))
             np.testing.assert_allclose(vertices_of(view), there, atol=1e-6)
+
+
+def test_nothing_is_drawn_for_an_eye_that_is_still_flying(server: LocalServer) -> None:
+    """A slow browser shows a view long after it was sent: an arrow drawn nearer for the flight's
+    end stood huge before the eye that was still on its way."""
+    rig = CameraRig(server)
+    view = SceneView(server, arrived=lambda: rig.arrived)
+    there = PLACE.apply(np.asarray(ARROW.mesh.vertices, np.float64))
+    view.draw((ARROW,), dark=True)
+
+    def in_front() -> bool:
+        view.refresh()
+        if rig.is_due:
+            rig.advance()
+        return not np.allclose(vertices_of(view), there, atol=1e-6)
+
+    def goes_to(eye: tuple[float, float, float]) -> None:
+        rig.go(lambda _: SceneCamera(np.array(eye), np.array([0.0, 0.0, 0.5]), 0.7))
+
+    goes_to(EYE)
+    with RawClient(server.get_port()) as tab:
+        tab.look(position=EYE, look_at=(0.0, 0.0, 0.5), fov=0.7)
+        wait_until(lambda: rig.aspect != 1.0 and not in_front())
+        tab.look(position=EYE, look_at=(0.0, 0.0, 0.5), fov=0.7)
+        wait_until(in_front)
+        goes_to((0.9, -0.7, 1.3))
+        assert not in_front(), "not from the moment the flight is asked for"
+        end = time.monotonic() + FLIGHT_SECONDS + 1.0
+        while time.monotonic() < end:
+            assert not in_front(), "nor when its last view was sent"
+        tab.look(position=(0.9, -0.7, 1.3), look_at=(0.0, 0.0, 0.5), fov=0.7)
+        wait_until(in_front)
 
 
 def test_a_label_faces_the_person_and_keeps_its_size(server: LocalServer) -> None:

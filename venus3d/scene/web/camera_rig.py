@@ -4,6 +4,9 @@
     rig.go(lambda aspect: view_from("outside", camera, points, aspect))
     ... in the drawing loop: if rig.is_due: rig.advance()
 
+A flight begins with `go`: from then on until the browser has confirmed its end, the rig has not
+`arrived`, and what is drawn for one eye only (`SceneView`) has to wait.
+
 A view is a function of the window's aspect (width over height), so that it fits every tab. A new
 tab, or one whose aspect changes, jumps to the view at once. A browser that is still setting up its
 scene may drop or change a view; each is sent again until the browser confirms it.
@@ -128,6 +131,16 @@ class CameraRig:
         return next((tab.window for tab in tabs if tab.turned_at is None), _USUAL_ASPECT)
 
     @property
+    def arrived(self) -> bool:
+        """Whether each tab shows the view that it was last asked for, or its person's own."""
+        host = self.host
+        clients = [host] if isinstance(host, viser.ClientHandle) else host.get_clients().values()
+        with self._lock:
+            tabs = [self._tabs.get(client.client_id) for client in clients]
+        # viser lists a new tab a moment before it announces it.
+        return all(tab is not None and tab.has_arrived(self._tolerance) for tab in tabs)
+
+    @property
     def eyes(self) -> Array:
         """(T, 3) the eyes of the tabs that show the page's view, without those in flight."""
         goals = [tab.goal for tab in self._all if tab.is_at_goal]
@@ -218,8 +231,16 @@ class _Tab:
         turned_at = self.turned_at
         if turned_at is not None:
             return not self.told and time.monotonic() - turned_at > _TOLD_AFTER_S
-        other_shape = abs(self.window - self.aspect) > tolerance * self.window
-        return self.start is not None or other_shape or self._unheard
+        return self.start is not None or self._is_reshaped(tolerance) or self._unheard
+
+    def _is_reshaped(self, tolerance: float) -> bool:
+        """Whether the window has another aspect than its view was made for."""
+        return abs(self.window - self.aspect) > tolerance * self.window
+
+    def has_arrived(self, tolerance: float) -> bool:
+        if self.turned_at is not None:
+            return True
+        return self.is_at_goal and self.settled and not self._is_reshaped(tolerance)
 
     @property
     def _unheard(self) -> bool:

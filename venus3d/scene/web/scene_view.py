@@ -58,16 +58,23 @@ class SceneView:
     """The 3D scene of a server, or of one tab. Used by one thread."""
 
     def __init__(
-        self, host: Host, *, wake: Callable[[], None] = lambda: None, plain_labels: bool = False
+        self,
+        host: Host,
+        *,
+        wake: Callable[[], None] = lambda: None,
+        arrived: Callable[[], bool] = lambda: True,
+        plain_labels: bool = False,
     ) -> None:
         """An empty scene with the camera's up direction and even light.
 
         Args:
             wake: called on viser's threads when `refresh` is due, since a tab's view moves.
+            arrived: whether the tabs show the views that they were sent (`CameraRig.arrived`).
             plain_labels: viser's own labels, which a recording can hold.
         """
         self._host, self._plain_labels = host, plain_labels
         self._view = SharedView(host, wake)
+        self._arrived = arrived
         self._eye: Array | None = None
         """(3,) the point from which what nothing may hide is drawn in front; None while it moves,
         and if tabs look from different points."""
@@ -129,14 +136,8 @@ class SceneView:
     @property
     def is_due(self) -> bool:
         """Whether `refresh` is due, now or soon."""
-        moving = self._pulsing is not None or self._changing or not self._view.at_rest
+        moving = self._pulsing is not None or self._changing or not self._at_rest
         return bool(moving) or self._view_now() != self._drawn_from
-
-    def leave_view(self) -> None:
-        """A view is about to be sent to the tabs: nothing is drawn in front of all else for the old
-        one, for which it would be too large or elsewhere in the new one."""
-        self._view.will_move()
-        self.refresh()
 
     def refresh(self) -> None:
         """Draw the same shapes again for the point of view of now."""
@@ -164,7 +165,13 @@ class SceneView:
             self._pulsing = None
 
     def _view_now(self) -> tuple[SceneCamera | None, bool]:
-        return self._view.now(), self._view.at_rest
+        return self._view.now(), self._at_rest
+
+    @property
+    def _at_rest(self) -> bool:
+        """Whether the eye is where the program thinks it is: a slow browser is still on its way
+        when the last view of a flight has long been sent."""
+        return self._view.at_rest and self._arrived()
 
     def set_picture(self, rgb: NDArray[np.uint8]) -> None:
         """Put the live picture (H, W, 3) RGB into the frustum."""

@@ -38,10 +38,6 @@ class SharedView:
         else:
             host.on_client_connect(self._come)
 
-    def will_move(self) -> None:
-        """A view is about to be sent to the tabs, which report it only later."""
-        self._moved_at = time.monotonic()
-
     @property
     def at_rest(self) -> bool:
         """Whether no view has moved for a moment."""

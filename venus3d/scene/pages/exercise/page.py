@@ -43,8 +43,8 @@ class ExercisePage(ABC, Generic[View]):
         self._client, self._gui, self._ask = client, client.gui, ask
         self._style = PanelStyle(client.gui)
         self._shown: View | None = None
-        self._scene = SceneView(client)
         self._rig = CameraRig(client)
+        self._scene = SceneView(client, arrived=lambda: self._rig.arrived)
         self._framing = SteadyFraming(self._rig)
         with client.atomic():
             self._lay_out(view)
@@ -60,8 +60,8 @@ class ExercisePage(ABC, Generic[View]):
 
     def advance(self) -> None:
         """Advance the tab's camera, and what faces it."""
+        self._scene.refresh()  # before the eye moves
         self._rig.advance()
-        self._scene.refresh()
 
     def show(self, view: View) -> None:
         """Show one view on the page."""

@@ -239,8 +239,8 @@ class Viewer(Page[ViewState]):
     # -- drawing ---------------------------------------------------------------------------------
 
     def _lay_out(self, server: LocalServer) -> None:
-        self._scene = SceneView(server, wake=self.nudge)
         self._rig = CameraRig(server, wake=self.nudge)
+        self._scene = SceneView(server, wake=self.nudge, arrived=lambda: self._rig.arrived)
         self._framing = SteadyFraming(self._rig)
         self._spread = False
         nothing = subject_of((), 0)
@@ -289,10 +289,9 @@ class Viewer(Page[ViewState]):
         if changed or over or moves or self._moved:
             self._draw_page(snapshot, state, self._note)
         self._moved = moves
+        self._scene.refresh()  # before the eye moves
         if self._rig.is_due:
-            self._scene.leave_view()
             self._rig.advance()
-        self._scene.refresh()
 
     def _draw_page(self, snapshot: Snapshot | None, state: ViewState, note: Note) -> None:
         if snapshot is None or snapshot.target is None:

@@ -82,8 +82,8 @@ class TeachPage:
         self._changed_s, self._is_fine = 0.0, False
         self._steps_drawn: dict[int, _DrawnStep] = {}
         with client.atomic():
-            self._scene = SceneView(client)
             self._rig = CameraRig(client)
+            self._scene = SceneView(client, arrived=lambda: self._rig.arrived)
             self._make_right()
             self._make_left(view.state.lessons)
             self._menu = Menu(client, self._act, kinds, self._rig.command)
@@ -102,9 +102,9 @@ class TeachPage:
 
     def advance(self) -> None:
         """Advance the tab's camera, and what faces it."""
+        self._scene.refresh()  # before the eye moves
         if self._rig.is_due:
             self._rig.advance()
-        self._scene.refresh()
 
     def show(self, view: TabView) -> None:
         """Show one view on panels and scene; unchanged parts are not touched."""
