@@ -45,12 +45,17 @@ def test_calibrate_of_a_session_without_a_picture(run: Run, tmp_path: Path) -> N
 def test_from_a_result_goes_on_with_its_views(
     run: Run, kept_session: Path, tilted_pictures: Path, tmp_path: Path
 ) -> None:
-    """They are in the new session as well, and the same pictures add nothing to them."""
+    """They are in the new session as well, with their pictures, and the same pictures add nothing
+    to them."""
     views = json.loads((kept_session / "result.json").read_text())["views"]
     asked = ("guide", tilted_pictures, "--headless", "--method", "random", "--max-views", 7)
     ran = run(*asked, "--from", kept_session, "--output", tmp_path / "on", "--json")
     assert ran.code == 0 and f"Going on from the {views} views" in ran.err
     assert ran.json["views"] >= views
+    kept = [path.name for path in sorted((tmp_path / "on" / "views").iterdir())]
+    assert len(kept) == ran.json["views"]
+    for path in (kept_session / "views").iterdir():
+        assert (tmp_path / "on" / "views" / path.name).read_bytes() == path.read_bytes()
     again = run("guide", "--resume", tmp_path / "on", "--headless", "--json")
     assert again.json["views"] == ran.json["views"]
 

@@ -21,7 +21,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.storage.session_folder import SessionFolder
-from venus3d.storage.session_reader import EVENTS, read_header
+from venus3d.storage.session_reader import EVENTS, pictures_of, read_header
 
 
 @pytest.fixture
@@ -218,3 +218,21 @@ def test_a_full_disk_loses_nothing(
         folder.close()
     finally:
         subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_the_pictures_of_a_results_views_are_those_that_were_captured(
+    session: Session, folder: SessionFolder, paper_camera: Camera
+) -> None:
+    """A session begun anew has each number twice: only the corners tell which picture it is."""
+    rng = np.random.default_rng(4)
+    run(session, paper_camera, rng, GOOD[:2])
+    first = session.state.views
+    session.restart()
+    run(session, paper_camera, rng, GOOD[2:4])
+    again = session.state.views
+    found = [pictures_of(folder.directory, views) for views in (first, again)]
+    assert [sorted(one) for one in found] == [[1, 2], [1, 2]]
+    assert not set(found[0].values()) & set(found[1].values())
+    moved = replace(again[0].observation, corners=again[0].observation.corners + 0.5)
+    assert not pictures_of(folder.directory, [replace(again[0], observation=moved)])
+    assert not pictures_of(folder.directory / "views", first)

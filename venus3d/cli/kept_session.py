@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from datetime import datetime
 from importlib.metadata import version
 from itertools import chain, count
@@ -22,6 +22,7 @@ from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.storage.folder import prepare
 from venus3d.storage.result_folder import ResultFolder
 from venus3d.storage.session_folder import SessionFolder
+from venus3d.storage.session_reader import read_pictures
 
 SESSIONS = Path("venus3d-sessions")
 """Where sessions are kept for which no folder is named."""
@@ -45,11 +46,13 @@ class KeptSession:
     """The camera that it starts from."""
     where: str = ""
     """The sentence that says where it is kept; empty if it is not."""
+    adopted: Mapping[int, Path] = field(default_factory=dict[int, Path])
+    """Pictures of the views that it starts with, if it is not recorded."""
 
     def pictures(self) -> Iterable[tuple[int, NDArray[np.uint8]]]:
         """Numbers and pictures of the views that there are already."""
         if self.folder is None or self.state is None:
-            return ()
+            return read_pictures(self.adopted)
         return self.folder.pictures(self.state)
 
     def close(self) -> None:
@@ -66,12 +69,12 @@ def opened_session(options: GuideOptions, tell: Callable[[str], None]) -> KeptSe
     if not options.record:
         output = options.output
         files = None if output is None else ResultFolder(prepare(output), tell)
-        return KeptSession(options, None, files, start.state, start.camera)
+        return KeptSession(options, None, files, start.state, start.camera, adopted=start.pictures)
     directory = options.output or _unused(SESSIONS / f"{datetime.now():%Y-%m-%d_%H-%M-%S}")
     folder = SessionFolder.create(directory, _header(options), tell)
     try:
         if start.state is not None:
-            folder.adopt(start.state.views)
+            folder.adopt(start.state.views, start.pictures)
         files, options = ResultFolder(directory, tell), replace(options, output=directory)
         where = f"This session is kept in {directory}."
         return KeptSession(options, folder, files, start.state, start.camera, where)
@@ -92,9 +95,9 @@ def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]
         before = options_of(folder.header, directory)
         usual = GuideOptions()
         anew = {
-            field.name: getattr(options, field.name)
-            for field in fields(options)
-            if getattr(options, field.name) != getattr(usual, field.name)
+            one.name: getattr(options, one.name)
+            for one in fields(options)
+            if getattr(options, one.name) != getattr(usual, one.name)
         }
         files = ResultFolder(directory, tell)
         files.adopt()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.storage.formats import record_in
 from venus3d.storage.formats.record import CameraRecord
 from venus3d.storage.result_reader import Result, read_result
+from venus3d.storage.session_reader import pictures_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,8 @@ class KnownStart:
 
     state: SessionState | None = None
     """The views of a result, to go on with."""
+    pictures: Mapping[int, Path] = field(default_factory=dict[int, Path])
+    """Their pictures, as far as the session is beside the result that captured them."""
     camera: KnownCamera | None = None
 
 
@@ -41,7 +44,7 @@ def known_start(options: GuideOptions, tell: Callable[[str], None]) -> KnownStar
     if _is_result(path):
         state = _state_of(read_result(path), options, path)
         tell(f"Going on from the {len(state.views)} views in {path}.")
-        return KnownStart(state)
+        return KnownStart(state, pictures_of(path.parent, state.views))
     camera = _camera_of(record_in(path))
     how = (
         "as well as it says that they are known"

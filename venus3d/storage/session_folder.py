@@ -138,10 +138,17 @@ class SessionFolder:
         self._is_new = False
         self._tell(f"View {view.number} is kept{f' as {picture}' if picture else ''}.")
 
-    def adopt(self, views: Sequence[CapturedView]) -> None:
-        """Begin with views that were captured elsewhere. Raises `StorageError`."""
+    def adopt(self, views: Sequence[CapturedView], pictures: Mapping[int, Path]) -> None:
+        """Begin with views that were captured elsewhere, and with the files that hold their
+        pictures, by the views' numbers. Raises `StorageError`."""
         for view in views:
-            self._append(captured_event(view, None))
+            picture = None
+            with suppress(LookupError, OSError):  # the view counts without it
+                content = pictures[view.number].read_bytes()
+                name = f"{VIEWS}/{view.number:03d}.png"
+                replace_files({self.directory / name: content})
+                picture = name
+            self._append(captured_event(view, picture))
 
     def changed(self, state: SessionState) -> None:
         """Write the state's line; a failure is told, as no view is lost by it."""

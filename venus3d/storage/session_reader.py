@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.errors import StorageError
+from venus3d.engine.guidance.views import CapturedView
 from venus3d.storage.folder import reason
 
 SCHEMA = 1
@@ -82,11 +83,41 @@ def kept_pictures(
     """Number and picture (BGR) of each of a session's views, as far as they were kept and can be
     read; another process may be writing the session."""
     names = pictures_by_number(read_journal(directory)[0])
-    for number in numbers:
-        if (name := names.get(number)) is None:
-            continue
+    return read_pictures(
+        {number: directory / names[number] for number in numbers if number in names}
+    )
+
+
+def pictures_of(directory: Path, views: Sequence[CapturedView]) -> dict[int, Path]:
+    """The pictures of those views that the session in a folder, if there is one, has captured: with
+    the same corners. Numbers alone do not tell, as a session that was begun anew has each twice."""
+    try:
+        events, _ = read_journal(directory)
+        return {
+            int(event["number"]): directory / str(event["picture"])
+            for event in events
+            if event["event"] == "captured" and event["picture"] is not None
+            for view in views
+            if view.number == event["number"] and _has_corners(event, view)
+        }
+    except (StorageError, LookupError, TypeError, ValueError):
+        return {}
+
+
+def _has_corners(event: Event, view: CapturedView) -> bool:
+    seen, ids = view.observation, np.array(event["ids"], dtype=np.intp)
+    order, own_order = np.argsort(ids), np.argsort(seen.ids)
+    corners = np.array(event["corners_px"], dtype=np.float64).reshape(ids.size, 2)
+    return np.array_equal(ids[order], seen.ids[own_order]) and np.array_equal(
+        corners[order], seen.corners[own_order]
+    )
+
+
+def read_pictures(files: Mapping[int, Path]) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Number and picture (BGR) of each view whose file can be read."""
+    for number, path in files.items():
         with suppress(OSError, cv2.error):
-            raw = np.frombuffer((directory / name).read_bytes(), np.uint8)
+            raw = np.frombuffer(path.read_bytes(), np.uint8)
             picture = cv2.imdecode(raw, cv2.IMREAD_COLOR)
             if picture is not None:
                 yield number, np.asarray(picture, dtype=np.uint8)
