@@ -6,10 +6,21 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.cli.conftest import Ran
+from tests.engine.calibration.test_adjustment import GOOD, observe
+from venus3d.cli.kept_session import opened_session
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.views import CapturedView
+from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.sources.camera_settings import CameraSettings
+from venus3d.storage.session_moments import moments_of
 
 Run = Callable[..., Ran]
 
@@ -81,3 +92,34 @@ def test_a_source_that_cannot_be_opened_leaves_no_session(run: Run, tmp_path: Pa
     ran = run("guide", tmp_path / "nothing.mp4", "--output", tmp_path / "new")
     assert "nothing.mp4" in ran.sentence and "kept" not in ran.err
     assert not (tmp_path / "new").exists()
+
+
+def test_what_is_set_on_the_camera_is_set_again_when_it_goes_on(
+    tmp_path: Path, default_board: Board, paper_camera: Camera
+) -> None:
+    """By its last state, not by how it began; what is asked for now wins, and another camera gets
+    nothing of it."""
+    directory = tmp_path / "session"
+    begun = GuideOptions(
+        source="0", output=directory, camera=CameraSettings(focus="lock", gain="3")
+    )
+    kept = opened_session(begun, print)
+    assert kept.folder is not None
+    rng = np.random.default_rng(0)
+    seen = observe(paper_camera, default_board, GOOD[0], rng, 0.1)
+    kept.folder.changed(Session(default_board, paper_camera.image_size).state)
+    kept.folder.captured(CapturedView(1, seen, None))
+    kept.camera_set(CameraSettings(focus="35", gain="3"))
+    kept.camera_set(CameraSettings(focus="40", gain="3"))
+    kept.close()
+
+    def resumed(**options: Any) -> CameraSettings:
+        again = opened_session(GuideOptions(resume=directory, **options), print)
+        again.close()
+        return again.options.camera
+
+    assert resumed() == CameraSettings(focus="40", gain="3")
+    asked = resumed(source="0", camera=CameraSettings(gain="auto"))
+    assert asked == CameraSettings(focus="40", gain="auto")
+    assert resumed(source="1") == CameraSettings()
+    assert [moment.kind for moment in moments_of(directory)] == ["captured"]

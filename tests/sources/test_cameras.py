@@ -14,6 +14,7 @@ from venus3d.cli import main
 from venus3d.engine.errors import SourceError
 from venus3d.sources import camera_list
 from venus3d.sources.camera_settings import CameraSettings, apply_settings, settings_notes
+from venus3d.sources.v4l2 import setting_ranges
 
 
 @pytest.fixture
@@ -50,6 +51,16 @@ def test_a_webcam_is_listed_with_all_that_it_has(
     ]
     (camera,) = json.loads(last)["cameras"]
     assert camera["modes"][1] == {"encoding": "MJPEG", "size": [1280, 720], "rates": [60.0, 30.0]}
+
+
+def test_the_ranges_of_the_settings_that_a_driver_tells(webcam: str, tmp_path: Path) -> None:
+    """By the controls' numbers in V4L2: their names differ from kernel to kernel."""
+    assert setting_ranges(webcam) == {
+        "exposure": (3.0, 2047.0, 1.0),
+        "gain": (0.0, 255.0, 1.0),
+        "focus": (0.0, 250.0, 5.0),
+    }
+    assert setting_ranges(str(tmp_path / "none")) == {}
 
 
 def test_without_a_camera_a_sentence(

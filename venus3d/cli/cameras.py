@@ -12,13 +12,8 @@ from venus3d.cli.options import CamerasOptions
 from venus3d.cli.report import print_note
 from venus3d.engine.errors import SourceError, VenusError
 from venus3d.engine.printable import printable
-from venus3d.sources.camera_list import (
-    CameraControl,
-    CameraFound,
-    CameraMode,
-    list_cameras,
-    sample_picture,
-)
+from venus3d.sources.camera_list import list_cameras, sample_picture
+from venus3d.sources.v4l2 import CameraControl, CameraFound, CameraMode
 from venus3d.storage.folder import prepare, write_bytes
 
 

@@ -72,6 +72,7 @@ def _guided(options: GuideOptions, kept: KeptSession) -> GuideResult:
         state=kept.state,
         known=kept.known,
         pictures=kept.pictures(),
+        on_camera=kept.camera_set,
         on_open=lambda: print_note(kept.where) if kept.where else None,
     )
     try:

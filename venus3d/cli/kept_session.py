@@ -19,6 +19,7 @@ from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.record import SessionState
 from venus3d.scene.pages.guide.options import GuideOptions
+from venus3d.sources.camera_settings import SETTING_NAMES, CameraSettings
 from venus3d.storage.folder import prepare
 from venus3d.storage.result_folder import ResultFolder
 from venus3d.storage.session_folder import SessionFolder
@@ -54,6 +55,11 @@ class KeptSession:
         if self.folder is None or self.state is None:
             return read_pictures(self.adopted)
         return self.folder.pictures(self.state)
+
+    def camera_set(self, settings: CameraSettings) -> None:
+        """Keep what is set on the camera now, for when the session is gone on with."""
+        if self.folder is not None:
+            self.folder.camera_set(msgspec.to_builtins(settings))
 
     def close(self) -> None:
         """Let others open the folder."""
@@ -104,12 +110,27 @@ def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]
         state = folder.state()
         views = 0 if state is None else len(state.views)
         where = f"Going on with {views} view{'' if views == 1 else 's'} in {directory}."
+        anew |= {"camera": _camera(before, folder, options)}
         chosen = replace(before, **{**anew, "output": directory, "resume": directory})
         start = known_start(chosen, tell) if state is None else KnownStart()
         return KeptSession(chosen, folder, files, state or start.state, start.camera, where)
     except BaseException:
         folder.close()
         raise
+
+
+def _camera(before: GuideOptions, folder: SessionFolder, options: GuideOptions) -> CameraSettings:
+    """What was set on a session's camera last, and what the options set; of another source than
+    before only that."""
+    camera = CameraSettings()
+    if options.source in (GuideOptions().source, before.source):
+        last = folder.camera()
+        camera = (
+            before.camera
+            if last is None
+            else CameraSettings(**{name: last.get(name) for name in SETTING_NAMES})
+        )
+    return replace(camera, **dict(options.camera.wanted()))
 
 
 def options_of(header: Mapping[str, Any], directory: Path) -> GuideOptions:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import queue
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from venus3d.engine.errors import SourceError
@@ -15,6 +16,7 @@ from venus3d.sources.camera_settings import (
     Adjustable,
     CameraSetting,
     CameraSettings,
+    Range,
     SettingName,
     apply_settings,
     present_settings,
@@ -28,9 +30,18 @@ _LOOK_S = 2.0
 class CameraControls:
     """The settings of one camera."""
 
-    def __init__(self, name: str, settings: CameraSettings) -> None:
-        """Of the camera called `name`; `settings` are set as it is opened."""
-        self._name, self._settings = name, settings
+    def __init__(
+        self,
+        name: str,
+        settings: CameraSettings,
+        ranges: Callable[[], Mapping[SettingName, Range]] = dict,
+    ) -> None:
+        """Of the camera called `name`; `settings` are set as it is opened, and `ranges` is asked
+        for what its driver allows."""
+        self._name = name
+        self.settings = settings
+        """What is set whenever the camera is opened."""
+        self._ask_ranges, self._ranges = ranges, dict[SettingName, Range]()
         self._asked: queue.SimpleQueue[tuple[SettingName, str]] = queue.SimpleQueue()
         self._refused: queue.SimpleQueue[SourceError] = queue.SimpleQueue()
         self._looked_s = 0.0
@@ -49,7 +60,8 @@ class CameraControls:
 
     def opened(self, capture: Adjustable) -> None:
         """Set what was set before. Raises `SourceError` for what the camera does not take."""
-        self._settings = apply_settings(capture, self._settings, self._name)
+        self.settings = apply_settings(capture, self.settings, self._name)
+        self._ranges = dict(self._ask_ranges())
         self.notes = settings_notes(capture, self._name)
         self._look(capture)
 
@@ -61,7 +73,7 @@ class CameraControls:
             try:
                 one.check()
                 done = apply_settings(capture, one, self._name)
-                self._settings = replace(self._settings, **{name: getattr(done, name)})
+                self.settings = replace(self.settings, **{name: getattr(done, name)})
             except SourceError as error:
                 self._refused.put(error)
             self._looked_s = 0.0
@@ -69,4 +81,4 @@ class CameraControls:
             self._look(capture)
 
     def _look(self, capture: Adjustable) -> None:
-        self.present, self._looked_s = present_settings(capture), time.monotonic()
+        self.present, self._looked_s = present_settings(capture, self._ranges), time.monotonic()

@@ -13,6 +13,7 @@ from venus3d.sources.camera_controls import CameraControls
 from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.live import Live
 from venus3d.sources.opencv_log import silence_opencv
+from venus3d.sources.v4l2 import setting_ranges
 
 
 def open_camera(
@@ -24,7 +25,7 @@ def open_camera(
     camera does not exist, is not accessible, or does not offer this size or these settings.
     """
     name = f"Camera {device}"
-    controls = CameraControls(name, settings or CameraSettings())
+    controls = CameraControls(name, settings or CameraSettings(), lambda: setting_ranges(device))
 
     def opening() -> cv2.VideoCapture:
         capture = _camera_capture(device, size)

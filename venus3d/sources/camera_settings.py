@@ -7,6 +7,7 @@ By OpenCV on the opened capture, on every system; what a camera offers is listed
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal, Protocol, get_args
 
@@ -51,6 +52,10 @@ class CameraSettings:
         return wanted
 
 
+Range = tuple[float, float, float]
+"""Least value, greatest value, step."""
+
+
 @dataclass(frozen=True)
 class CameraSetting:
     """One that a camera has, as it is now."""
@@ -60,6 +65,8 @@ class CameraSetting:
     """In the driver's unit."""
     automatic: bool | None
     """Whether the camera sets it by itself; None if it never does."""
+    range: Range | None = None
+    """Of the value; None if the driver does not tell."""
 
 
 class Adjustable(Protocol):
@@ -109,10 +116,14 @@ def apply_settings(capture: Adjustable, settings: CameraSettings, name: str) -> 
     return settings
 
 
-def present_settings(capture: Adjustable) -> tuple[CameraSetting, ...]:
-    """Those that a camera has."""
+def present_settings(
+    capture: Adjustable, ranges: Mapping[SettingName, Range]
+) -> tuple[CameraSetting, ...]:
+    """Those that a camera has, with the ranges that are known."""
     return tuple(
-        CameraSetting(name, capture.get(_VALUE[name]), _is_automatic(capture, name))
+        CameraSetting(
+            name, capture.get(_VALUE[name]), _is_automatic(capture, name), ranges.get(name)
+        )
         for name in SETTING_NAMES
         if _has(capture, _VALUE[name])
     )

@@ -34,6 +34,7 @@ from venus3d.storage.session_reader import (
     HEADER,
     SCHEMA,
     VIEWS,
+    camera_settings,
     damaged,
     is_session,
     kept_pictures,
@@ -115,6 +116,18 @@ class SessionFolder:
     def pictures(self, state: SessionState) -> Iterator[tuple[int, NDArray[np.uint8]]]:
         """Number and picture (BGR) of each of its views, as far as they can be read."""
         return kept_pictures(self.directory, [view.number for view in state.views])
+
+    def camera(self) -> dict[str, Any] | None:
+        """What was set on the camera last, as given to `camera_set`; None if nothing was.
+        Raises `StorageError`."""
+        return camera_settings(self.directory)
+
+    def camera_set(self, settings: Mapping[str, Any]) -> None:
+        """Write what is set on the camera; a failure is told, as no view is lost by it."""
+        try:
+            self._append({"event": "camera", "settings": dict(settings)})
+        except StorageError as error:
+            self._tell(str(error))
 
     # -- the recorder ----------------------------------------------------------------------------
 

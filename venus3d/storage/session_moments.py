@@ -55,6 +55,7 @@ def moments_of(directory: Path) -> tuple[Moment, ...]:
 
 def _moments(directory: Path, events: Sequence[Event]) -> tuple[Moment, ...]:
     names = pictures_by_number(events)
+    events = [event for event in events if event["event"] in ("captured", "state")]
     moments: list[Moment] = []
     known: SessionState | None = None
     last: tuple[Observation, int] | None = None

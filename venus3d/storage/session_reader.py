@@ -68,6 +68,17 @@ def damaged(directory: Path) -> StorageError:
     )
 
 
+def camera_settings(directory: Path) -> dict[str, Any] | None:
+    """What was set on the camera last: a number of the driver's, "auto" or None by the setting's
+    name; None if nothing was. Raises `StorageError`."""
+    events, _ = read_journal(directory)
+    try:
+        told = [dict(event["settings"]) for event in events if event["event"] == "camera"]
+    except (LookupError, TypeError, ValueError) as error:
+        raise damaged(directory) from error
+    return told[-1] if told else None
+
+
 def pictures_by_number(events: Sequence[Event]) -> dict[int, str]:
     """The path within the folder of each captured view's picture, by the view's number."""
     return {

@@ -23,12 +23,15 @@ from venus3d.sources.camera_controls import CameraControls
 from venus3d.sources.camera_settings import CameraSetting, CameraSettings
 from venus3d.sources.live import Live
 
+FOCUS_RANGE = (0.0, 250.0, 5.0)
+
 
 class Setup:
     """A session on a webcam that can be plugged in again; `webcam` is the one opened last."""
 
     def __init__(self) -> None:
-        controls = CameraControls("Camera 0", CameraSettings())
+        controls = CameraControls("Camera 0", CameraSettings(), lambda: {"focus": FOCUS_RANGE})
+        self.kept: list[CameraSettings] = []
 
         def opening() -> Webcam:
             self.webcam = Webcam()
@@ -41,7 +44,13 @@ class Setup:
         session = Session(Board(), self.source.image_size)
         tracker = BoardTracker(Detector(Board(), find_layout=False))
         self.live = LiveGuide(
-            session, self.source, tracker, self.viewer, lambda _: None, lambda: self.source
+            session,
+            self.source,
+            tracker,
+            self.viewer,
+            lambda _: None,
+            lambda: self.source,
+            on_camera=self.kept.append,
         )
         self.running = threading.Thread(target=self.live.run, daemon=True)
         self.running.start()
@@ -64,11 +73,13 @@ def test_settings_are_shown_set_locked_and_kept(setup: Setup) -> None:
     assert "focuses by itself" in setup.source.notes[0]
     wait_until(lambda: viewer.state.camera)
     assert [one.name for one in viewer.state.camera] == ["exposure", "gain", "focus"]
-    assert setup.shown("focus") == CameraSetting("focus", 35.0, automatic=True)
+    assert setup.shown("focus") == CameraSetting("focus", 35.0, True, FOCUS_RANGE)
     assert setup.shown("gain").automatic is None
 
     rows = viewer.view.camera._rows  # pyright: ignore[reportPrivateUsage]
     wait_until(lambda: rows["focus"]._number.visible and rows["focus"]._number.value == 35)
+    focus = rows["focus"]._number
+    assert (focus.min, focus.max, focus.step) == FOCUS_RANGE and "0 to 250" in focus.label
     assert not rows["gain"]._who.visible and not rows["white_balance"]._number.visible
     viewer._ask(SetCamera("focus", "lock"))
     wait_until(lambda: setup.shown("focus").automatic is False)
@@ -91,3 +102,8 @@ def test_settings_are_shown_set_locked_and_kept(setup: Setup) -> None:
     wait_until(lambda: setup.webcam.values[cv2.CAP_PROP_EXPOSURE] == 120)
     assert setup.webcam.values[cv2.CAP_PROP_FOCUS] == 40
     assert setup.webcam.values[cv2.CAP_PROP_AUTOFOCUS] == 0
+    assert setup.kept == [
+        CameraSettings(focus="35"),
+        CameraSettings(focus="35", exposure="120"),
+        CameraSettings(focus="40", exposure="120"),
+    ]

@@ -48,7 +48,7 @@ class _Row:
     ) -> None:
         title, hint = say.CAMERA_SETTINGS[name]
         self._ask: Callable[[str], None] = partial(ask, name)
-        self._value = 0.0
+        self._title, self._value = title, 0.0
         self._number = gui.add_number(title, 0.0, step=1.0, hint=hint, visible=False)
         self._number.on_update(self._typed)
         self._who = ButtonRow(
@@ -65,7 +65,15 @@ class _Row:
         self._number.visible = setting is not None
         automatic = None if setting is None else setting.automatic
         self._who.show({} if automatic is None else _labels(automatic))
-        if setting is not None and setting.value != self._value:
+        if setting is None:
+            return
+        if setting.range is not None:
+            self._number.min, self._number.max, self._number.step = setting.range
+            least, greatest, _ = (f"{end:g}" for end in setting.range)
+            self._number.label = say.CAMERA_RANGE.format(
+                name=self._title, least=least, greatest=greatest
+            )
+        if setting.value != self._value:
             self._value = self._number.value = setting.value
 
     def _typed(self, event: viser.GuiEvent[viser.GuiNumberHandle[float]]) -> None:

@@ -29,7 +29,7 @@ from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.board_keys import KeyMoves
 from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.sources.board_tracker import BoardTracker
-from venus3d.sources.camera_settings import CameraSetting, SettingName
+from venus3d.sources.camera_settings import CameraSetting, CameraSettings, SettingName
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.live import Live, OtherSize, Trouble
 from venus3d.sources.observation_stream import ObservationStream
@@ -58,10 +58,11 @@ class LiveGuide:
         monitors: Sequence[SecondMonitor] = (),
         *,
         stats: bool = False,
+        on_camera: Callable[[CameraSettings], None] = lambda _: None,
     ) -> None:
         """`keep` is called with every moment that may hold a new result, and must not block;
         `again` reopens a recording that has ended; `run` closes `source`. `stats`: tell how the
-        pictures flow."""
+        pictures flow; `on_camera` is called with what is set on the camera, when that changes."""
         self._session, self._keep = session, keep
         self._viewer, self._monitors = viewer, tuple(monitors)
         self._flow = Flow()
@@ -71,6 +72,7 @@ class LiveGuide:
         self._stats = FlowNews(self._flow, viewer) if stats else None
         self._silent_since = self._said = ""
         self._by_keys = KeyMoves()
+        self._on_camera, self._camera = on_camera, CameraSettings()
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
 
@@ -122,6 +124,9 @@ class LiveGuide:
             self._viewer.show_camera(now)
             if _focuses(before) and not _focuses(now):
                 self._viewer.say(texts.FOCUS_LOCKED)  # in the place of the warning
+        if source.controls.settings != self._camera:
+            self._camera = source.controls.settings
+            self._on_camera(self._camera)
         refusal = source.controls.refusal()
         if refusal is not None:
             self._viewer.warn(translated_error(refusal))

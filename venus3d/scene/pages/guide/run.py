@@ -32,6 +32,7 @@ from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.scene.web.page import announce_page
 from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
@@ -61,6 +62,7 @@ def run_guide(
     monitors: Sequence[SecondMonitor] = (),
     on_open: Callable[[], None] = lambda: None,
     on_viewer: Callable[[Viewer], None] = lambda _: None,
+    on_camera: Callable[[CameraSettings], None] = lambda _: None,
     recorder: Recorder | None = None,
     state: SessionState | None = None,
     known: KnownCamera | None = None,
@@ -75,6 +77,7 @@ def run_guide(
         monitors: are shown what the viewer is shown; the caller closes them.
         on_open: called once the source is open and goes with the rest.
         on_viewer: called with the open viewer, to add to its page.
+        on_camera: called with what is set on the camera, when that changes.
         recorder: keeps the session as it goes on.
         state: of a session to go on with, and the `pictures` of its views by their numbers.
         known: a camera to start from.
@@ -113,6 +116,8 @@ def run_guide(
 
         if options.headless:
             saver = stack.enter_context(closing(ResultSaver(kept)))
+            if isinstance(source, Live) and source.controls is not None:
+                on_camera(source.controls.settings)
             broken = run_headless(session, source, tracker, saver.put)
             return result(session.snapshot(), (broken,) if broken else ())
         offscreen = stack.enter_context(closing(Offscreen()))
@@ -148,7 +153,15 @@ def run_guide(
 
         saver = stack.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.warn)))
         live = LiveGuide(
-            session, source, tracker, viewer, saver.put, again, monitors, stats=options.stats
+            session,
+            source,
+            tracker,
+            viewer,
+            saver.put,
+            again,
+            monitors,
+            stats=options.stats,
+            on_camera=on_camera,
         )
         return result(live.run(), viewer.notes)
 

@@ -222,6 +222,7 @@ CAMERA_SETTINGS = {
     "focus": ("Focus", "In the driver's unit; another focus is another camera to calibrate"),
     "white_balance": ("White balance", "Colour temperature"),
 }
+CAMERA_RANGE = "{name}, {least} to {greatest}"
 CAMERA_WHO = "Set"
 CAMERA_WHO_HINT = (
     "Automatic: by the camera. Locked: stays as it is now, also when it is opened again."
