@@ -35,6 +35,18 @@ def write_video(path: Path, codec: str = "mp4v", frames: int = 20, rate: float =
     return path
 
 
+def quarter_turned(path: Path) -> Path:
+    """An MP4 of `write_video` with a phone's tag: a quarter turn clockwise."""
+    content = bytearray(path.read_bytes())
+    # The track's matrix, in 16.16 and 2.30 numbers.
+    at = content.index(b"tkhd") + 4 + 40
+    content[at : at + 36] = struct.pack(
+        ">9i", 0, 1 << 16, 0, -(1 << 16), 0, 0, 240 << 16, 0, 1 << 30
+    )
+    path.write_bytes(content)
+    return path
+
+
 def all_frames(source: Folder | Video | Live) -> list[Frame]:
     frames: list[Frame] = []
     while (frame := source.read()) is not None:
@@ -113,15 +125,8 @@ def test_the_orientation_tag_does_not_turn_the_sensor(tmp_path: Path):
 
 def test_a_phone_video_is_turned_as_its_tag_says(tmp_path: Path):
     """OpenCV and FFmpeg turn such a video for whoever uses the camera file afterwards."""
-    path = write_video(tmp_path / "portrait.mp4")
-    size = (first := Video(path)).image_size
-    first.close()
-    content = bytearray(path.read_bytes())
-    # The track's matrix: a quarter turn clockwise, in 16.16 and 2.30 numbers.
-    at = content.index(b"tkhd") + 4 + 40
-    quarter = (0, 1 << 16, 0, -(1 << 16), 0, 0, size[1] << 16, 0, 1 << 30)
-    content[at : at + 36] = struct.pack(">9i", *quarter)
-    path.write_bytes(content)
+    size = (320, 240)
+    path = quarter_turned(write_video(tmp_path / "portrait.mp4"))
     source = Video(path)
     assert source.image_size == (size[1], size[0])
     assert all(f.image_size == (size[1], size[0]) for f in all_frames(source))

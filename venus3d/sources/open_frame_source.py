@@ -13,7 +13,8 @@ from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.folder import Folder
 from venus3d.sources.images import UNREAD_PICTURES, is_image, shown
 from venus3d.sources.live import Live
-from venus3d.sources.stream import StreamCapture
+from venus3d.sources.served_video import ServedVideo
+from venus3d.sources.stream import StreamCapture, connected
 from venus3d.sources.video import Video
 from venus3d.sources.watched_folder import WatchedFolder
 
@@ -93,11 +94,11 @@ def _opened(
 
 
 def _open_address(address: str, realtime: bool) -> Live | Video:
-    capture = StreamCapture(address)
-    if capture.has_end:
-        capture.release()
-        return Video(address, realtime=realtime)
-    return Live(lambda: StreamCapture(address), address, opened=capture)
+    container = connected(address)
+    if container.duration:
+        return Video(address, realtime=realtime, served=ServedVideo(container))
+    opened = StreamCapture(address, container)
+    return Live(lambda: StreamCapture(address), address, opened=opened)
 
 
 def _open_file(path: Path, realtime: bool) -> Folder | Video:

@@ -23,8 +23,6 @@ READ_TIMEOUT_S = 5.0
 _OPTIONS = {
     # UDP would lose packets, and with them parts of pictures.
     "rtsp_transport": "tcp",
-    # A picture is shown when it has come, not when a buffer is full.
-    "fflags": "nobuffer",
     "analyzeduration": "1000000",
 }
 
@@ -32,17 +30,11 @@ _OPTIONS = {
 class StreamCapture:
     """An opened stream. Used by one thread."""
 
-    def __init__(self, address: str) -> None:
-        """Connect to `address`. Raises `SourceError` if nothing answers in time."""
-        self._address = address
-        try:
-            self._container = _opened(address)
-            self._stream = self._container.streams.video[0]
-        except (av.error.FFmpegError, IndexError, ValueError, OSError) as error:
-            raise SourceError(
-                f"No stream can be opened at {address}; check the address, and that the sender "
-                "runs and can be reached from this machine."
-            ) from error
+    def __init__(self, address: str, container: InputContainer | None = None) -> None:
+        """Read what `connected` gave, or connect to `address`. Raises `SourceError` if nothing
+        answers in time."""
+        self._address, self._container = address, container or connected(address)
+        self._stream = self._container.streams.video[0]
         # Threads that each decode a frame of their own would hold some back.
         self._stream.thread_type = "SLICE"
         # A picture that does not arrive whole is refused instead of being painted over.
@@ -50,11 +42,6 @@ class StreamCapture:
         self._frames = self._decoded()
         self.damaged = 0
         """Number of pictures that came damaged and were left out."""
-
-    @property
-    def has_end(self) -> bool:
-        """Whether it is a file on a server."""
-        return bool(self._container.duration)
 
     def read(self) -> tuple[bool, NDArray[np.uint8]]:
         """The next whole picture (H, W, 3) BGR. Raises `SourceError` at the end, and if none comes
@@ -85,13 +72,29 @@ class StreamCapture:
                 yield frame
 
 
-def _opened(address: str) -> InputContainer:
+def connected(address: str) -> InputContainer:
+    """What answers at `address`, with its first video; it has a duration if it is a file on a
+    server. Raises `SourceError` if nothing answers in time."""
     options = dict(_OPTIONS)
+    if not address.startswith("http"):
+        # What was read to find out the format is not shown late. Of a file it is the first frames.
+        options["fflags"] = "nobuffer"
     # What OpenCV would read: "key;value|key;value".
     for pair in filter(None, os.environ.get("OPENCV_FFMPEG_CAPTURE_OPTIONS", "").split("|")):
         key, _, value = pair.partition(";")
         options[key] = value
-    return av.open(address, options=options, timeout=(OPEN_TIMEOUT_S, READ_TIMEOUT_S))
+    try:
+        container = av.open(address, options=options, timeout=(OPEN_TIMEOUT_S, READ_TIMEOUT_S))
+        if container.streams.video:
+            return container
+        container.close()
+        cause = None
+    except (av.error.FFmpegError, ValueError, OSError) as error:
+        cause = error
+    raise SourceError(
+        f"No stream can be opened at {address}; check the address, and that the sender runs and "
+        "can be reached from this machine."
+    ) from cause
 
 
 def _cause(error: BaseException) -> str:

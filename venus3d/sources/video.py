@@ -15,6 +15,7 @@ from venus3d.engine.errors import SourceError
 from venus3d.sources.frame import Frame
 from venus3d.sources.images import shown
 from venus3d.sources.opencv_log import silence_opencv
+from venus3d.sources.served_video import ServedVideo
 from venus3d.sources.size_watch import SizeWatch
 
 
@@ -29,13 +30,16 @@ class Video:
     flip = False
     """Whether left and right are exchanged: for a mirrored video."""
 
-    def __init__(self, path: Path | str, *, realtime: bool = False) -> None:
-        """Open `path` (a file or its address). With `realtime`, frames come when the video's clock
-        says so, and a late reader skips frames. Raises `SourceError` if no frame can be read."""
+    def __init__(
+        self, path: Path | str, *, realtime: bool = False, served: ServedVideo | None = None
+    ) -> None:
+        """Open the file at `path`, or read what a server gives at this address. With `realtime`,
+        frames come when the video's clock says so, and a late reader skips frames. Raises
+        `SourceError` if no frame can be read."""
         silence_opencv()
         self._path = shown(path)
         self._realtime = realtime
-        self._capture = _opened(path)
+        self._capture = served or _opened(path)
         if not self._capture.isOpened():
             raise SourceError(
                 f"{self._path} cannot be played: it is no video, or it was cut off before its end "
@@ -48,8 +52,8 @@ class Video:
         self._time_s = 0.0
         self._started: float | None = None
         self._finished = False
-        # A server would send all of it twice.
-        self._sizes = None if "://" in str(path) else SizeWatch(path)
+        # What a server sends has each frame's own size.
+        self._sizes = None if served is not None else SizeWatch(path)
         self.notes: tuple[str, ...] = ()
         """Remarks for the user: the frames are turned, the file ended early."""
         self._first = self._decode() if self._grab() else None
