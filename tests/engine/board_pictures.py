@@ -19,9 +19,10 @@ _SQUARE_PX = 120
 _FINE = 4  # sub-pixels per side
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=2)
 def _rays(camera: Camera) -> NDArray[np.float32]:
-    """(H, W, 2) ideal normalised coordinates of the pixel centres; cubic between them is exact."""
+    """(2, H, W) ideal normalised coordinates of the sub-pixels' centres: cubic between those of the
+    pixels is exact."""
     u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     xd, yd = (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy
     x, y = xd.copy(), yd.copy()
@@ -32,7 +33,8 @@ def _rays(camera: Camera) -> NDArray[np.float32]:
         dx = 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
         dy = p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
         x, y = (xd - dx) / radial, (yd - dy) / radial
-    return np.stack([x, y], axis=-1)
+    fine = (cv2.resize(v, None, fx=_FINE, fy=_FINE, interpolation=cv2.INTER_CUBIC) for v in (x, y))
+    return np.stack(list(fine)).astype(np.float32)
 
 
 def picture_of(
@@ -51,17 +53,18 @@ def picture_of(
         cv2.BORDER_CONSTANT,
         value=0 if board.inverted else 255,
     )
-    fine = cv2.resize(_rays(camera), None, fx=_FINE, fy=_FINE, interpolation=cv2.INTER_CUBIC)
-    x, y = fine[..., 0], fine[..., 1]
-    # Depth along the ray to the plane n . X = n . t, then into the board's frame.
-    n = pose.R[:, 2]
-    s = (n @ pose.t) / (n[0] * x + n[1] * y + n[2])
-    e0, e1, o = pose.R[:, 0], pose.R[:, 1], pose.R.T @ pose.t
-    bx = s * (e0[0] * x + e0[1] * y + e0[2]) - o[0]
-    by = s * (e1[0] * x + e1[1] * y + e1[2]) - o[1]
+    x, y = _rays(camera)
+    # Depth along the ray to the plane n . X = n . t, then into the board's frame. Plain floats: the
+    # arrays stay single, which is exact to a hundredth of a pixel of the texture.
+    R, o = pose.R.tolist(), (pose.R.T @ pose.t).tolist()
+    s = float(pose.R[:, 2] @ pose.t) / (R[0][2] * x + R[1][2] * y + R[2][2])
     scale = _SQUARE_PX / board.square
-    mx = ((bx + board.width / 2) * scale + _SQUARE_PX - 0.5).astype(np.float32)
-    my = ((by + board.height / 2) * scale + _SQUARE_PX - 0.5).astype(np.float32)
+
+    def texture_at(axis: int, side: float) -> NDArray[np.float32]:
+        along = s * (R[0][axis] * x + R[1][axis] * y + R[2][axis])
+        return along * scale + ((side / 2 - o[axis]) * scale + _SQUARE_PX - 0.5)
+
+    mx, my = texture_at(0, board.width), texture_at(1, board.height)
     picture = cv2.remap(
         texture, mx, my, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=128
     )

@@ -106,17 +106,28 @@ def test_mirrored_pictures_are_named_and_read_if_asked(shared_data: Path) -> Non
     np.testing.assert_allclose(arrays.parameters[:4], camera.parameters[:4], atol=0.5)
 
 
-@pytest.mark.parametrize("mirrored", [1, 4, 6])
-def test_a_few_mirrored_pictures_are_named_and_left_out(mirrored: int) -> None:
-    """Half of a set or fewer stayed unsaid."""
+@pytest.fixture(scope="module")
+def six_pictures() -> list[Picture]:
+    """Of the default board, none mirrored."""
     poses = [Pose.from_vector([a, b, 5, 0, 0, 0.45]) for a in (-30, 5, 30) for b in (-25, 25)]
-    pictures = [picture_of(Board(), CAMERA, pose) for pose in poses]
+    return [picture_of(Board(), CAMERA, pose) for pose in poses]
+
+
+@pytest.mark.parametrize("mirrored", [1, 4, 6])
+def test_a_few_mirrored_pictures_are_named_and_left_out(
+    six_pictures: list[Picture], mirrored: int
+) -> None:
+    """Half of a set or fewer stayed unsaid."""
+    pictures = six_pictures
     turned = [np.ascontiguousarray(picture[:, ::-1]) for picture in pictures[:mirrored]]
     found = calibrate_recording([*pictures, *turned], Board())  # pyright: ignore[reportArgumentType]
     assert len(found.calibration.views) == 6
     (said,) = (d for d in found.diagnoses if d.kind == "mirrored")
     assert said.cause.startswith("Some pictures") and "--flip" in said.cure
-    alone = calibrate_recording(pictures, Board())  # pyright: ignore[reportArgumentType]
+
+
+def test_pictures_of_which_none_is_mirrored_are_not_called_so(six_pictures: list[Picture]) -> None:
+    alone = calibrate_recording(six_pictures, Board())  # pyright: ignore[reportArgumentType]
     assert "mirrored" not in [d.kind for d in alone.diagnoses]
 
 
