@@ -56,10 +56,12 @@ class BoardOptions:
     rows: int = 6
     """Squares, tags or circles from top to bottom."""
     square_mm: float = 28.0
-    """Side of a square in millimetres, as measured on the printed board; from one tag or circle to
-    the next."""
-    marker_mm: float = 21.0
-    """Side of a marker or tag in millimetres."""
+    """Side of a square in millimetres, as measured on the printed board; from one tag or row of
+    circles to the next (asymmetric circles are twice as far apart in a row)."""
+    marker_mm: Annotated[
+        float | None, optional("MM", "21; of circles half of --board.square-mm")
+    ] = None
+    """Side of a marker or tag, or diameter of a circle, in millimetres."""
     dictionary: Annotated[
         str | None, optional("NAME", "DICT_5X5_100; of an aprilgrid DICT_APRILTAG_36H11")
     ] = None
@@ -67,7 +69,7 @@ class BoardOptions:
     legacy: Switch = False
     """The layout of boards printed before OpenCV 4.6; detected where it matters."""
     inverted: Switch = False
-    """White on black; detected automatically."""
+    """White on black; of markers detected automatically."""
     first_id: int = 0
     """Number of the board's first marker in the dictionary; detected automatically."""
 
@@ -77,13 +79,19 @@ class BoardOptions:
             columns=self.columns,
             rows=self.rows,
             square=self.square_mm / 1000,
-            marker=self.marker_mm / 1000,
+            marker=self._marker_mm / 1000,
             dictionary=self.dictionary or _DICTIONARIES.get(self.kind, Board.dictionary),
             legacy=self.legacy,
             inverted=self.inverted,
             first_id=self.first_id,
             kind=self.kind,
         )
+
+    @property
+    def _marker_mm(self) -> float:
+        if self.marker_mm is not None:
+            return self.marker_mm
+        return self.square_mm / 2 if "circles" in self.kind else 1000 * Board.marker
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,11 @@ BOARDS = [
     Board(),
     Board(8, 5, 0.0305, 0.0225, "DICT_4X4_250", legacy=True, inverted=True, first_id=12),
     Board(kind="chessboard", columns=10, rows=7, square=0.026),
+    Board(4, 11, 0.02, 0.016, kind="asymmetric-circles", inverted=True),
 ]
 
 
-@pytest.mark.parametrize("board", BOARDS, ids=["charuco", "other charuco", "chessboard"])
+@pytest.mark.parametrize("board", BOARDS, ids=["charuco", "other charuco", "chessboard", "circles"])
 def test_a_saved_board_is_read_as_it_was(board: Board, tmp_path: Path) -> None:
     path = save_board(board, tmp_path / "board.toml")
     read = BoardOptions(**read_board(path)).board()
@@ -48,6 +49,12 @@ def test_kalibr_s_files(tmp_path: Path) -> None:
     )
     board = BoardOptions(**read_board(path)).board()
     assert (board.kind, board.columns, board.rows, board.square) == ("chessboard", 7, 8, 0.06)
+    path.write_text(
+        "target_type: 'circlegrid'\ntargetCols: 6\ntargetRows: 7\nspacingMeters: 0.02\n"
+        "asymmetricGrid: True\n"
+    )
+    board = BoardOptions(**read_board(path)).board()
+    assert board == Board(6, 7, 0.02, 0.01, kind="asymmetric-circles")
 
 
 @pytest.mark.parametrize(
@@ -76,7 +83,7 @@ def test_the_names_of_calib_io(name: str, expected: Board) -> None:
         ("board.toml", 'kind = "charuco"\ncolumns = 9\n', "rows, square_mm is missing"),
         ("board.toml", "color = 3\n", "no option 'color'"),
         ("board.toml", 'columns = "many"\n', "columns: Expected `int`"),
-        ("board.yaml", "target_type: circlegrid\n", "a circlegrid of Kalibr"),
+        ("board.yaml", "target_type: hexgrid\n", "a hexgrid of Kalibr"),
         ("board.yaml", "target_type: aprilgrid\ntagCols: 6\n", "describes no board"),
         ("board.yaml", "[1, 2", "it is no YAML"),
     ],

@@ -87,6 +87,31 @@ def test_a_pdf_has_its_size_its_ruler_and_its_code(inverted: bool) -> None:
     assert text == CODE
 
 
+@pytest.mark.parametrize(
+    "board",
+    [
+        Board(8, 6, 0.025, 0.015, kind="circles"),
+        Board(4, 9, 0.016, 0.014, kind="asymmetric-circles"),
+    ],
+)
+def test_circles_are_printed_where_they_belong(board: Board) -> None:
+    sheet = sheet_of(board)
+    (page,) = pages_of(pdf_of(sheet, tiles(sheet, A4), "board"))
+    picture, dpi = picture_of_sheet(sheet_of(board, None), 150, 1000 * board.square)
+    for drawn, resolution in ((page, DPI), (picture, dpi)):
+        shifted = board.kind == "asymmetric-circles"
+        layout = cv2.CALIB_CB_ASYMMETRIC_GRID if shifted else cv2.CALIB_CB_SYMMETRIC_GRID
+        of_any_size = cv2.SimpleBlobDetector.Params()
+        of_any_size.maxArea = 1e5
+        blobs = cv2.SimpleBlobDetector.create(of_any_size)
+        size = (board.columns, board.rows)
+        found, centres = cv2.findCirclesGrid(drawn, size, flags=layout, blobDetector=blobs)
+        assert found
+        corners = np.reshape(centres, (-1, 2))
+        corners = corners if corners[0, 0] < corners[1, 0] else corners[::-1]
+        assert_true_scale(board, corners, resolution)
+
+
 def test_a_large_board_comes_on_several_pages_that_fit_together() -> None:
     board = Board(12, 9, 0.05, 0.037)
     sheet = sheet_of(board)

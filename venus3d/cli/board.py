@@ -15,6 +15,15 @@ from venus3d.storage.board_sheet.sheet import Sheet, lay_out, paper_size, tiles
 from venus3d.storage.folder import write_bytes
 
 _KINDS = (".pdf", ".svg", ".png")
+_TO_MEASURE = {
+    "squares": "measure a square and give its size with --board.square-mm (and the marker's with "
+    "--board.marker-mm)",
+    "tags": "measure the distance from one tag to the next and a tag, and give them with "
+    "--board.square-mm and --board.marker-mm",
+    "circles": "measure the distance from one row to the next over many rows and give it with "
+    "--board.square-mm (and a circle's diameter with --board.marker-mm)",
+}
+"""By what the board's columns count."""
 
 
 def board_command(options: BoardCommand) -> None:
@@ -48,7 +57,7 @@ def board_command(options: BoardCommand) -> None:
             f"The board does not fit on this paper: with its border it is {sheet.width:.0f} x "
             f"{sheet.height:.0f} mm. Write a .pdf, which has several pages, or use --paper fit."
         )
-    size = f"{board.columns} x {board.rows} squares of {options.board.square_mm:g} mm"
+    size = f"{board.columns} x {board.rows} {board.of_kind.unit}, {_lengths(board)}"
     if kind == ".pdf":
         write_bytes(path, pdf_of(sheet, pages, f"venus3d board: {size}"))
         made = f"{len(pages)} pages to be put together" if len(pages) > 1 else "one page"
@@ -61,18 +70,20 @@ def board_command(options: BoardCommand) -> None:
         picture, dpi = picture_of_sheet(sheet, options.dpi, options.board.square_mm)
         write_bytes(path, png_of(picture, dpi))
         print(f"{path}: {picture.shape[1]} x {picture.shape[0]} px at {dpi:.1f} dpi, {size}.")
+    unit = board.of_kind.unit
     ruler = "" if options.plain else "check that the ruler is 100 mm long, "
-    print(
-        f"Print it at 100 %, {ruler}glue it onto something flat and stiff, measure a square and "
-        "give its size with --board.square-mm (and the marker's with --board.marker-mm)."
-    )
+    print(f"Print it at 100 %, {ruler}glue it onto something flat and stiff, {_TO_MEASURE[unit]}.")
+
+
+def _lengths(board: Board) -> str:
+    lengths = f"{1000 * board.square:g} mm"
+    return f"{lengths} / {1000 * board.marker:g} mm" if board.has("marker") else lengths
 
 
 def _sheet(board: Board, paper: tuple[float, float] | None, options: BoardCommand) -> Sheet:
-    marked = f", {1000 * board.marker:g} mm, {board.dictionary}" if board.has("marker") else ""
+    marked = f", {board.dictionary}" if board.has("dictionary") else ""
     words = (
-        f"{board.of_kind.name}, {board.columns} x {board.rows}, {1000 * board.square:g} mm"
-        + marked,
+        f"{board.of_kind.name}, {board.columns} x {board.rows}, {_lengths(board)}{marked}",
         "Print at 100 %: the ruler is 100 mm long. If not, measure: --board.square-mm",
     )
     if not 0 <= options.margin_mm < 1000:

@@ -24,7 +24,6 @@ _LOOKED_AT = 12
 """Pictures: a board that is not told by so many is told by no more."""
 _EVERY = 15
 """Frames from one look at a camera to the next."""
-_UNITS = {"charuco": "squares", "chessboard": "squares", "unknown": "markers"}
 
 
 def find_board(source: str) -> None:
@@ -52,7 +51,7 @@ def find_board(source: str) -> None:
 
 
 def _described(board: FoundBoard) -> str:
-    unit = _UNITS.get(board.kind, "circles" if "circles" in board.kind else "tags")
+    unit = KINDS[board.kind].unit if board.kind in KINDS else "markers"
     parts = [f"{board.columns} x {board.rows} {unit}"]
     if board.dictionary:
         ids = f"ids from {board.first_id}" if board.first_id else "ids from 0"
@@ -72,6 +71,8 @@ def _to_copy(board: FoundBoard) -> str:
     if board.kind not in KINDS:
         return f"This kind is not read; one of {listed(list(KINDS))} is (venus3d board --help)."
     lengths = " --board.square-mm SQUARE"
+    if KINDS[board.kind].unit == "circles":
+        lengths += " --board.marker-mm DIAMETER   (measure both; SQUARE from one row to the next)"
     if math.isfinite(board.share):
         lengths += f" --board.marker-mm MARKER   (measure both; about {board.share:.2f} SQUARE)"
     return board.options + lengths

@@ -14,6 +14,7 @@ import yaml
 
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import DICTIONARIES, Board
+from venus3d.engine.sentences import listed
 from venus3d.storage.folder import reason, write_bytes
 
 _OPTIONS: Mapping[str, type] = {
@@ -35,7 +36,11 @@ _CALIB_IO = re.compile(
 )
 """calib.io_charuco_200x150_8x11_15_11_DICT_4X4: the page, rows x columns, square and marker in mm;
 those of checkers end after the square. Older files have no marker."""
-_KALIBR: Mapping[str, str] = {"aprilgrid": "aprilgrid", "checkerboard": "chessboard"}
+_KALIBR: Mapping[str, str] = {
+    "aprilgrid": "aprilgrid",
+    "checkerboard": "chessboard",
+    "circlegrid": "circles",
+}
 
 
 def board_text(board: Board) -> str:
@@ -119,13 +124,13 @@ def _of_kalibr(path: Path, text: str) -> dict[str, Any]:
     kind = str(content["target_type"])
     if kind not in _KALIBR:
         raise StorageError(
-            f"{path} is a {kind[:30]} of Kalibr, of which {' and '.join(_KALIBR)} are read; give "
+            f"{path} is a {kind[:30]} of Kalibr, of which {listed(list(_KALIBR))} are read; give "
             "the board with --board.*."
         )
     try:
         if kind == "aprilgrid":
             tag, spacing = _length(content["tagSize"]), float(content["tagSpacing"])
-            found = {
+            found: dict[str, Any] = {
                 "columns": int(content["tagCols"]),
                 "rows": int(content["tagRows"]),
                 "square_mm": tag * (1 + spacing),
@@ -134,6 +139,14 @@ def _of_kalibr(path: Path, text: str) -> dict[str, Any]:
             }
             if content.get("startId"):
                 found["first_id"] = int(content["startId"])
+        elif kind == "circlegrid":
+            found = {
+                "columns": int(content["targetCols"]),
+                "rows": int(content["targetRows"]),
+                "square_mm": _length(content["spacingMeters"]),
+            }
+            if content.get("asymmetricGrid"):
+                found["kind"] = "asymmetric-circles"
         else:
             across = _length(content["colSpacingMeters"])
             down = _length(content["rowSpacingMeters"])

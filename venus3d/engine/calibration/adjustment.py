@@ -24,6 +24,7 @@ from venus3d.engine.calibration.observation import (
     determines_homography,
     reprojection_errors,
     rms_distance,
+    with_centres,
 )
 from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.calibration.repeats import repeated
@@ -113,6 +114,8 @@ UNDETERMINED = 0.1
 # Lower bound of the corner noise: exact corners must not make a degenerate set look determined.
 # Higher for the start-up model, which mistakes distortion for focal length.
 _NOMINAL_NOISE_PX: dict[Model, float] = {"full": 0.05, "startup": 0.25}
+_CENTRING_ROUNDS = 2
+"""The second moves no centre by more than 0.0001 px."""
 _UNTIED = Sentence(
     "The focal length is not determined by these views: {why}; "
     "tilt the board by 20-45° in different directions."
@@ -180,11 +183,41 @@ def calibrate(
         CalibrationError: no or unusable views, mixed image sizes, views that do not determine the
             focal length (all parallel, all frontal), or an implausible result.
     """
-    size = _common_size(observations)
     counted = range(1, len(observations) + 1) if numbers is None else numbers
+    views = list(zip(counted, observations, strict=True))
+    found = _calibrated(board, views, model, lens, square_pixels, start)
+    if model == "startup" or not any(seen.centroids is not None for seen in observations):
+        return found
+    for _ in range(_CENTRING_ROUNDS):
+        views = _centred(views, found)
+        found = _calibrated(board, views, model, lens, square_pixels, found.camera)
+    return found
+
+
+def _centred(
+    views: Sequence[tuple[int, Observation]], found: Calibration
+) -> list[tuple[int, Observation]]:
+    """The views with the centres of the board's discs as this calibration has them."""
+    poses = {view.number: view.pose for view in found.views}
+    return [
+        (number, with_centres(found.camera, found.board, seen, poses[number]))
+        if number in poses
+        else (number, seen)
+        for number, seen in views
+    ]
+
+
+def _calibrated(
+    board: Board,
+    every: Sequence[tuple[int, Observation]],
+    model: Model,
+    lens: LensModel | None,
+    square_pixels: bool,
+    start: Camera | None,
+) -> Calibration:
+    size = _common_size([seen for _, seen in every])
     if lens is None:
         lens = BROWN5 if start is None else start.lens
-    every = list(zip(counted, observations, strict=True))
     usable, corners, left_out = _usable(board, every, size, lens)
     basis = _basis(lens, model, square_pixels)
     try:

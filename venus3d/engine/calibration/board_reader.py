@@ -37,6 +37,8 @@ class BoardReader:
         """Whether the last image showed two boards that cannot be told apart."""
         self.exact = False
         """Whether the points need no refinement by windows around each."""
+        self.centroids: Array | None = None
+        """(N, 2) the centroids of the discs whose centres were just read, pixels; see `discs`."""
         self.weighing = False
         """Whether this has seen an image from which it learns; of copies."""
         self.is_copy = False

@@ -1,14 +1,16 @@
-"""Recognises grids of circles of any size, symmetric and asymmetric ones.
+"""Finds grids of circles, symmetric and asymmetric ones, of a known size and of any.
 
-`cv2.findCirclesGrid` must be told the size. Here the centres of round blobs are walked through from
-neighbour to neighbour, which gives each a place in a lattice; the outline of the places tells the
-kind. In an asymmetric grid every second row is shifted by half a step: its nearest neighbours lie
-diagonally, and the places fill a rectangle once they are turned by 45°.
+`cv2.findCirclesGrid` must be told the size, and took minutes for some pictures with noise. Here the
+centres of round blobs are walked through from neighbour to neighbour, which gives each a place in a
+lattice; the outline of the places tells the kind. In an asymmetric grid every second row is shifted
+by half a step: its nearest neighbours lie diagonally, and the places fill a rectangle once they are
+turned by 45°.
 """
 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -35,6 +37,8 @@ _ACROSS = 0.5
 """Least sine of the angle between the two steps."""
 _FILLED, _PLACED = 0.9, 0.6
 """Shares of the outline's places that have a circle, and of the circles that have a place."""
+_STARTS = 6
+"""Circles from which the walk begins, as one may lie beside the board."""
 _TURNED = np.array([[1, 1], [1, -1]])
 _BASES = [
     np.array(rows).reshape(2, 2)
@@ -61,12 +65,44 @@ def find_circles(grey: Grey) -> CircleGrid | None:
     parameters.filterByCircularity, parameters.minCircularity = True, _ROUND
     parameters.minArea, parameters.maxArea = _LEAST_AREA, grey.size / 50
     for picture in (grey, np.asarray(255 - grey, dtype=np.uint8)):
-        centres = _alike(cv2.SimpleBlobDetector.create(parameters).detect(picture))
+        centres = alike_blobs(cv2.SimpleBlobDetector.create(parameters).detect(picture))
         if _FEWEST_CIRCLES <= len(centres) <= _MOST_CIRCLES:
             found = _arranged(centres)
             if found is not None and _ellipticity(picture, centres) > _ELLIPTIC:
                 return found
     return None
+
+
+def grids_of(centres: Array, columns: int, rows: int, stride: int) -> list[Array]:
+    """The ways to number circles (N, 2) as a grid (rows, columns, 2) that is seen from the front;
+    none if they are no such grid. Other circles may be beside it.
+
+    Args:
+        stride: 2 if the circles of a row are two squares apart and every second row is shifted.
+    """
+    nearest = np.argsort(np.linalg.norm(centres - np.median(centres, axis=0), axis=1))
+    for first in nearest[:_STARTS]:
+        placed = _placed(centres, int(first))
+        if len(placed) == columns * rows:
+            places, found = np.array(list(placed)), centres[list(placed.values())]
+            return list(_numberings(places, found, columns, rows, stride))
+    return []
+
+
+def _numberings(
+    places: NDArray[np.intp], found: Array, columns: int, rows: int, stride: int
+) -> Iterator[Array]:
+    for basis in _BASES:
+        at = places @ basis @ _TURNED if stride == 2 else places @ basis
+        at = at - at.min(axis=0)
+        order = np.lexsort((at[:, 0], at[:, 1]))
+        filled = tuple(at.max(axis=0)) == (stride * columns - 1, rows - 1)
+        if not filled or at[order[0], 0] != 0:
+            continue
+        grid = found[order].reshape(rows, columns, 2)
+        right, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
+        if right[0] * down[1] - right[1] * down[0] > 0:
+            yield grid
 
 
 def _ellipticity(grey: Grey, centres: Array) -> float:
@@ -91,7 +127,7 @@ def _ellipticity(grey: Grey, centres: Array) -> float:
     return float(np.median(found)) if 2 * len(found) > len(centres) else 0.0
 
 
-def _alike(blobs: Any) -> Array:
+def alike_blobs(blobs: Any) -> Array:
     """(N, 2) centres of the blobs of about the same size."""
     sizes = np.array([blob.size for blob in blobs])
     if not sizes.size:
@@ -102,7 +138,8 @@ def _alike(blobs: Any) -> Array:
 
 def _arranged(centres: Array) -> CircleGrid | None:
     """The grid in which most of the centres (N, 2) lie."""
-    placed = np.array(list(_placed(centres)))
+    middle = int(np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1)))
+    placed = np.array(list(_placed(centres, middle)))
     if len(placed) < max(_FEWEST_CIRCLES, _PLACED * len(centres)):
         return None
     # Seen from the side, the nearest neighbours may be others: any basis of the lattice is tried.
@@ -131,9 +168,8 @@ def _asymmetric(places: NDArray[np.intp]) -> CircleGrid | None:
     return CircleGrid(columns, rows, True) if min(columns, rows) >= _FEWEST else None
 
 
-def _placed(centres: Array) -> dict[_Place, int]:
-    """The index of the circle at each place of the lattice around the middle of the centres."""
-    first = int(np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1)))
+def _placed(centres: Array, first: int) -> dict[_Place, int]:
+    """The index of the circle at each place of the lattice around one of the centres."""
     steps = _steps(centres, first)
     if steps is None:
         return {}

@@ -20,6 +20,7 @@ from venus3d.engine.calibration.board_reader import BoardReader, Grey, Region
 from venus3d.engine.calibration.board_recognition import BoardRecognition, best_finding
 from venus3d.engine.calibration.charuco_reader import CharucoReader
 from venus3d.engine.calibration.chessboard_reader import ChessboardReader
+from venus3d.engine.calibration.circle_reader import CircleReader
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.calibration.refinement import (
@@ -43,6 +44,8 @@ def reader_of(board: Board, *, find_layout: bool = True) -> BoardReader:
         return CharucoReader(board, find_layout=find_layout)
     if board.kind == "chessboard":
         return ChessboardReader(board)
+    if board.of_kind.radius(board) > 0:
+        return CircleReader(board)
     return TagReader(board, 2 if board.kind == "aprilgrid" else 1)
 
 
@@ -199,8 +202,10 @@ class Detector:
             corners = refine_corners(self.board, ids, grey, corners, windows)
         squares = np.linalg.norm(scales, axis=1).min(axis=1) * self.board.square
         self.square_px = float(squares.min())
-        sharpness = edge_sharpness(grey, corners, squares)
-        return Observation(ids, corners, size, sharpness)
+        # A disc's nearest edge is its rim.
+        edges = corners + scales[:, :, 0] * self.board.of_kind.radius(self.board)
+        sharpness = edge_sharpness(grey, edges, squares)
+        return Observation(ids, corners, size, sharpness=sharpness, centroids=reader.centroids)
 
     def _miss(self, grey: Grey) -> None:
         if len(self._first_missed) < _KEPT_MISSED:

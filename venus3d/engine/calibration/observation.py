@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.discs import disc_shifts
 from venus3d.engine.geometry.pose import Array, Pose
 
 
@@ -35,6 +36,9 @@ class Observation:
     """How the board in the images so far differs from the one given."""
     detect_s: float = float("nan")
     """How long the detection took, seconds; NaN if it was not measured."""
+    centroids: Array | None = None
+    """(N, 2) centroids of the discs whose centres are the corners, pixels (see `discs`); None of
+    boards without discs."""
     image: NDArray[np.uint8] | None = field(default=None, repr=False)
     """(H, W[, 3]) the image, if it is kept."""
 
@@ -49,7 +53,8 @@ class Observation:
 
     def only(self, used: NDArray[np.bool_]) -> Observation:
         """A copy with some of the corners, by a mask (N,)."""
-        return replace(self, ids=self.ids[used], corners=self.corners[used])
+        centroids = None if self.centroids is None else self.centroids[used]
+        return replace(self, ids=self.ids[used], corners=self.corners[used], centroids=centroids)
 
     @staticmethod
     def nothing(image_size: tuple[int, int], time_s: float = 0.0, name: str = "") -> Observation:
@@ -83,9 +88,18 @@ def whole(view: View) -> Observation:
         return seen
     ids = np.append(seen.ids, gone.ids)
     order = np.argsort(ids)
-    return replace(
-        seen, ids=ids[order], corners=np.concatenate([seen.corners, gone.corners])[order]
-    )
+    corners = np.concatenate([seen.corners, gone.corners])[order]
+    centroids = None
+    if seen.centroids is not None and gone.centroids is not None:
+        centroids = np.concatenate([seen.centroids, gone.centroids])[order]
+    return replace(seen, ids=ids[order], corners=corners, centroids=centroids)
+
+
+def with_centres(camera: Camera, board: Board, seen: Observation, pose: Pose) -> Observation:
+    """The observation with the centres of the board's discs as they are seen by this camera."""
+    if seen.centroids is None:
+        return seen
+    return replace(seen, corners=seen.centroids - disc_shifts(camera, board, seen.ids, pose))
 
 
 def determines_homography(points: Array) -> bool:

@@ -20,7 +20,10 @@ _GRID = np.stack(np.meshgrid(_NEAR, _NEAR), axis=-1).reshape(-1, 2)
 _QUADRANTS = np.array(
     [(np.sign(_GRID) == side).all(axis=1) for side in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
 ) & (np.abs(_GRID).min(axis=1) > 0.07)
-"""(4, 81) which of these lie well within each of the corner's four squares."""
+_PARTS = np.vstack([_QUADRANTS, np.abs(_GRID).max(axis=1) < 0.1])
+"""(5, 81) which of these lie well within each of a corner's four squares, and within a disc."""
+_OF_RADIUS = 5.3
+"""`_GRID`'s unit in radii of a disc, so that the grid reaches 1.6 of them from its centre."""
 _TEXTURE_PX = 20
 _BENT = 0.1
 """Of a square: how far corners may be from a homography's before it predicts none."""
@@ -74,7 +77,7 @@ def _tones(
 ) -> tuple[NDArray[np.intp], Array, Array]:
     """(K,) ids of the corners in the picture, (K,) their black, (K,) their white."""
     flat = board.corners[:, :2]
-    around = flat[:, None] + board.square * _GRID
+    around = flat[:, None] + _reach(board) * _GRID
     flat_px = cv2.perspectiveTransform(flat[None], homography)[0]
     at = cv2.perspectiveTransform(around.reshape(1, -1, 2), homography).reshape(around.shape)
     # The homography knows no distortion; where a corner was found, its surroundings go with it.
@@ -88,8 +91,8 @@ def _tones(
     if pixels.ndim == 3:
         pixels = pixels @ [0.114, 0.587, 0.299]
     pixels /= 257.0 if image.dtype == np.uint16 else 1.0
-    squares = pixels @ (_QUADRANTS / _QUADRANTS.sum(axis=1, keepdims=True)).T
-    blacks = np.where(_plain_black(board)[inside], squares, -np.inf).max(axis=1)
+    parts = pixels @ (_PARTS / _PARTS.sum(axis=1, keepdims=True)).T
+    blacks = np.where(_plain_black(board)[inside], parts, -np.inf).max(axis=1)
     return np.flatnonzero(inside), blacks, np.percentile(pixels, 90, axis=1)
 
 
@@ -103,13 +106,19 @@ def _is_bent(board: Board, seen: Observation, flat_px: Array) -> bool:
     return bool(np.sqrt((off**2).mean()) > _BENT * square_px)
 
 
+def _reach(board: Board) -> float:
+    """`_GRID`'s unit on a board, metres."""
+    radius = board.of_kind.radius(board)
+    return _OF_RADIUS * radius if radius > 0 else board.square
+
+
 @lru_cache(maxsize=4)
 def _plain_black(board: Board) -> NDArray[np.bool_]:
-    """(N, 4) which of the squares at each corner are printed plain black."""
+    """(N, 5) which of the parts around each point are printed plain black."""
     texture = board.texture(_TEXTURE_PX)
     origin = np.array([board.width, board.height]) / 2
-    around = (board.corners[:, None, :2] + board.square * _GRID + origin) / board.square
+    around = (board.corners[:, None, :2] + _reach(board) * _GRID + origin) / board.square
     last = np.array(texture.shape[::-1]) - 1
     at = np.clip(np.floor(around * _TEXTURE_PX).astype(int), 0, last)
     printed = texture[at[..., 1], at[..., 0]] < 128
-    return (printed[:, None] | ~_QUADRANTS).all(axis=2)
+    return np.asarray((printed[:, None] | ~_PARTS).all(axis=2), dtype=np.bool_)

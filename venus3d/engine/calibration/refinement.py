@@ -42,12 +42,13 @@ def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
     of the nearest corner that has; a homography through all corners serves if no corner has any.
     """
     places, points = board.lattice[ids], board.corners[ids, :2]
-    wide, high = board.lattice.max(axis=0) + 3
+    stride = board.of_kind.stride
+    wide, high = board.lattice.max(axis=0) + 1 + 2 * stride
     grid = np.full((wide, high, 4), np.nan)
-    grid[places[:, 0] + 1, places[:, 1] + 1] = here = np.hstack([corners, points])
+    grid[places[:, 0] + stride, places[:, 1] + stride] = here = np.hstack([corners, points])
     scales = np.zeros((ids.size, 2, 2))
-    for axis, step in enumerate(np.eye(2, dtype=np.intp)):
-        after, before = places + 1 + step, places + 1 - step
+    for axis, step in enumerate(stride * np.eye(2, dtype=np.intp)):
+        after, before = places + stride + step, places + stride - step
         steps = np.stack(
             [grid[after[:, 0], after[:, 1]] - here, here - grid[before[:, 0], before[:, 1]]]
         )

@@ -18,7 +18,7 @@ from venus3d.engine.geometry.pose import Array
 
 def neighbour_correlation(calibration: Calibration) -> float:
     """Correlation of the residuals of neighbouring corners in the same view; NaN if none."""
-    lattice = calibration.board.lattice
+    lattice, n = calibration.board.lattice, calibration.board.of_kind.stride
     columns, rows = lattice.max(axis=0) + 1
     one: list[Array] = []
     other: list[Array] = []
@@ -26,7 +26,7 @@ def neighbour_correlation(calibration: Calibration) -> float:
         grid = np.full((rows, columns, 2), np.nan)
         column, row = lattice[view.observation.ids].T
         grid[row, column] = view.errors
-        for left, right in ((grid[:, :-1], grid[:, 1:]), (grid[:-1], grid[1:])):
+        for left, right in ((grid[:, :-n], grid[:, n:]), (grid[:-n], grid[n:])):
             both = np.isfinite(left + right)
             one.append(left[both])
             other.append(right[both])

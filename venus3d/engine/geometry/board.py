@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from venus3d.engine.errors import BoardError
 from venus3d.engine.geometry.boards.charuco import Charuco
 from venus3d.engine.geometry.boards.chessboard import Chessboard
+from venus3d.engine.geometry.boards.circles import ASYMMETRIC_CIRCLES, CIRCLES
 from venus3d.engine.geometry.boards.kind import BoardKind
 from venus3d.engine.geometry.boards.tags import APRILGRID, ARUCO_GRID
 from venus3d.engine.geometry.pose import Array
@@ -27,11 +28,13 @@ DICTIONARIES: tuple[str, ...] = tuple(
 """Names of the marker dictionaries of this OpenCV version."""
 
 
-Kind = Literal["charuco", "chessboard", "aprilgrid", "aruco-grid"]
+Kind = Literal["charuco", "chessboard", "circles", "asymmetric-circles", "aprilgrid", "aruco-grid"]
 """Names of the kinds of boards."""
 KINDS: Mapping[str, BoardKind] = {
     "charuco": Charuco(),
     "chessboard": Chessboard(),
+    "circles": CIRCLES,
+    "asymmetric-circles": ASYMMETRIC_CIRCLES,
     "aprilgrid": APRILGRID,
     "aruco-grid": ARUCO_GRID,
 }
@@ -55,7 +58,7 @@ class Board:
     rows: int = 6
     """Squares, tags or circles along y."""
     square: float = 0.028
-    """Side of a square, or of the cell that holds one tag or circle, metres."""
+    """Side of a square, or from one tag or row of circles to the next, metres."""
     marker: float = 0.021
     """Side of a marker, or diameter of a circle, metres."""
     dictionary: str = "DICT_5X5_100"
@@ -99,7 +102,8 @@ class Board:
             begun = f" from id {self.first_id} on" if self.first_id else ""
             raise BoardError(
                 f"{self.dictionary} has {have} markers, but a board of {self.columns} x "
-                f"{self.rows} squares needs {self.marker_count}{begun}; use a larger dictionary."
+                f"{self.rows} {self.of_kind.unit} needs {self.marker_count}{begun}; use a larger "
+                "dictionary."
             )
 
     @property
@@ -161,7 +165,8 @@ class Board:
 
     @cached_property
     def lattice(self) -> NDArray[np.intp]:
-        """(M, 2) column and row of each point, in order of the ids; neighbours differ by one."""
+        """(M, 2) column and row of each point, in order of the ids; the next one is
+        `of_kind.stride` places away."""
         return self.of_kind.lattice(self)
 
     @cached_property

@@ -24,6 +24,8 @@ class Charuco:
     name = "ChArUco"
     fields: tuple[str, ...] = ("marker", "dictionary", "legacy", "inverted", "first_id")
     partial = True
+    stride = 1
+    unit = "squares"
 
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the squares are too few or the markers do not fit them."""
@@ -49,6 +51,10 @@ class Charuco:
     def points(self, board: Board) -> Array:
         """The inner corners."""
         return inner_corners(board)
+
+    def radius(self, board: Board) -> float:
+        """None: its points are corners."""
+        return 0.0
 
     def clearance(self, board: Board) -> float:
         """Up to the markers."""

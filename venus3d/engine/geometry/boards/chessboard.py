@@ -28,6 +28,8 @@ class Chessboard:
     name = "checkerboard"
     fields: tuple[str, ...] = ()
     partial = False
+    stride = 1
+    unit = "squares"
 
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the squares are too few."""
@@ -49,6 +51,10 @@ class Chessboard:
     def points(self, board: Board) -> Array:
         """The inner corners."""
         return inner_corners(board)
+
+    def radius(self, board: Board) -> float:
+        """None: its points are corners."""
+        return 0.0
 
     def clearance(self, board: Board) -> float:
         """A fifth of a square: the edges go on, but in a larger window the lens bends them."""

@@ -28,6 +28,11 @@ class BoardKind(Protocol):
         ...
 
     @property
+    def unit(self) -> str:
+        """What `columns` and `rows` count."""
+        ...
+
+    @property
     def fields(self) -> tuple[str, ...]:
         """The board's fields that this kind has, besides `columns`, `rows` and `square`."""
         ...
@@ -35,6 +40,11 @@ class BoardKind(Protocol):
     @property
     def partial(self) -> bool:
         """Whether it is read where a part of it is hidden or outside the picture."""
+        ...
+
+    @property
+    def stride(self) -> int:
+        """Places of the lattice from a point to the next one along a row or a column."""
         ...
 
     def check(self, board: Board) -> None:
@@ -46,11 +56,15 @@ class BoardKind(Protocol):
         ...
 
     def lattice(self, board: Board) -> NDArray[np.intp]:
-        """(M, 2) column and row of each point, in order of the ids: neighbours differ by one."""
+        """(M, 2) column and row of each point, in order of the ids."""
         ...
 
     def points(self, board: Board) -> Array:
         """(M, 2) the flat board's points, in order of their ids."""
+        ...
+
+    def radius(self, board: Board) -> float:
+        """Of the discs whose centres are the points; 0 for corners."""
         ...
 
     def clearance(self, board: Board) -> float:

@@ -37,6 +37,8 @@ class TagGrid:
     upside down by OpenCV's reckoning: Kalibr's layout (`kalibr_create_target_pdf`)."""
     fields: tuple[str, ...] = ("marker", "dictionary", "first_id")
     partial: bool = True
+    stride: int = 1
+    unit: str = "tags"
 
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the tags are too few, or larger than their cells."""
@@ -78,6 +80,10 @@ class TagGrid:
 
     def _corners(self) -> NDArray[np.intp]:
         return (np.roll(_CORNERS, 2, axis=0) if self.joints else _CORNERS).astype(np.intp)
+
+    def radius(self, board: Board) -> float:
+        """None: its points are corners."""
+        return 0.0
 
     def clearance(self, board: Board) -> float:
         """Up to the tag's cells inside, and to the next tag outside."""

@@ -1,0 +1,113 @@
+"""Reads grids of circles: blobs that lie in a grid of the board's size (`circle_grids`), which are
+then followed from image to image by optical flow. Each circle's place is the centroid of its
+darkness (`disc_centroids`), from which its centre is worked out (`discs`).
+
+A grid of circles does not say which way up it is, unless every second row is shifted and the rows
+are odd in number. Else the reading nearest to the last image's is taken, at first the upright one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+
+from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
+from venus3d.engine.calibration.circle_grids import alike_blobs, grids_of
+from venus3d.engine.calibration.corner_grids import flowed, is_even, numbered, row_direction
+from venus3d.engine.calibration.disc_centroids import disc_centroids
+from venus3d.engine.calibration.refinement import local_scales
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.discs import centres_of_discs
+from venus3d.engine.geometry.pose import Array
+
+_UPRIGHT = np.array([1.0, 0.0])
+_LEAST_AREA = 12.0
+_ROUND = 0.7
+"""Circularity of a blob: a disc under 60 degrees has 0.84, and less where it is a few pixels."""
+
+_FLOWN_PX, _FLOW_LEVELS = 14.0, 2
+"""Diameter of the circles in the pictures in which they are followed, and how often these are
+halved: within a large circle there is nothing to follow, and of many small ones each is like the
+next."""
+_LEAST_APART = 3.0
+_BLUR_PX, _THRESHOLDS = 1.0, (20, 230, 15)
+"""Noise makes blobs, which take time: with this blur and half of OpenCV's thresholds the search
+takes a third."""
+
+
+class CircleReader(BoardReader):
+    """The whole board, or nothing."""
+
+    def __init__(self, board: Board) -> None:
+        """Nothing seen yet."""
+        super().__init__(board)
+        self.exact = True
+        self._last: tuple[Grey, Array] | None = None
+        self._across = _UPRIGHT
+
+    def copy(self) -> CircleReader:
+        """Without a last image."""
+        other = super().copy()
+        other._last, other._across = None, _UPRIGHT
+        return other
+
+    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
+        """All circles' centres or none; `quick` only follows those of the last image."""
+        picture = np.asarray(255 - grey if self.board.inverted else grey, dtype=np.uint8)
+        found = self._followed(picture, region) if quick else self._found(picture, region)
+        seen = None if found is None else self._measured(picture, found)
+        if found is None or seen is None:
+            self._last = None
+            return NOTHING
+        if not self.is_copy:
+            self._last, self._across = (picture, seen.reshape(found.shape)), row_direction(found)
+        ids, _ = numbered(found)
+        points = self.board.of_kind.points(self.board)
+        self.centroids = seen
+        return ids, centres_of_discs(points, seen, self.board.of_kind.radius(self.board))
+
+    def _measured(self, grey: Grey, grid: Array) -> Array | None:
+        """(N, 2) the circles' centroids; None if one is no circle."""
+        ids, places = numbered(grid)
+        scales, kind = local_scales(self.board, ids, places), self.board.of_kind
+        radius = kind.radius(self.board)
+        return disc_centroids(grey, places, scales, radius, kind.clearance(self.board))
+
+    def _found(self, grey: Grey, region: Region) -> Array | None:
+        x0, y0, x1, y1 = region
+        board = self.board
+        blurred: Any = cv2.GaussianBlur(grey[y0:y1, x0:x1], (0, 0), _BLUR_PX)
+        centres = alike_blobs(_blob_detector(blurred).detect(blurred)) + np.array([x0, y0])
+        if len(centres) < board.corner_count:
+            return None
+        return max(
+            grids_of(centres, board.columns, board.rows, board.of_kind.stride),
+            key=lambda one: float(row_direction(one) @ self._across),
+            default=None,
+        )
+
+    def _followed(self, grey: Grey, region: Region) -> Array | None:
+        if self._last is None:
+            return None
+        before, grid = self._last
+        steps = np.linalg.norm(np.diff(grid, axis=1), axis=2).max()
+        board = self.board
+        diameter = steps * board.marker / (board.square * board.of_kind.stride)
+        shrink = max(1.0, float(diameter) / _FLOWN_PX)
+        now = flowed(before, grey, grid, region, shrink=shrink, levels=_FLOW_LEVELS)
+        if now is None:
+            return None
+        rows = (now[::2], now[1::2]) if board.of_kind.stride == 2 else (now,)
+        return now if all(map(is_even, rows)) else None
+
+
+def _blob_detector(grey: Grey) -> Any:
+    """For dark circles of any size."""
+    wanted = cv2.SimpleBlobDetector.Params()
+    wanted.filterByCircularity, wanted.minCircularity = True, _ROUND
+    wanted.minArea, wanted.maxArea = _LEAST_AREA, grey.size / 20
+    wanted.minDistBetweenBlobs = _LEAST_APART
+    wanted.minThreshold, wanted.maxThreshold, wanted.thresholdStep = _THRESHOLDS
+    return cv2.SimpleBlobDetector.create(wanted)
