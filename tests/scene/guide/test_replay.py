@@ -18,8 +18,14 @@ from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
+from venus3d.render.offscreen import Offscreen
+from venus3d.render.scene_picture import scene_picture
+from venus3d.render.shapes import LineShape
+from venus3d.render.viewpoints import SceneCamera
+from venus3d.scene.pages.guide import replay_film as replay_film_module
 from venus3d.scene.pages.guide.replay import Worker
 from venus3d.scene.pages.guide.replay_bar import Place, ReplayBar, moment_at
 from venus3d.scene.pages.guide.replay_document import replay_document
@@ -93,13 +99,39 @@ def test_the_time_line(recorded: Path) -> None:
     assert Place(1.0).after(2.0, 3.0) == Place(1.0)
 
 
-def test_the_film_can_be_played(recorded: Path, tmp_path: Path) -> None:
+def test_the_film_can_be_played(
+    recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The camera's picture on the left stands while the board comes there in the scene beside it;
+    then two seconds of what it gave."""
+    monkeypatch.setattr(replay_film_module, "_SIZE", (320, 180))
+    monkeypatch.setattr(replay_film_module, "_FPS", 4)
     path = tmp_path / "session.mp4"
-    path.write_bytes(replay_film(moments_of(recorded)[:3], SETTINGS))
+    path.write_bytes(replay_film(moments_of(recorded)[2:4], SETTINGS))
     with av.open(str(path)) as film:
-        frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
-    assert len(frames) == 3 * 20 and frames[0].shape[1] == 1280
-    assert np.abs(frames[0].astype(int) - frames[30]).mean() > 1  # another moment
+        frames = [frame.to_ndarray(format="rgb24").astype(int) for frame in film.decode(video=0)]
+    way = frames[:-8]
+    assert len(way) >= 5 + 6 and frames[0].shape == (226, 640, 3)  # a step and a rest at least
+    picture, scene = (slice(50, 220), slice(5, 315)), (slice(50, 220), slice(325, 635))
+    assert np.abs(way[0][picture] - way[-1][picture]).mean() < 1
+    assert np.abs(way[0][scene] - way[-1][scene]).mean() > 3
+    assert np.abs(frames[-1][scene] - way[-1][scene]).mean() > 3
+    assert np.abs(frames[-1][scene] - frames[-7][scene]).mean() < 1
+
+
+def test_the_scene_offscreen_is_seen_from_where_it_is_framed() -> None:
+    """A dot in the scene appears where the viewpoint says, by the painter as by viser's frustum."""
+    view = SceneCamera(np.array([0.4, -0.3, -0.5]), np.array([0.0, 0.0, 0.5]), 0.7)
+    at = np.array([0.05, -0.08, 0.45])
+    mark = LineShape(
+        "/steps/1/x", np.array([[at, at + np.array([0.004, 0, 0])]]), Pose.identity(), (255, 0, 0)
+    )
+    with Offscreen("painter") as offscreen:
+        size = (320, 180)
+        drawn = scene_picture(offscreen, [mark], view, size, dark=True).result().astype(int)
+    v, u = np.nonzero(drawn[..., 0] - drawn[..., 1] > 80)
+    expected = (view.in_window(at[None], 320 / 180)[0] + 1) / 2 * size
+    np.testing.assert_allclose([u.mean(), v.mean()], expected, atol=2.5)
 
 
 def test_the_document_shows_a_view_on_each_page_and_loads_nothing(recorded: Path) -> None:

@@ -13,26 +13,22 @@ from dataclasses import replace
 from functools import partial
 from html import escape
 
-import numpy as np
-
-from venus3d.engine.geometry.decomposition import Step, Steps, decompose
+from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.guidance.prompts import step_prompt
-from venus3d.engine.guidance.remaining import RemainingStep, RemainingSteps
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.languages import translated
 from venus3d.render.annotated_picture import annotate, small_picture
 from venus3d.render.describe import SceneOptions, describe
-from venus3d.render.framing import best_direction, content_of
+from venus3d.render.framing import content_of
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import step_style
 from venus3d.render.projections import Projections
-from venus3d.render.shapes import Shape
-from venus3d.render.step_shapes import pose_during
-from venus3d.render.viewpoints import OUTSIDE, SceneCamera, view_along
+from venus3d.render.viewpoints import OUTSIDE, view_along
 from venus3d.scene.pages.guide import replay_texts as say
 from venus3d.scene.pages.guide.replay import Worker, picture_of
 from venus3d.scene.pages.guide.replay_film import known_sentence
+from venus3d.scene.pages.guide.replay_scene import seen_from, steps_to, way_of
 from venus3d.scene.pages.guide.uncertainty.captured_views import captured_view_shapes
 from venus3d.scene.pages.guide.uncertainty.maps import map_html, map_of
 from venus3d.scene.pages.guide.uncertainty.parameters import parameters_html
@@ -49,7 +45,7 @@ from venus3d.scene.web.server import LocalServer
 from venus3d.storage.session_moments import Moment
 
 _PICTURE_WIDTH, _STEP_WIDTH = 960, 480
-_STEP_S, _REST_S, _VIEW_S = 1.2, 1.4, 0.6
+_REST_S, _VIEW_S = 1.4, 0.6
 
 
 def replay_document(
@@ -104,7 +100,7 @@ def _view_page(
     counts: bool,
 ) -> OfflinePage:
     moment, snapshot = capture.moment, capture.before
-    steps = _steps_to(snapshot, last)
+    steps = steps_to(snapshot, last)
     parts = [f"<h2>{escape(say.DOCUMENT_VIEW.format(number=moment.number))}</h2>"]
     if not counts:
         parts.append(f"<p><b>{escape(say.TAKEN_BACK)}</b></p>")
@@ -117,8 +113,9 @@ def _view_page(
         parts.append(f"<h3>{escape(say.STEPS_FROM_UPRIGHT if last is None else say.STEPS)}</h3>")
         figures = "".join(_figure(projections, snapshot, step, dark) for step in steps)
         parts.append(f"<div class='steps'>{figures}</div>")
-    way = list(_way(snapshot, steps, dark))
-    return OfflinePage("".join(parts), recording_of(server, way, _seen_from(way), dark=dark))
+    way = list(way_of(snapshot, steps, FPS, dark=dark))
+    seen = seen_from(way, FPS, ASPECT)
+    return OfflinePage("".join(parts), recording_of(server, way, seen, dark=dark))
 
 
 def _result_page(
@@ -155,15 +152,6 @@ def _picture(moment: Moment, snapshot: Snapshot) -> str:
     return f"<img class='lens' alt='{alt}' src='{encoded(rgb)}'>"
 
 
-def _steps_to(snapshot: Snapshot, last: Snapshot | None) -> Steps | None:
-    """The four steps from the board in the view before, or from the upright one; None without a
-    target."""
-    if snapshot.target is None:
-        return None
-    start = None if last is None else last.pose
-    return decompose(snapshot.target.pose, snapshot.camera, snapshot.board, start)
-
-
 def _figure(projections: Projections, snapshot: Snapshot, step: Step, dark: bool) -> str:
     camera, words = snapshot.camera, step_prompt(step)
     size = (_STEP_WIDTH, round(_STEP_WIDTH * camera.height / camera.width))
@@ -172,33 +160,3 @@ def _figure(projections: Projections, snapshot: Snapshot, step: Step, dark: bool
     ).result()
     alt = say.STEP_ALT.format(number=step.number)
     return step_figure(step, picture, alt, translated(words.holder), "", dark=dark)
-
-
-def _way(snapshot: Snapshot, steps: Steps | None, dark: bool) -> Iterator[tuple[Shape, ...]]:
-    """The scene, `FPS` a second: the board through the steps, then as it was captured."""
-    for step in steps or ():
-        if step.is_idle:
-            continue
-        assert steps is not None
-        remaining = _remaining(steps, step.number)
-        options = SceneOptions(step=step.number, dark=dark)
-        for share in np.linspace(0, 1, round(_STEP_S * FPS)):
-            pose = pose_during(step, float(share))
-            yield describe(replace(snapshot, pose=pose, remaining=remaining), options)
-    there = describe(replace(snapshot, remaining=None), SceneOptions(dark=dark))
-    yield from [there] * round(_REST_S * FPS)
-
-
-def _remaining(steps: Steps, active: int) -> RemainingSteps:
-    one, two, three, four = (
-        RemainingStep(step, step.is_idle or step.number < active, step_prompt(step))
-        for step in steps
-    )
-    return RemainingSteps((one, two, three, four), active, None)
-
-
-def _seen_from(moments: Sequence[tuple[Shape, ...]]) -> SceneCamera:
-    """From where all of this is seen well."""
-    content = content_of([*moments[0], *moments[-1]])
-    points = np.concatenate([content_of(now).points for now in moments[::FPS]])
-    return view_along(best_direction(content, ASPECT), points, ASPECT)
