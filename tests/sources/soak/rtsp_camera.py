@@ -57,6 +57,10 @@ class RtspCamera:
         """After `stall`."""
         self._process.send_signal(signal.SIGCONT)
 
+    def damage(self) -> None:
+        """The server loses packets from now on, or no longer."""
+        self._process.send_signal(signal.SIGUSR1)
+
     def close(self) -> None:
         """The end."""
         self._closed.set()
