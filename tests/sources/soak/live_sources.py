@@ -2,7 +2,8 @@
 
 The real video as MJPEG over HTTP and, where GStreamer's RTSP server is installed (setup.sh's
 system-soak), as H.264 over RTSP: stalls of 3, 10 and 30 s, restarts, damaged pictures and lost
-packets, 1 and 120 pictures a second. Prints a row for each and ends with 1 if one did not come back.
+packets, 1 and 120 pictures a second. Prints a row for each and ends with 1 if one did not come
+back.
 """
 
 from __future__ import annotations
