@@ -40,6 +40,7 @@ from venus3d.sources.sim import Simulation
 from venus3d.storage.session_folder import SessionFolder
 
 GROWTH_MIB, GROWTH_THREADS, GROWTH_HANDLES = 60, 2, 10
+_PARTS = 10
 
 
 class Counted(Simulation):
@@ -79,8 +80,9 @@ def soak(frames: int) -> bool:
     """Whether everything stays flat."""
     with ExitStack() as stack:
         directory = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        board, port = Board(), free_port()
-        source = Counted(PAPER_CAMERA.scaled((640, 360)), board, speed=3.0, autopilot=True)
+        # Small pictures of a board with large squares take half the time of the usual ones.
+        board, port = Board(5, 4, 0.05, 0.0375, "DICT_4X4_50"), free_port()
+        source = Counted(PAPER_CAMERA.scaled((320, 180)), board, speed=3.0, autopilot=True)
         offscreen = stack.enter_context(closing(Offscreen()))
         viewer = stack.enter_context(
             closing(Again(port=port, projections=Projections(offscreen), autopilot=True))
@@ -96,14 +98,21 @@ def soak(frames: int) -> bool:
         tracker = BoardTracker(Detector(board, find_layout=False))
         live = LiveGuide(session, source, tracker, viewer, keep, lambda: source)
         measured: list[tuple[float, int, int]] = []
+        ended = threading.Event()
         watcher = threading.Thread(
-            target=_watch, args=(live, source, viewer, frames, measured), daemon=True
+            target=_watch, args=(live, source, viewer, frames, measured, ended), daemon=True
         )
         reader = threading.Thread(target=_read, args=(port,), daemon=True)
         reader.start()
         watcher.start()
-        live.run()
+        try:
+            live.run()
+        finally:
+            ended.set()
         watcher.join()
+    if len(measured) <= _PARTS:
+        print("Ended before all frames.")
+        return False
     first, last = measured[1], measured[-1]
     grown = [after - before for before, after in zip(first, last, strict=True)]
     print(
@@ -127,11 +136,13 @@ def _watch(
     viewer: Again,
     frames: int,
     measured: list[tuple[float, int, int]],
+    ended: threading.Event,
 ) -> None:
     process, began = psutil.Process(), time.monotonic()
-    for part in range(11):
-        while source.frames < frames * part / 10:
-            time.sleep(0.2)
+    for part in range(_PARTS + 1):
+        while source.frames < frames * part / _PARTS:
+            if ended.wait(0.2):
+                return
         measured.append(figures(process))
         memory, threads, handles = measured[-1]
         print(
