@@ -58,6 +58,10 @@ class BoardOptions:
     square_mm: float = 28.0
     """Side of a square in millimetres, as measured on the printed board; from one tag or row of
     circles to the next (asymmetric circles are twice as far apart in a row)."""
+    square_x_mm: Annotated[float | None, optional("MM", "--board.square-mm")] = None
+    """The same from left to right, where a printer stretched the board one way."""
+    square_y_mm: Annotated[float | None, optional("MM", "--board.square-mm")] = None
+    """The same from top to bottom."""
     marker_mm: Annotated[
         float | None, optional("MM", "21; of circles half of --board.square-mm")
     ] = None
@@ -75,15 +79,21 @@ class BoardOptions:
 
     def board(self) -> Board:
         """The engine's board. Raises `BoardError` for invalid options."""
+        across, down = (
+            self.square_mm if side is None else side
+            for side in (self.square_x_mm, self.square_y_mm)
+        )
+        square_mm = (across + down) / 2
         return Board(
             columns=self.columns,
             rows=self.rows,
-            square=self.square_mm / 1000,
+            square=square_mm / 1000,
             marker=self._marker_mm / 1000,
             dictionary=self.dictionary or _DICTIONARIES.get(self.kind, Board.dictionary),
             legacy=self.legacy,
             inverted=self.inverted,
             first_id=self.first_id,
+            stretch=(across - down) / square_mm if min(across, down) > 0 else float("inf"),
             kind=self.kind,
         )
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from venus3d.cli import main
 from venus3d.cli.board_argument import with_board_file
-from venus3d.engine.errors import StorageError
+from venus3d.engine.errors import BoardError, StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.options import BoardOptions
 from venus3d.storage.board_file import read_board, save_board
@@ -17,15 +19,19 @@ BOARDS = [
     Board(),
     Board(8, 5, 0.0305, 0.0225, "DICT_4X4_250", legacy=True, inverted=True, first_id=12),
     Board(kind="chessboard", columns=10, rows=7, square=0.026),
+    Board(stretch=0.004),
     Board(4, 11, 0.02, 0.016, kind="asymmetric-circles", inverted=True),
 ]
 
 
-@pytest.mark.parametrize("board", BOARDS, ids=["charuco", "other charuco", "chessboard", "circles"])
+@pytest.mark.parametrize(
+    "board", BOARDS, ids=["charuco", "other charuco", "chessboard", "stretched", "circles"]
+)
 def test_a_saved_board_is_read_as_it_was(board: Board, tmp_path: Path) -> None:
     path = save_board(board, tmp_path / "board.toml")
     read = BoardOptions(**read_board(path)).board()
-    assert read == board
+    assert replace(read, stretch=0) == replace(board, stretch=0)
+    assert read.stretch == pytest.approx(board.stretch, abs=1e-9)
 
 
 def test_kalibr_s_files(tmp_path: Path) -> None:
@@ -122,3 +128,16 @@ def test_the_commands_save_and_read_it(tmp_path: Path, capsys: pytest.CaptureFix
     assert "--board needs a file" in capsys.readouterr().err
     assert main(["board", "--board", str(tmp_path / "none.toml")]) == 2
     assert "cannot be read" in capsys.readouterr().err
+
+
+def test_squares_that_a_printer_stretched() -> None:
+    """28.2 mm from left to right and 27.9 mm from top to bottom, from corner to corner."""
+    board = BoardOptions(square_x_mm=28.2, square_y_mm=27.9).board()
+    corners = board.corners.reshape(5, 8, 3)
+    np.testing.assert_allclose(np.diff(corners[:, :, 0], axis=1), 0.0282, atol=1e-12)
+    np.testing.assert_allclose(np.diff(corners[:, :, 1], axis=0), 0.0279, atol=1e-12)
+    assert BoardOptions(square_y_mm=28.0).board() == Board()
+    with pytest.raises(BoardError, match="longer one way"):
+        BoardOptions(square_x_mm=56.0).board()
+    with pytest.raises(BoardError):
+        BoardOptions(square_x_mm=-28.0).board()

@@ -22,6 +22,8 @@ _OPTIONS: Mapping[str, type] = {
     "columns": int,
     "rows": int,
     "square_mm": float,
+    "square_x_mm": float,
+    "square_y_mm": float,
     "marker_mm": float,
     "dictionary": str,
     "legacy": bool,
@@ -51,6 +53,10 @@ def board_text(board: Board) -> str:
         f"rows = {board.rows}",
         f"square_mm = {1000 * board.square:.10g}",
     ]
+    if board.stretch:
+        for name, sign in (("square_x_mm", 1), ("square_y_mm", -1)):
+            side = 1000 * board.square * (1 + sign * board.stretch / 2)
+            lines.append(f"{name} = {side:.10g}")
     lines += [f"marker_mm = {1000 * board.marker:.10g}"] * board.has("marker")
     lines += [f'dictionary = "{board.dictionary}"'] * board.has("dictionary")
     lines += ["legacy = true"] * board.legacy + ["inverted = true"] * board.inverted
@@ -150,15 +156,13 @@ def _of_kalibr(path: Path, text: str) -> dict[str, Any]:
         else:
             across = _length(content["colSpacingMeters"])
             down = _length(content["rowSpacingMeters"])
-            if abs(across - down) > 1e-3 * down:
-                raise _no_board(
-                    path, f"its squares are no squares, {across:g} mm wide and {down:g} mm high"
-                )
             found = {
                 "columns": int(content["targetCols"]) + 1,
                 "rows": int(content["targetRows"]) + 1,
                 "square_mm": down,
             }
+            if across != down:
+                found["square_x_mm"] = across
     except (KeyError, TypeError, ValueError) as error:
         raise _no_board(path, f"a value is missing or wrong ({error})") from error
     return {"kind": _KALIBR[kind], **found}

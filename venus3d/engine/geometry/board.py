@@ -39,6 +39,8 @@ KINDS: Mapping[str, BoardKind] = {
     "aruco-grid": ARUCO_GRID,
 }
 assert tuple(KINDS) == get_args(Kind)
+_LARGEST_STRETCH = 0.2
+"""Of a print: more is a mistake."""
 _ABSENT: Mapping[str, Any] = {
     "marker": 0.0,
     "dictionary": "",
@@ -85,6 +87,11 @@ class Board:
         sides = (self.square, self.marker) if self.has("marker") else (self.square,)
         if not all(0 < side < np.inf for side in sides):
             raise BoardError("Square and marker sizes must be positive numbers.")
+        if not abs(self.stretch) < _LARGEST_STRETCH:
+            raise BoardError(
+                "A board's squares cannot be so much longer one way than the other; measure "
+                "--board.square-x-mm and --board.square-y-mm again."
+            )
         self.of_kind.check(self)
         if self.has("dictionary"):
             self._check_markers()
