@@ -35,10 +35,11 @@ from tests.waiting import wait_until
 pytestmark = pytest.mark.slow
 
 PAGES = {
-    "guide": "guide sim --autopilot --speed 3 --no-tour --output {folder} --port {port}",
-    "trial": "trial sim --autopilot --output {folder} --port {port}",
-    "audience": "guide sim --autopilot --speed 3 --output {folder} --port {other}"
-    " --audience {port}",
+    "guide": "guide sim --autopilot --speed 3 --camera-size 640x360 --no-tour --output {folder}"
+    " --port {port}",
+    "trial": "trial sim --autopilot --camera-size 640x360 --output {folder} --port {port}",
+    "audience": "guide sim --autopilot --speed 3 --camera-size 640x360 --output {folder}"
+    " --port {other} --audience {port}",
     "teach": "teach --port {port}",
     "practice": "practice --output {folder} --port {port}",
     "measure": "measure --port {port}",

@@ -151,10 +151,18 @@ def test_guide(viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot) 
             does(viewer, command(page, known.index(hotkey)), intent)
 
 
-def test_help_and_tour(viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot) -> None:
+def test_help_tour_methods_and_uncertainty(
+    viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot
+) -> None:
     viewer.show(guiding)
     page = open_page()
     page.wait_for_selector(".v-chip")
+    help_and_tour(page)
+    method_lists(viewer, page)
+    uncertainty(viewer, page, guiding)
+
+
+def help_and_tour(page: Any) -> None:
     row = len(GUIDE_ROWS)
     button(page, row, 0)()
     page.wait_for_selector(".v-keys")
@@ -172,18 +180,13 @@ def test_help_and_tour(viewer: Viewer, open_page: Callable[[], Any], guiding: Sn
     page.wait_for_selector(".v-tour", state="detached")
 
 
-def test_method_lists(viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot) -> None:
-    viewer.show(guiding)
-    page = open_page()
-    page.wait_for_selector(".v-chip")
+def method_lists(viewer: Viewer, page: Any) -> None:
     page.locator(".tabler-icon-chevron-down:visible").last.click()
     for place in (1, 0):
         does(viewer, entry(page, 0, place), intents.ChangeMethod(OFFERED[place]))
 
 
-def test_uncertainty(viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot) -> None:
-    viewer.show(guiding)
-    page = open_page()
+def uncertainty(viewer: Viewer, page: Any, guiding: Snapshot) -> None:
     page.locator("[role=tab]:has(.icon-tabler-map-2)").click()
     panel: Any = viewer.layers[0]
     tab = "[data-dock-leaf]:has([data-panel=uncertainty])"

@@ -308,7 +308,8 @@ def test_it_goes_on_by_itself_after_the_program_was_started_again(
 ) -> None:
     """The program dies: that is said large. On the same port again: the page shows its moment."""
     port = free_port()
-    command = f"guide sim --no-tour --no-record --port {free_port()} --audience {port}"
+    command = f"guide sim --camera-size 640x360 --no-tour --no-record --audience {port}"
+    command += f" --port {free_port()}"
     program = start(*command.split())
     page = opened(chromium, f"http://127.0.0.1:{port}", 1280, 720)
     page.wait_for_function("document.querySelector('.v-is-wait') === null")

@@ -102,7 +102,8 @@ def test_the_guides_help_and_the_card_of_a_view(
 
 
 @pytest.mark.parametrize(
-    "command", ["teach", "practice --output {folder}", "trial sim --output {folder}"]
+    "command",
+    ["teach", "practice --output {folder}", "trial sim --camera-size 640x360 --output {folder}"],
 )
 def test_the_help_of_the_other_pages(
     chromium: Any, start: Callable[..., Program], command: str, tmp_path: Path

@@ -35,7 +35,7 @@ def guided(chromium: Any, start: Callable[..., Any], tmp_path: Path) -> Any:
     """A tab on a session whose hand has just begun; its result goes to `tmp_path`."""
     program = start(
         *("guide", "sim", "--speed", "2.5", "--port", str(free_port()), "--no-tour"),
-        *("--output", str(tmp_path)),
+        *("--camera-size", "640x360", "--output", str(tmp_path)),
     )
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     context.grant_permissions(["clipboard-read", "clipboard-write"], origin=program.url)

@@ -21,10 +21,10 @@ from venus3d.scene.web.step_texts import PICTURE_LEGEND
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
-_PATIENCE_MS = 90_000
+_PATIENCE_MS = 180_000
 _CONNECTED = ".tabler-icon-cloud-check"
 """viser's mark beside the page's title."""
-
+SMALL = ("sim", "--camera-size", "640x360")
 
 Start = Callable[..., Any]
 
@@ -126,7 +126,7 @@ def test_another_pose_and_another_method_are_chosen_while_running(
     """From the page to the session and back: another target; a refusal is said in a sentence."""
     # No hand moves the board, so the target stands while we choose.
     program = start(
-        *("guide", "sim", "--no-auto-capture", "--port", str(free_port())),
+        *("guide", *SMALL, "--no-auto-capture", "--port", str(free_port())),
         *("--no-tour", "--output", str(tmp_path)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
@@ -165,7 +165,7 @@ def test_whoever_has_only_a_keyboard_calibrates(
     board, the four steps until the view is captured, and Finish from the list of commands. After
     the end nothing is offered that does nothing."""
     program = start(
-        *("guide", "sim", "--speed", "3", "--port", str(free_port()), "--output", str(tmp_path)),
+        *("guide", *SMALL, "--speed", "3", "--port", str(free_port()), "--output", str(tmp_path)),
     )
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()
@@ -212,7 +212,7 @@ def test_the_operator_is_told_of_what_cannot_be_saved(
     """Guidance goes on meanwhile, and at the end the page says where the result is."""
     folder = tmp_path / "out"
     program = start(
-        *("guide", "sim", "--autopilot", "--speed", "3", "--port", str(free_port()), "--no-tour"),
+        *("guide", *SMALL, "--autopilot", "--speed", "3", "--port", str(free_port()), "--no-tour"),
         *("--max-views", "4", "--output", str(folder), "--no-record"),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})

@@ -23,16 +23,8 @@ class Trial:
         self.path = folder / "trial.csv"
         self.program = start(
             *("trial", "sim", "--participant", "Anna <A>", "--poses", "2"),
-            *(
-                "--camera-size",
-                "640x360",
-                "--speed",
-                "4",
-                "--output",
-                str(folder),
-                "--port",
-                str(free_port()),
-            ),
+            *("--camera-size", "640x360", "--speed", "4"),
+            *("--output", str(folder), "--port", str(free_port())),
         )
 
     @property

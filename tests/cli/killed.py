@@ -31,7 +31,7 @@ _REPORTED = re.compile(r"View (\d+) is kept")
 def killed_after(folder: Path, views: int, seconds: float) -> list[int]:
     """Numbers of the views that a run reported before it was killed: so long after that many."""
     command = [sys.executable, "-m", "venus3d", "guide", "sim", "--headless"]
-    command += ["--output", str(folder), "--max-views", "9"]
+    command += ["--camera-size", "640x360", "--output", str(folder), "--max-views", "9"]
     path = folder.parent / f"{folder.name}.log"
     with path.open("w") as log:
         program = subprocess.Popen(

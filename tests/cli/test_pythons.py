@@ -91,5 +91,6 @@ def test_it_installs_draws_and_calibrates(
     with Offscreen() as offscreen:
         assert said.strip() == offscreen.note
     assert len([*tmp_path.glob("step-*.png")]) == 4
-    guided = ran("guide", "sim", "--headless", "--autopilot", "--max-views", "3", "--json")
+    headless = ("guide", "sim", "--headless", "--autopilot", "--camera-size", "640x360")
+    guided = ran(*headless, "--max-views", "3", "--json")
     assert json.loads(guided.stdout.splitlines()[-1])["views"] == 3

@@ -38,7 +38,8 @@ def test_a_killed_session_goes_on_to_the_same_targets(tmp_path: Path) -> None:
     assert len(reported) >= 2 and not check(folder, reported)
     result = guided("--resume", str(folder), "--max-views", "4")
     assert result["views"] == 4
-    guided("--output", str(tmp_path / "other"), "--max-views", "3")
+    size = ("--camera-size", "640x360")
+    guided(*size, "--output", str(tmp_path / "other"), "--max-views", "3")
     assert targets(folder)[:3] == targets(tmp_path / "other")
     again = subprocess.run(
         [*VENUS3D, "guide", "--headless", "--output", str(folder)], capture_output=True, text=True

@@ -30,7 +30,10 @@ POSE = ("30", "-20", "10", "50", "0", "500")
     [
         ("decompose", *POSE, "--output", "."),
         ("teach", "--export", "lesson.html"),
-        ("guide", "sim", "--headless", "--autopilot", "--max-views", "3", "--output", "."),
+        (
+            *("guide", "sim", "--headless", "--autopilot", "--camera-size", "640x360"),
+            *("--max-views", "3", "--output", "."),
+        ),
     ],
     ids=["decompose", "teach", "guide"],
 )

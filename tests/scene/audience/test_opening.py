@@ -123,7 +123,8 @@ def test_the_second_monitors_keys_are_nobody_elses_and_stand_in_the_help() -> No
 def test_the_program_shows_both_pages_the_same_calibration(tmp_path: Path) -> None:
     """A picture, the steps and a captured view arrive at the second page; Ctrl-C ends both."""
     port = free_port()
-    words = f"sim --autopilot --speed 3 --port {free_port()} --audience {port}"
+    words = f"sim --autopilot --speed 3 --camera-size 640x360 --audience {port}"
+    words += f" --port {free_port()}"
     words += " --audience-view lens --output"
     program = subprocess.Popen(
         [sys.executable, "-m", "venus3d", "guide", *words.split(), str(tmp_path)],
