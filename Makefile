@@ -27,14 +27,9 @@ help:
 run: $(VENV)/.ready-run
 	$(BIN)/venus3d guide sim --autopilot
 
-# A browser alone takes both cores. Of everything else some waits and some computes: three workers
-# keep two cores busy.
+# Some tests wait and some compute, those in the browser too: three workers keep two cores busy.
 test: lint
-	@failed=0; \
-	echo "pytest -n 3 -m 'not browser'"; \
-	$(BIN)/pytest -n 3 -m "not browser" || failed=1; \
-	echo "pytest -m browser"; $(BIN)/pytest -m browser || failed=1; \
-	exit $$failed
+	$(BIN)/pytest -n 3
 
 lint: $(VENV)/.ready-test
 	$(BIN)/ruff check .
