@@ -132,3 +132,4 @@ def test_a_sessions_report_shows_its_pictures_and_how_it_was_made(run: Run, tmp_
     photographs = [s for s in page.sources if s.startswith("data:image/jpeg")]
     assert len(photographs) == len(read_result(folder / "result.json").calibration.views)
     assert "seed3" in page.text and "opencv-contrib-python-headless" in page.text
+    assert "None" not in page.text.replace("None was found", "")

@@ -45,5 +45,7 @@ def _made_with(folder: Path) -> Mapping[str, Any]:
         return {}
     header = read_header(folder)
     chosen = header.get("options", {})
-    options = {name.replace("_", " "): chosen[name] for name in _SAID if name in chosen}
+    # What was left to the method is None.
+    given = {name: chosen[name] for name in _SAID if chosen.get(name) is not None}
+    options = {name.replace("_", " "): value for name, value in given.items()}
     return {"begun": header.get("begun", ""), **options, **header.get("versions", {})}

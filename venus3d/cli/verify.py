@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, cast
 
 from venus3d.cli.options import VerifyOptions
@@ -45,12 +46,18 @@ def verify_command(options: VerifyOptions) -> int:
     fresh = _guided(options, lens) if live else _found(options, lens)
     found = verify(record.camera, record.covariance, fresh, options.limit)
     notes = [] if record.covariance is not None else [_UNCERTAIN.format(name=options.file.name)]
-    _print(found, notes)
+    # Written before it is printed: whoever reads the output may be gone.
+    written: list[Path] = []
     if options.output is not None:
         report = verification_report(found, options.file.name).encode()
-        print(f"Written: {write_bytes(options.output / 'verification.html', report)}")
         content = (to_json(_json(found), indent=2) + "\n").encode()
-        print(f"Written: {write_bytes(options.output / 'verification.json', content)}")
+        written = [
+            write_bytes(options.output / "verification.html", report),
+            write_bytes(options.output / "verification.json", content),
+        ]
+    _print(found, notes)
+    for path in written:
+        print(f"Written: {path}")
     if options.json:
         print(to_json(_json(found)))
     return _CODES[found.verdict]
