@@ -94,7 +94,7 @@ def _guided(options: VerifyOptions, lens: str) -> Calibration:
         flip=options.flip,
         lens=cast(LensName, lens),
     )
-    known = run_guide(chosen).snapshot.calibration
+    known = run_guide(chosen, verifies=True).snapshot.calibration
     if known is None:
         raise CalibrationError("No view was captured, so nothing is verified.")
     return known

@@ -67,6 +67,7 @@ def run_guide(
     state: SessionState | None = None,
     known: KnownCamera | None = None,
     pictures: Iterable[tuple[int, NDArray[np.uint8]]] = (),
+    verifies: bool = False,
 ) -> GuideResult:
     """Run one guided calibration, until it ends (headless) or is stopped (viewer).
 
@@ -81,6 +82,7 @@ def run_guide(
         recorder: keeps the session as it goes on.
         state: of a session to go on with, and the `pictures` of its views by their numbers.
         known: a camera to start from.
+        verifies: say on the page that the views are to check a calibration.
 
     Raises `VenusError` for whatever the user can fix.
     """
@@ -143,8 +145,10 @@ def run_guide(
         on_viewer(viewer)
         # What is said from here on is for the page.
         stack.enter_context(viewer.language.spoken())
-        if said := _first_words(options, truth is not None, known, state):
-            viewer.say(said, seconds=60)
+        said = [texts.VERIFYING] if verifies else []
+        said += _first_words(options, truth is not None, known, state)
+        if said:
+            viewer.say(" ".join(said), seconds=60)
         for warning in warned:
             viewer.warn(translated(warning), seconds=60)
 
@@ -168,7 +172,7 @@ def run_guide(
 
 def _first_words(
     options: GuideOptions, simulated: bool, known: KnownCamera | None, state: SessionState | None
-) -> str:
+) -> list[str]:
     """What a session begins from, and how the simulated board is moved."""
     said: list[str] = []
     if known is not None:
@@ -177,7 +181,7 @@ def _first_words(
         said.append(texts.GOING_ON_FROM.format(count=len(state.views)))
     if simulated and not options.autopilot:
         said.append(texts.DRAG_HINT)
-    return " ".join(said)
+    return said
 
 
 def _possible(options: GuideOptions) -> GuideOptions:

@@ -203,6 +203,10 @@ FROM_CAMERA_ALONE = (
     "A known camera is the start; how well it is known, its file does not say. The result comes "
     "from the new views alone."
 )
+VERIFYING = (
+    "Fresh views are taken to check a calibration that exists. Once the camera is known, Ctrl-C in "
+    "the terminal ends it, and the terminal says whether it still holds."
+)
 GOING_ON_FROM = "Going on from {count} views of an earlier calibration."
 ENDED = "This calibration has ended; no more views are taken."
 NOTHING_TO_CAPTURE = "Nothing to capture: no board is seen, or this view is taken."
