@@ -82,15 +82,18 @@ def _is_wide(camera: Camera) -> bool:
 @lru_cache(maxsize=8)
 def border_segments(camera: Camera) -> Array:
     """(N, 2, 3) the image's border where its rays meet z = `DEPTH`, with lens distortion, or a
-    sphere of this radius if the lens sees far to the side; segments that no ray reaches are left
-    out."""
+    sphere of this radius if the lens sees far to the side, and the rim of the image circle; without
+    segments that no ray reaches."""
     w, h = camera.width - 0.5, camera.height - 0.5
     along = np.linspace(0, 1, 25)[:, None]
     corners = np.array([[-0.5, -0.5], [w, -0.5], [w, h], [-0.5, h]])
     edges = [a + along * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)]
-    rays = camera.unproject(np.stack(edges))
-    points = DEPTH * (rays if _is_wide(camera) else rays / rays[..., 2:])
-    segments = np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3)
+    if camera.image_circle is not None:
+        edges.append(camera.image_circle.border(camera.image_size))
+    rays = [camera.unproject(edge) for edge in edges]
+    if not _is_wide(camera):
+        rays = [line / line[:, 2:] for line in rays]
+    segments = DEPTH * np.concatenate([np.stack([r[:-1], r[1:]], axis=1) for r in rays])
     return segments[np.isfinite(segments).all(axis=(1, 2))]
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.board_recognition import some_mirrored
+from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
@@ -120,7 +121,8 @@ def _observe(
         is_video = isinstance(source, (Video, Bag))
         total = source.announced if isinstance(source, (Video, Bag)) else len(source)
         for frame, seen, by in _looked_at(source, detector, threads):
-            observations.append(detector.take_over(seen, frame.image, by))
+            taken = detector.take_over(seen, frame.image, by)
+            observations.append(replace(taken, image_circle=seen.image_circle))
             found += observations[-1].count > 0
             if on_count is not None:
                 on_count(len(observations), found, total)
@@ -141,11 +143,17 @@ class _Look:
         if mine is None or not mine.settled:
             mine = self._local.detector = self._detector.copy()
         frame = read()
+        seen = self._seen(mine, frame, quick)
+        if seen.count:
+            seen = replace(seen, image_circle=image_circle(frame.image))
+        return frame, seen, mine
+
+    def _seen(self, mine: Detector, frame: Frame, quick: bool) -> Observation:
         if quick and mine.settled:
             seen = mine.detect(frame.image, quick=True, time_s=frame.time_s, name=frame.name)
             if seen.count == mine.board.corner_count:
-                return frame, seen, mine
-        return frame, mine.detect(frame.image, time_s=frame.time_s, name=frame.name), mine
+                return seen
+        return mine.detect(frame.image, time_s=frame.time_s, name=frame.name)
 
 
 def _looked_at(

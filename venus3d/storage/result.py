@@ -18,6 +18,7 @@ from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.image_circle import ImageCircle
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.planning.forecast import Forecast
@@ -55,6 +56,7 @@ def summary_of(
         "std": _named(camera, calibration.sigma),
         "std_noise_only": _named(camera, calibration.sigma_noise_only),
         "image_size": list(camera.image_size),
+        "image_circle": circle_summary(camera.image_circle),
         "board": board_summary(calibration.board),
         "warnings": [*warnings, *map(str, diagnoses)],
         "diagnoses": [_diagnosis(diagnosis) for diagnosis in diagnoses],
@@ -73,6 +75,11 @@ def summary_of(
         summary["truth"] = truth.named
         summary["projection_diff_px"] = projection_diff_px(truth, camera)
     return summary
+
+
+def circle_summary(circle: ImageCircle | None) -> list[float] | None:
+    """[x, y, radius], pixels; None without one."""
+    return None if circle is None else [circle.x, circle.y, circle.radius]
 
 
 def board_summary(board: Board) -> dict[str, Any]:

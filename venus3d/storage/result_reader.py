@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.geometry.board import KINDS, Board
 from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS, Camera
+from venus3d.engine.geometry.image_circle import ImageCircle
 from venus3d.engine.geometry.lenses import BROWN5, lens_called
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.storage.folder import reason
@@ -99,6 +100,7 @@ def _result_of(content: Mapping[str, Any]) -> Result:
     named, lens = content["intrinsics"], lens_called(content.get("model", BROWN5.name))
     names = (*PINHOLE_PARAMETERS, *lens.coefficient_names)
     camera = Camera.from_parameters([named[name] for name in names], (width, height), lens)
+    camera = replace(camera, image_circle=circle_of(content.get("image_circle")))
     p = len(camera.parameters)
     free = tuple(bool(value) for value in content["free"])
     if len(free) != p:
@@ -121,7 +123,7 @@ def _result_of(content: Mapping[str, Any]) -> Result:
                 float(content["noise_px"]), float(content["shared_error_px"])
             ),
             rms_px=float(content["rms_px"]),
-            views=tuple(_view_of(view, (width, height), board) for view in content["captured"]),
+            views=tuple(_view_of(view, camera, board) for view in content["captured"]),
             left_out=tuple(
                 LeftOut(int(one["number"]), _corners_of(one, (width, height), board), one["reason"])
                 for one in content.get("left_out", ())
@@ -132,6 +134,11 @@ def _result_of(content: Mapping[str, Any]) -> Result:
         warnings=tuple(text for text in content["warnings"] if text not in sentences),
         diagnoses=diagnoses,
     )
+
+
+def circle_of(content: Sequence[float] | None) -> ImageCircle | None:
+    """The circle of a `circle_summary`."""
+    return None if content is None else ImageCircle(*(float(value) for value in content))
 
 
 def board_of(content: Mapping[str, Any]) -> Board:
@@ -155,11 +162,12 @@ def _shaped(board: Board, shape: Mapping[str, Any]) -> tuple[Board, tuple[float,
     return shaped, (bows[0], bows[1], float(shape["stretch_std"]))
 
 
-def _view_of(content: Mapping[str, Any], size: tuple[int, int], board: Board) -> View:
+def _view_of(content: Mapping[str, Any], camera: Camera, board: Board) -> View:
+    size = camera.image_size
     seen, left_out = _corners_of(content, size, board), content.get("left_out")
     return View(
         number=int(content["number"]),
-        observation=seen,
+        observation=replace(seen, image_circle=camera.image_circle),
         pose=Pose.from_matrix(_array(content["T_camera_board"])),
         rms_px=float(content["rms_px"]),
         errors=_array(content["errors_px"]).reshape(seen.count, 2),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,8 @@ from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.engine.planning.heuristic_poses import HeuristicState, Window
 from venus3d.engine.planning.target import Target
-from venus3d.storage.result import board_summary
-from venus3d.storage.result_reader import board_of
+from venus3d.storage.result import board_summary, circle_summary
+from venus3d.storage.result_reader import board_of, circle_of
 
 _BROWN5 = (*PINHOLE_PARAMETERS, *BROWN5.coefficient_names)
 
@@ -38,6 +38,7 @@ def captured_event(view: CapturedView, picture: str | None) -> dict[str, Any]:
         "time_s": seen.time_s,
         "sharpness": seen.sharpness,
         "image_size": list(seen.image_size),
+        "image_circle": circle_summary(seen.image_circle),
         "board": None if seen.board is None else board_summary(seen.board),
         "ids": seen.ids.tolist(),
         "corners_px": seen.corners.tolist(),
@@ -111,6 +112,7 @@ def _view_of(event: Mapping[str, Any], camera: Camera, board: Board) -> Captured
         time_s=float(event["time_s"]),
         name=event["name"],
         board=board,
+        image_circle=circle_of(event.get("image_circle")),
     )
     target = event["target"]
     return CapturedView(
@@ -192,13 +194,15 @@ def _camera(camera: Camera) -> dict[str, Any]:
         "image_size": list(camera.image_size),
         "model": camera.lens.name,
         "parameters": camera.parameters.tolist(),
+        "image_circle": circle_summary(camera.image_circle),
     }
 
 
 def _camera_of(content: Mapping[str, Any]) -> Camera:
     width, height = content["image_size"]
     lens = lens_called(content.get("model", BROWN5.name))
-    return Camera.from_parameters(content["parameters"], (int(width), int(height)), lens)
+    camera = Camera.from_parameters(content["parameters"], (int(width), int(height)), lens)
+    return replace(camera, image_circle=circle_of(content.get("image_circle")))
 
 
 def _known(known: KnownCamera) -> dict[str, Any]:

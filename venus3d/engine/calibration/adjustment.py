@@ -38,6 +38,7 @@ from venus3d.engine.calibration.shared_errors import CornerErrors
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.image_circle import common_circle
 from venus3d.engine.geometry.lenses import BROWN5, LensModel
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.sentences import Sentence, listed, said_by
@@ -235,7 +236,19 @@ def _calibrated(
         for index, (number, seen) in enumerate(usable)
         if index not in fit.kept
     ]
-    return replace(calibration, left_out=tuple(sorted(left_out, key=lambda one: one.number)))
+    return replace(
+        calibration,
+        camera=_with_circle(calibration.camera, observations),
+        left_out=tuple(sorted(left_out, key=lambda one: one.number)),
+    )
+
+
+def _with_circle(camera: Camera, observations: Sequence[Observation]) -> Camera:
+    """The camera with the image circle of the views' pictures, unless corners are outside it."""
+    circle = common_circle(seen.image_circle for seen in observations)
+    if circle is None or not all(circle.contains(seen.corners).all() for seen in observations):
+        return camera
+    return replace(camera, image_circle=circle)
 
 
 def _named(left_out: Sequence[LeftOut]) -> str:

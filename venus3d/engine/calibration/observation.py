@@ -11,6 +11,7 @@ from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.discs import disc_shifts
+from venus3d.engine.geometry.image_circle import ImageCircle
 from venus3d.engine.geometry.pose import Array, Pose
 
 
@@ -41,6 +42,8 @@ class Observation:
     boards without discs."""
     image: NDArray[np.uint8] | None = field(default=None, repr=False)
     """(H, W[, 3]) the image, if it is kept."""
+    image_circle: ImageCircle | None = None
+    """What the lens lights of the image; None: all of it, or it was not looked for."""
 
     @property
     def count(self) -> int:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.errors import CalibrationError
+from venus3d.engine.geometry.image_circle import ImageCircle
 from venus3d.engine.geometry.lenses import (
     BROWN5,
     FISHEYE,
@@ -40,6 +41,8 @@ class Camera:
     coefficients: tuple[float, ...]
     """(p,) of the lens, in the order of its `coefficient_names`."""
     lens: LensModel
+    image_circle: ImageCircle | None
+    """What the lens lights of the image; None: all of it."""
 
     def __init__(
         self,
@@ -52,6 +55,7 @@ class Camera:
         *values: float,
         coefficients: tuple[float, ...] = (),
         lens: LensModel = BROWN5,
+        image_circle: ImageCircle | None = None,
         **named: float,
     ) -> None:
         """The lens's coefficients as `values` in its order, as `coefficients`, or by name; those
@@ -65,7 +69,7 @@ class Camera:
                 f"{', '.join(lens.coefficient_names) or '(none)'}."
             )
         own = tuple(given.get(name, 0.0) for name in lens.coefficient_names)
-        found = (width, height, fx, fy, cx, cy, own, lens)
+        found = (width, height, fx, fy, cx, cy, own, lens, image_circle)
         for name, value in zip(self.__dataclass_fields__, found, strict=True):
             object.__setattr__(self, name, value)
         if width < 1 or height < 1:
@@ -182,6 +186,7 @@ class Camera:
             fy=self.fy * sy,
             cx=(self.cx + 0.5) * sx - 0.5,
             cy=(self.cy + 0.5) * sy - 0.5,
+            image_circle=self.image_circle and self.image_circle.scaled(sx, sy),
         )
 
     @cached_property
@@ -234,7 +239,10 @@ class Camera:
         NaN for a pixel that no ray reaches."""
         uv = np.asarray(pixels, dtype=np.float64)
         image = (uv - [self.cx, self.cy]) / [self.fx, self.fy]
-        return self.lens.rays(self.coefficients, image)
+        rays = self.lens.rays(self.coefficients, image)
+        if self.image_circle is None:
+            return rays
+        return np.where(self.image_circle.contains(uv)[..., None], rays, np.nan)
 
     def project_board(self, points: ArrayLike, R: ArrayLike, t: ArrayLike) -> Array:
         """Pixels (N, M, 2) of board points (M, 3) under poses R (N, 3, 3), t (N, 3)."""
@@ -302,7 +310,7 @@ def planning_camera(camera: Camera) -> Camera:
         sides = np.array([[half, 0], [-half, 0], [0, half], [0, -half]])
         corners = sides + np.array([camera.cx, camera.cy])
         reach = np.zeros(1)
-    seen = np.isfinite(camera.unproject(corners)).all()
+    seen = np.isfinite(replace(camera, image_circle=None).unproject(corners)).all()
     if camera.radius_limit > 1.02 * reach.max() and seen:
         return camera
     return replace(camera, coefficients=())

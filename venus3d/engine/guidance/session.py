@@ -17,6 +17,7 @@ from dataclasses import replace
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.checks import diagnose
+from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.repeats import repeats
@@ -149,6 +150,8 @@ class Session:
         seen = tracker.observation if chosen is None else chosen
         if tracker.pose is None or over or self._captured.has(seen):
             return False
+        if seen.image is not None:
+            seen = replace(seen, image_circle=image_circle(seen.image))
         at_target = tracker.is_at_target and self._phase == "guiding"
         view = CapturedView(self._captured.next_number, seen, self._target if at_target else None)
         try:

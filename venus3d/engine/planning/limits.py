@@ -104,6 +104,9 @@ class Limits:
         with np.errstate(invalid="ignore", over="ignore"):
             tilt = np.degrees(np.arccos(np.clip(seen.cosine, -1.0, 1.0)))
             border = np.minimum(seen.low - low, high - seen.high).min(axis=0)
+            if camera.image_circle is not None:
+                room = camera.image_circle.room(seen.pixels).min(axis=0)
+                border = np.minimum(border, room - self.margin * camera.width)
             margins = np.stack(
                 [
                     1 - np.abs(vectors[:, :3]).max(axis=1) / self.max_angle_deg,
