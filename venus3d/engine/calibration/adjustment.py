@@ -238,7 +238,7 @@ def _calibrated(
     ]
     return replace(
         calibration,
-        camera=_with_circle(calibration.camera, observations),
+        camera=_with_circle(calibration.camera, [seen for _, seen in every]),
         left_out=tuple(sorted(left_out, key=lambda one: one.number)),
     )
 
