@@ -17,7 +17,7 @@ from venus3d.engine.geometry.pose import Array
 
 _ROUNDS = 2
 """The second time the window is centred on the disc."""
-_FEWEST, _MOST = 14, 36
+_FEWEST, _MOST = 14, 28
 """Samples across a window: one a pixel between these."""
 _RING = 0.5
 """The ground begins in the middle between the rim and the window's edge."""
@@ -46,7 +46,7 @@ def disc_centroids(
     ring, inner = away >= radius + _RING * (reach - radius), away <= _INNER * radius
     plane = np.column_stack([np.ones(len(offsets)), offsets / reach])
     plane_of = np.linalg.pinv(plane[ring]).T  # (R, 3) a plane from its values in the ring
-    around = np.einsum("sj,nij->nsi", offsets, scales)
+    around = offsets @ scales.swapaxes(1, 2)
     for _ in range(_ROUNDS):
         at = (centres[:, None] + around).astype(np.float32)
         values: Any = cv2.remap(
@@ -59,7 +59,7 @@ def disc_centroids(
             return None
         shares = darker / ground
         total = shares.sum(axis=1, keepdims=True)
-        moved = np.einsum("nj,nij->ni", shares @ offsets / total, scales)
+        moved = np.matmul(scales, (shares @ offsets / total)[:, :, None])[:, :, 0]
         if not (total > 0).all():
             return None
         centres = centres + moved

@@ -14,7 +14,10 @@ from venus3d.engine.calibration.tag_edges import corners_by_edges
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
 
-_QUICK_FROM_PX, _QUICK_WINDOW_PX = 40.0, 7
+_QUICK_FROM_PX = 40.0
+_QUICK_WINDOW_PX = {1: 7, 2: 3}
+"""By the border in cells. Where black squares touch the tags' corners, only the least window keeps
+the two apart: with 7 px up to a third of the tags were missed."""
 _OF_CLEARANCE, _LARGEST_WINDOW = 0.75, 10
 _CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 30, 0.003)
 _BORDER_PX = 1.0
@@ -98,5 +101,6 @@ def _finder(board: Board, border: int, quick: bool) -> Any:
     parameters = cv2.aruco.DetectorParameters()
     parameters.markerBorderBits = border
     if quick:
-        parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = _QUICK_WINDOW_PX
+        window = _QUICK_WINDOW_PX[border]
+        parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = window
     return cv2.aruco.ArucoDetector(board.cv_dictionary, parameters)

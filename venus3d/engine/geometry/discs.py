@@ -24,7 +24,7 @@ _RIM = np.sqrt(3 / (2 + np.cos(2 * np.pi / _SIDES))) * np.column_stack(
     [np.cos(_ANGLES), np.sin(_ANGLES)]
 )
 
-_ROUNDS = 3
+_ROUNDS = 2
 _POWERS = [(i, degree - i) for degree in range(4) for i in range(degree + 1)]
 _FEWEST = 2 * len(_POWERS)
 """Discs with which a cubic is fitted."""
