@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.observation import Observation, with_centres
 from venus3d.engine.geometry.board import Board, Kind
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.discs import centres_of_discs, disc_shifts
@@ -206,6 +206,15 @@ def test_the_centres_of_circles_are_not_the_centroids_of_their_pictures(camera: 
     assert abs(uncorrected.camera.cx - truth.cx) > 10 * abs(found.camera.cx - truth.cx)
     again = calibrate(board, [view.observation for view in found.views], lens=truth.lens)
     assert again.camera.fx == pytest.approx(found.camera.fx, abs=1e-3), "not corrected twice"
+
+
+def test_discs_beyond_the_reach_of_a_lens_model_keep_their_centres() -> None:
+    """Of a wide lens, five coefficients are tried that fold back within the picture."""
+    board, pose = BOARDS["circles"], Pose.from_vector([0, 60, 0, 0, 0, 0.08])
+    at = np.tile([600.0, 300.0], (54, 1))
+    seen = Observation(np.arange(54), at, (1280, 720), centroids=at + 0.1)
+    corners = with_centres(CAMERA, board, seen, pose).corners
+    assert np.isfinite(corners).all() and (corners == at).all(axis=1).any()
 
 
 def area_centroid(polygon: np.ndarray) -> np.ndarray:

@@ -99,10 +99,14 @@ def whole(view: View) -> Observation:
 
 
 def with_centres(camera: Camera, board: Board, seen: Observation, pose: Pose) -> Observation:
-    """The observation with the centres of the board's discs as they are seen by this camera."""
+    """The observation with the centres of the board's discs as they are seen by this camera; where
+    a disc is beyond its model's reach, as it was."""
     if seen.centroids is None:
         return seen
-    return replace(seen, corners=seen.centroids - disc_shifts(camera, board, seen.ids, pose))
+    with np.errstate(all="ignore"):
+        centres = seen.centroids - disc_shifts(camera, board, seen.ids, pose)
+    known = np.isfinite(centres).all(axis=1, keepdims=True)
+    return replace(seen, corners=np.where(known, centres, seen.corners))
 
 
 def determines_homography(points: Array) -> bool:
