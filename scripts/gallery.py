@@ -64,15 +64,33 @@ def says(page: Any, text: str) -> None:
     )
 
 
-def guided(page: Any, views: int = 3, *keys: str) -> None:
-    """Wait until so many views are captured and the next target is shown, then press keys."""
+def guided(page: Any, views: int = 3, *keys: str, stops: bool = True) -> None:
+    """Wait until so many views are captured and the next target is shown, let the hand stop on its
+    way there, and press keys."""
     page.wait_for_function(
         r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) >= n",
         arg=views,
         timeout=_PATIENCE_MS,
     )
     says(page, "Step ")
-    press(page, *keys)
+    page.wait_for_timeout(_SETTLE_MS // 2)
+    page.wait_for_function("() => !document.body.innerText.includes('Board not seen')")
+    press(page, *(["Shift+P"] if stops else []), *keys)
+
+
+def at_rest(page: Any, ready: str) -> None:
+    """Wait until the page says this and the flash of a captured view is over."""
+    page.wait_for_function(
+        """ready => document.body.innerText.includes(ready) && document.getAnimations().every(
+            playing => !(playing.animationName ?? "").startsWith("v-flash"))""",
+        arg=ready,
+        timeout=_PATIENCE_MS,
+    )
+
+
+def last_capture(page: Any) -> str:
+    """A mark that changes with each capture."""
+    return page.evaluate("document.querySelector('.v-captured')?.dataset.turn ?? ''")
 
 
 def known(page: Any) -> None:
@@ -87,7 +105,7 @@ _GUIDE = ("guide", "sim", "--autopilot", "--no-tour", "--port", _PORT)
 _AUDIENCE = (*_GUIDE, "--speed", "0.4", "--audience", "8461")
 _SECOND = r"Second monitor: (http://\S+)"
 _TEACH = ("teach", "--port", _PORT)
-_STILL_MS = 25_000  # until the simulated hand is on its way to a later target
+_STILL_MS = 15_000  # until the simulated hand is on its way to a later target
 
 
 def later(page: Any) -> None:
@@ -119,10 +137,24 @@ SHOTS: tuple[Shot, ...] = (
         ready="to go",
     ),
     Shot(
+        "guide-fisheye",
+        "Guide with a fisheye lens of 190°",
+        (*_GUIDE, "--sim.camera", "fisheye"),
+        guided,
+        ready="to go",
+    ),
+    Shot(
+        "guide-chessboard",
+        "Guide with a plain chessboard",
+        (*_GUIDE, "--board.kind", "chessboard", "--board.columns", "10", "--board.rows", "7"),
+        guided,
+        ready="to go",
+    ),
+    Shot(
         "search",
         "The search for the next pose, move by move",
         _GUIDE,
-        lambda page: guided(page, 1, "y") or guided(page, 3),
+        lambda page: guided(page, 1, "y", stops=False) or guided(page, 3),
     ),
     Shot(
         "teach",
@@ -221,9 +253,11 @@ def take(browser: Any, shot: Shot) -> Path:
             notice.click()  # the browser's word on its software renderer
         shot.do(page)
         page.wait_for_timeout(_SETTLE_MS)
-        says(page, shot.ready)
         path = _FOLDER / f"{shot.name}.jpg"
-        page.screenshot(path=path, type="jpeg", quality=88)
+        before = None
+        while before != (before := last_capture(page)):
+            at_rest(page, shot.ready)
+            page.screenshot(path=path, type="jpeg", quality=88)
         page.close()
     return path
 
