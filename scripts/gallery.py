@@ -105,7 +105,7 @@ _GUIDE = ("guide", "sim", "--autopilot", "--no-tour", "--port", _PORT)
 _AUDIENCE = (*_GUIDE, "--speed", "0.4", "--audience", "8461")
 _SECOND = r"Second monitor: (http://\S+)"
 _TEACH = ("teach", "--port", _PORT)
-_STILL_MS = 15_000  # until the simulated hand is on its way to a later target
+_STILL_MS = 20_000  # until the simulated hand is on its way to a later target
 
 
 def later(page: Any) -> None:
