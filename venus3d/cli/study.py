@@ -16,7 +16,8 @@ from venus3d import __version__
 from venus3d.cli.progress import search_progress
 from venus3d.cli.report import print_note
 from venus3d.engine.errors import VenusError
-from venus3d.options import BoardOptions, Switch, check_range
+from venus3d.options import BoardOptions, LensName, Switch, check_range
+from venus3d.sources.sim_cameras import SimCamera
 from venus3d.storage.folder import prepare, write_bytes
 from venus3d.study.assumptions import Assumptions
 
@@ -42,6 +43,9 @@ class FiguresOptions:
 
     views: int = 20
     """Views of each calibration."""
+    camera: SimCamera = "webcam"
+    """The simulated camera; for another one than the paper's, global is compared with random poses
+    and with Pose selection."""
     repeats: _Repeats = 20
     seed: _Seed = 0
     jobs: _Jobs = None
@@ -129,6 +133,8 @@ class HalvesOptions:
     """How often the views are cut into halves."""
     same_percent: float = 0.25
     """Views nearer to each other than this share of the picture's width count once."""
+    lens: LensName = "brown5"
+    """The lens model; auto finds out from all views which one both halves get."""
     seed: _Seed = 0
     output: _TableFolder = Path("venus3d-study/halves")
 
@@ -184,7 +190,7 @@ def study(options: StudyOptions) -> None:
 
 
 def _figures(options: FiguresOptions) -> None:
-    from venus3d.study.figures import FIGURES, run_figures, verdicts_text
+    from venus3d.study.figures import figures_of, run_figures, verdicts_text
     from venus3d.study.plots import draw_figure, pyplot
 
     check_range("--views", options.views, 3, 200)
@@ -195,11 +201,12 @@ def _figures(options: FiguresOptions) -> None:
         views=options.views,
         repeats=options.repeats,
         seed=options.seed,
+        camera=options.camera,
         jobs=options.jobs,
         dask=options.dask,
     )
-    _deliver(verdicts_text(rows), folder, "verdicts.md")
-    for figure in FIGURES:
+    _deliver(verdicts_text(rows, options.camera), folder, "verdicts.md")
+    for figure in figures_of(options.camera):
         _tell_written(*draw_figure(rows, figure, folder))
 
 
@@ -304,7 +311,7 @@ def _halves(options: HalvesOptions) -> None:
     folder = prepare(options.output)
     same = options.same_percent / 100
     with search_progress() as on_count:
-        pool = pool_of(options.source, board, same=same, on_count=on_count)
+        pool = pool_of(options.source, board, same=same, lens=options.lens, on_count=on_count)
     for note in pool.notes:
         print_note(f"{options.source}: {note}")
     rows = halves(pool, options.cuts, options.seed)

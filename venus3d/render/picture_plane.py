@@ -90,7 +90,10 @@ def _reach(camera: Camera) -> tuple[Array, Array]:
     rays = camera.unproject(np.concatenate(sides))
     if not np.isfinite(rays).all():
         return ideal[0], ideal[1]
-    xy = rays[:, :2] / rays[:, 2:]
+    # What is seen beside the lens or behind it lies beyond every plane.
+    ahead = rays[:, 2:] > 1e-6
+    beyond = np.copysign(np.inf, rays[:, :2])
+    xy = np.where(ahead, rays[:, :2] / np.where(ahead, rays[:, 2:], 1.0), beyond)
     return (
         np.maximum(xy.min(axis=0), _SPARE * ideal[0]),
         np.minimum(xy.max(axis=0), _SPARE * ideal[1]),

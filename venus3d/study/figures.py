@@ -12,6 +12,7 @@ from scipy.stats import t as student
 from venus3d import __version__
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.limits import Mask
+from venus3d.sources.sim_cameras import SimCamera
 from venus3d.study.runner import Row, run_trials
 from venus3d.study.simulated import ARMS, ArmTrial, run_arm
 from venus3d.study.text import table
@@ -102,6 +103,29 @@ FIGURES = (
     ),
 )
 
+OTHER_CAMERAS = (
+    Figure(
+        11,
+        "Guided or not: random poses and global",
+        ("random", "global"),
+        "",
+        "",
+    ),
+    Figure(
+        12,
+        "Pose selection and global",
+        ("pose-selection", "global"),
+        "",
+        "",
+    ),
+)
+"""For cameras that the paper has not."""
+
+
+def figures_of(camera: SimCamera) -> tuple[Figure, ...]:
+    """The figures that are drawn for a simulated camera."""
+    return FIGURES if camera == "webcam" else OTHER_CAMERAS
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -142,19 +166,23 @@ def run_figures(
     views: int,
     repeats: int,
     seed: int,
+    camera: SimCamera = "webcam",
     jobs: int | None = None,
     dask: str | None = None,
 ) -> list[Row]:
-    """Run all arms of all figures, each once; rows as `run_arm` makes them, one file for all."""
-    arms = tuple(dict.fromkeys(arm for figure in FIGURES for arm in figure.arms))
+    """Run all arms of a camera's figures, each once; rows as `run_arm` makes them, in one file."""
+    arms = tuple(dict.fromkeys(arm for figure in figures_of(camera) for arm in figure.arms))
     # The slow arms first, or the last of them would run alone at the end.
     ordered = sorted(arms, key=lambda arm: ARMS[arm].settings.cost != "rms")
-    trials = [ArmTrial(arm, repeat, seed, views) for arm in ordered for repeat in range(repeats)]
+    trials = [
+        ArmTrial(arm, repeat, seed, views, camera) for arm in ordered for repeat in range(repeats)
+    ]
+    of_camera = "" if camera == "webcam" else f" of {camera}"
     return run_trials(
         run_arm,
         trials,
         rows_file,
-        setup=f"venus3d {__version__}: figures with seed {seed} and {views} views",
+        setup=f"venus3d {__version__}: figures{of_camera} with seed {seed} and {views} views",
         jobs=jobs,
         dask=dask,
         label="figures",
@@ -217,9 +245,9 @@ def _since(leads: Mask) -> int:
     return since if since <= len(leads) else 0
 
 
-def verdicts_text(rows: Sequence[Row]) -> str:
-    """All figures in Markdown: the arms, the paper's claim, and the winner."""
-    figures = [_figure_text(figure, judge_figure(rows, figure)) for figure in FIGURES]
+def verdicts_text(rows: Sequence[Row], camera: SimCamera = "webcam") -> str:
+    """A camera's figures in Markdown: the arms, the paper's claim, and the winner."""
+    figures = [_figure_text(figure, judge_figure(rows, figure)) for figure in figures_of(camera)]
     return "\n\n".join([_LEGEND, *figures])
 
 

@@ -18,6 +18,7 @@ from venus3d.engine.calibration.projection_uncertainty import (
 )
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS
+from venus3d.engine.geometry.lenses import BROWN5
 from venus3d.engine.geometry.pose import Array
 from venus3d.study.pool import ViewPool
 from venus3d.study.runner import Row
@@ -46,7 +47,7 @@ def halves(pool: ViewPool, cuts: int, seed: int) -> list[Row]:
         middle = len(order) // 2
         try:
             one, other = (
-                calibrate(pool.board, [pool.observations[i] for i in half])
+                calibrate(pool.board, [pool.observations[i] for i in half], lens=pool.lens)
                 for half in (order[:middle], order[middle:])
             )
             rows.append({"cut": cut, **_compared(one, other)})
@@ -77,13 +78,14 @@ def _compared(one: Calibration, other: Calibration) -> Row:
 def halves_text(pool: ViewPool, rows: Sequence[Row]) -> str:
     """The share of parameters beyond 2 sigma and the median distance, as a table."""
     lines: list[list[str]] = []
+    lens = "" if pool.lens == BROWN5 else f", {pool.lens.name}"
     for kind, name in _KINDS.items():
         sigmas = np.array([[float(row[f"{kind}_{p}"]) for p in PINHOLE_PARAMETERS] for row in rows])
         beyond = 100 * (np.abs(sigmas) > 2).mean(axis=0)
         distance = np.median([float(row[f"{kind}_distance"]) for row in rows])
         lines.append(
             [
-                f"{pool.name}, {len(pool.observations)} views: {name}",
+                f"{pool.name}, {len(pool.observations)} views{lens}: {name}",
                 f"{beyond.mean():.0f} %",
                 *(f"{share:.0f} %" for share in beyond),
                 f"{distance:.2f}",

@@ -11,11 +11,13 @@ import numpy as np
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.repeats import SAME, shift_px
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.lenses import BROWN5, LensModel, lens_chosen
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
@@ -44,6 +46,8 @@ class ViewPool:
     notes: tuple[str, ...] = ()
     asking: Mapping[str, float] = field(default_factory=dict[str, float])
     """Fields of `Limits` for targets (see `asking_limits`); empty for the usual ones."""
+    lens: LensModel = BROWN5
+    """The lens model to calibrate it with."""
     truth: Camera | None = None
     """The true camera, if known (simulated images)."""
 
@@ -58,6 +62,7 @@ def pool_of(
     board: Board,
     *,
     same: float = SAME,
+    lens: str = BROWN5.name,
     on_count: OnCount | None = None,
 ) -> ViewPool:
     """Search a recording once and keep the views that can be calibrated from.
@@ -66,6 +71,7 @@ def pool_of(
         spec: what the user typed; a recording for `open_frame_source`.
         board: what it shows.
         same: see `distinct`.
+        lens: name of a lens model; "auto": found out from all views.
         on_count: see `observe_recording`.
 
     Raises:
@@ -84,8 +90,18 @@ def pool_of(
             "test with; record more."
         )
     notes = (*recording.notes, *detector.notes)
-    asking = asking_limits(detector.board, kept)
-    return ViewPool(spec, detector.board, tuple(kept), len(recording.observations), notes, asking)
+    chosen = lens_chosen(lens)
+    if chosen is None:
+        chosen = calibrate_with_any_lens(detector.board, kept).camera.lens
+    return ViewPool(
+        spec,
+        detector.board,
+        tuple(kept),
+        len(recording.observations),
+        notes,
+        asking_limits(detector.board, kept, chosen),
+        chosen,
+    )
 
 
 def frames_with_board(recording: Recording, spec: str) -> list[int]:
@@ -99,14 +115,16 @@ def frames_with_board(recording: Recording, spec: str) -> list[int]:
     return seen
 
 
-def asking_limits(board: Board, observations: Sequence[Observation]) -> dict[str, float]:
+def asking_limits(
+    board: Board, observations: Sequence[Observation], lens: LensModel = BROWN5
+) -> dict[str, float]:
     """Limits of the targets: the recording's range, and a little more.
 
     A recording cannot follow a target: asked for a tilt of 50 degrees, a pool tilted by at most 20
     gives an arbitrary view. The poses come from a calibration with all views; the same limits hold
     for all methods. Raises `CalibrationError` if all views together determine no camera.
     """
-    poses = [view.pose for view in calibrate(board, observations).views]
+    poses = [view.pose for view in calibrate(board, observations, lens=lens).views]
     angles = np.abs([pose.vector()[:3] for pose in poses])
     cosines = [pose.R[:, 2] @ pose.t / np.linalg.norm(pose.t) for pose in poses]
     distances = np.linalg.norm([pose.apply(board.outline) for pose in poses], axis=2)

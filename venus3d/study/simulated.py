@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.information import (
     covariance_of,
     shared_modes,
     view_information,
 )
+from venus3d.engine.calibration.lens_choice import start_with_any_lens
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import (
     grid_pixels,
@@ -27,12 +28,14 @@ from venus3d.engine.calibration.projection_uncertainty import (
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.lenses import lens_chosen
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.work import Outcome, Work
 from venus3d.engine.planning.costs import index_of_dispersion
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.limits import Limits
+from venus3d.sources.sim_cameras import SIM_CAMERAS, SimCamera
 from venus3d.study.runner import Row
 
 NOISE_PX = float(np.sqrt(0.1))
@@ -147,7 +150,7 @@ def _following(before: Work | None, settings: Settings, board: Board, seen: Obse
             heuristic_state=HeuristicState(),
             skipped=(),
             target_number=1,
-            start=calibrate(board, [seen], model="startup").camera,
+            start=start_with_any_lens(board, [seen], lens=lens_chosen(settings.lens)).camera,
             keep_going=True,
         )
     return replace(
@@ -180,8 +183,11 @@ def true_error_px(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAM
 
 
 def points_before(truth: Camera, depth: float = 1.0) -> Array:
-    """(96, 3) points that the true camera sees in a grid over its whole image, at one depth (m)."""
+    """(96, 3) points that the true camera sees in a grid over its whole image, at one depth (m);
+    of a wide lens at one distance, and those that its image circle holds."""
     rays = truth.unproject(grid_pixels(truth.image_size))
+    if not truth.lens.is_perspective:
+        return depth * rays[np.isfinite(rays).all(axis=1)]
     return depth * rays / rays[:, 2:]
 
 
@@ -215,6 +221,7 @@ class ArmTrial:
     repeat: int
     seed: int
     views: int
+    camera: SimCamera = "webcam"
 
     @property
     def key(self) -> str:
@@ -223,19 +230,22 @@ class ArmTrial:
 
 
 def run_arm(trial: ArmTrial) -> Sequence[Row]:
-    """A row for each number of views."""
+    """A row for each number of views. The kind of lens is known, its parameters are not."""
+    truth = SIM_CAMERAS[trial.camera]
     stages = guided_calibrations(
-        ARMS[trial.arm].settings, trial.views, seed=trial.seed, repeat=trial.repeat
+        replace(ARMS[trial.arm].settings, lens=truth.lens.name),
+        trial.views,
+        seed=trial.seed,
+        repeat=trial.repeat,
+        truth=truth,
     )
     return [
         {
             "arm": trial.arm,
             "repeat": trial.repeat,
             "views": len(stage.poses),
-            **indicators(stage.outcome.calibration, PAPER_CAMERA),
-            "true_projection_error_px": true_error_px(
-                stage.outcome.work.board, stage.poses, PAPER_CAMERA
-            ),
+            **indicators(stage.outcome.calibration, truth),
+            "true_projection_error_px": true_error_px(stage.outcome.work.board, stage.poses, truth),
             "converged": int(stage.outcome.convergence.converged),
             "retaken": stage.lost,
         }

@@ -9,18 +9,19 @@ import pytest
 
 from venus3d.engine.calibration.corner_noise import RENDERED, tilt_and_width
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
+from venus3d.sources.sim_cameras import SIM_CAMERAS
 from venus3d.study.noise import NoiseRow, fit_noise, measure_noise
 
 
+@pytest.mark.parametrize("lens", [PAPER_CAMERA.without_distortion(), SIM_CAMERAS["fisheye"]])
 def test_the_width_is_the_smallest_extent_of_a_square(
-    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+    lens: Camera, default_board: Board, rng: np.random.Generator
 ) -> None:
     """A small circle about the board's centre, projected: an ellipse, its short axis."""
-    lens = paper_camera.without_distortion()
     space = Space(default_board, lens, Limits())
     vectors = np.array([random_pose(space, rng) for _ in range(30)])
     tilt, width = tilt_and_width(lens, default_board, vectors)

@@ -19,6 +19,7 @@ from venus3d.engine.calibration.verification import CHANCE, verify
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.lenses import RATIONAL
 from venus3d.engine.geometry.pose import Pose
 
 BOARD = Board()
@@ -118,6 +119,8 @@ def test_what_cannot_be_compared_is_refused() -> None:
     fresh = calibrated(1)
     with pytest.raises(CalibrationError, match="640 x 360"):
         verify(PAPER_CAMERA.scaled((640, 360)), None, fresh)
+    with pytest.raises(CalibrationError, match="rational, the fresh views were calibrated with br"):
+        verify(PAPER_CAMERA.with_lens(RATIONAL), None, fresh)
     start = calibrate(BOARD, [view.observation for view in fresh.views], model="startup")
     with pytest.raises(CalibrationError, match="all parameters"):
         verify(PAPER_CAMERA, None, start)

@@ -22,6 +22,7 @@ from venus3d.engine.planning.heuristic_poses import (
 )
 from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, brought_within
+from venus3d.sources.sim_cameras import SIM_CAMERAS
 
 
 def test_eq_11_as_printed_and_where_it_degenerates() -> None:
@@ -177,3 +178,25 @@ def test_a_parameter_that_its_view_did_not_help_is_passed_over() -> None:
     assert state.observed(np.full(9, 0.8)).settled == ()
     assert state.observed(np.full(9, 1.1)).settled == (), "a sigma that grew has not settled"
     assert state.observed(np.full(9, 0.95)).settled == ("k3",)
+
+
+def test_windows_of_a_fisheye_are_filled_from_the_side(default_board: Board) -> None:
+    """By OpenCV's fisheye model. At the picture's edge no board parallel to it is seen."""
+    camera = SIM_CAMERAS["fisheye"]
+    bent = distortion_map(camera)
+    u, v = 40 * 1280 / 64 + 10 - 0.5, 8 * 720 / 36 + 10 - 0.5
+    at = np.array([u - camera.cx, v - camera.cy]) / [camera.fx, camera.fy]
+    angle = np.linalg.norm(at)
+    ray = np.array([*(np.sin(angle) * at / angle), np.cos(angle)]).reshape(1, 1, 3)
+    zero = np.zeros(3)
+    seen, _ = cv2.fisheye.projectPoints(ray, zero, zero, camera.K, camera.distortion)
+    assert bent[8, 40] == pytest.approx(np.linalg.norm(seen.ravel() - [u, v]), rel=1e-6)
+    for x in (20.0, 450.0, 860.0):
+        window = Window(x, 240.0, 384.0, 256.0)
+        pose = window_pose(default_board, camera, window)
+        edges = [[-default_board.width / 2, 0, 0], [default_board.width / 2, 0, 0]]
+        left, right = camera.project(pose.apply(np.array(edges)))
+        assert left[0] == pytest.approx(x - 0.5, abs=40) and right[0] - left[0] == pytest.approx(
+            384, rel=0.12
+        )
+        assert pose.R[:, 2] @ pose.t == pytest.approx(np.linalg.norm(pose.t))

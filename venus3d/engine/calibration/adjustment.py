@@ -317,7 +317,7 @@ def _fitted(
             every = tuple(range(len(corners.weights)))
             return RobustFit(problem, solution, corners.weights, every)
         fit = without_outliers(problem, solution)
-        return with_shape(board, fit) or fit
+        return with_shape(board, fit)
     except CalibrationError as error:
         raise CalibrationError(_UNTIED.format(why=_FRONTAL_OR_PARALLEL)) from error
 
@@ -372,6 +372,9 @@ def _covariances(board: Board, fit: RobustFit, model: Model) -> tuple[CornerErro
         found = uncertainty_of(board, fit)
         if found.errors.shared_px > 0:
             errors, covariance = found.errors, basis @ found.covariance @ basis.T
+        for doubt in fit.doubts:
+            wide = np.append(doubt, np.zeros(len(covariance) - len(doubt)))
+            covariance = covariance + np.outer(wide, wide)
     return errors, covariance, noise_only
 
 

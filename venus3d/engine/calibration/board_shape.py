@@ -9,7 +9,8 @@ and true (`FLAT`, `TRUE`), with the errors that a view's corners share (`shared_
 that bends anew in each view, glare or a rolling shutter are such errors and do not pass for a bow.
 Independent noise alone would not do: good recordings reach 6 to 12 of its standard deviations. What
 is smaller than `FLAT` stays in the uncertainty: taken into the model in one half of a recording and
-not in the other, it moved the halves apart (docs/uncertainty.md).
+not in the other, it moved the halves apart (docs/uncertainty.md). What is `LIKELY` and not earned
+is left out of the model, and what it would change is a doubt that the covariance contains.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ from venus3d.engine.geometry.pose import Array
 
 EARNED = 5.0
 """Standard deviations beyond flat and true at which a parameter of the shape is kept."""
+LIKELY = 3.0
+"""Standard deviations beyond flat and true from which a parameter that is not kept is a doubt."""
 FLAT, TRUE = 0.001, 0.002
 """A board passes for flat with a bow up to this share of its longer side, a print for true with a
 stretch up to this."""
@@ -71,13 +74,13 @@ def uncertainty_of(board: Board, fit: RobustFit) -> Uncertainty:
     return Uncertainty(found, robust_covariance(parts, found))
 
 
-def with_shape(board: Board, flat: RobustFit) -> RobustFit | None:
-    """A fit of the full model with the parameters of the board's shape that it earns; None if it
-    earns none."""
+def with_shape(board: Board, flat: RobustFit) -> RobustFit:
+    """A fit of the full model with the parameters of the board's shape that it earns, and with its
+    doubts."""
     problem, sigma = flat.problem, flat.sigma_px
     p = problem.basis.shape[1]
     if len(problem.corners.points) < FEWEST_VIEWS:
-        return None
+        return flat
     every = block_diag(problem.basis, np.eye(len(_PRIOR)))
     whole = replace(
         problem,
@@ -91,21 +94,32 @@ def with_shape(board: Board, flat: RobustFit) -> RobustFit | None:
     # Cheap, and hardly ever stricter: the errors that views share only add to this uncertainty.
     spread = sigma * np.sqrt(np.diag(covariance_of(information))[p:])
     if (abs(step[p:]) < EARNED * spread + 0.5 * tolerance).all():
-        return None
+        return flat
     fit = replace(flat, problem=whole, solution=replace(flat.solution, parameters=at))
     kept = np.ones(len(_PRIOR), dtype=bool)
+    doubts: list[Array] = []
+    likely: Array | None = None
     while kept.any():
         fit = _refitted(fit, basis=every[:, np.append(np.ones(p, dtype=bool), kept)])
+        if likely is not None:
+            doubts.append(likely - _camera(fit))
         covariance = uncertainty_of(board, fit).covariance
         shape = fit.solution.parameters.shape
         beyond = (abs(shape) - tolerance)[kept] / np.sqrt(np.diag(covariance)[p:])
         if (beyond >= EARNED).all():
             # The views determine it: the prior would only draw a strong bow towards flat.
-            return _refitted(fit, prior=np.zeros(len(_PRIOR)))
+            return replace(_refitted(fit, prior=np.zeros(len(_PRIOR))), doubts=tuple(doubts))
+        likely = _camera(fit) if beyond.min() >= LIKELY else None
         kept[np.flatnonzero(kept)[int(np.argmin(beyond))]] = False
         parameters = replace(fit.solution.parameters, shape=shape * kept)
         fit = replace(fit, solution=replace(fit.solution, parameters=parameters))
-    return None
+    if likely is not None:
+        doubts.append(likely - _camera(flat))
+    return replace(flat, doubts=tuple(doubts))
+
+
+def _camera(fit: RobustFit) -> Array:
+    return fit.solution.parameters.camera.parameters
 
 
 def _refitted(fit: RobustFit, **changes: Array) -> RobustFit:

@@ -82,14 +82,19 @@ def tilt_and_width(camera: Camera, board: Board, vectors: ArrayLike) -> tuple[Ar
     """Tilt to the line of sight, degrees, and width of a square at the board's centre, pixels.
 
     Both (N,). The width is the smallest over all directions, so a tilted square is narrow: the
-    smaller singular value of the projection's derivative at the centre, without distortion.
+    smaller singular value of the projection's derivative at the centre, without distortion but for
+    a wide lens.
     """
     p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
     R, t = rotations_of(p), p[:, 3:]
     distance = np.linalg.norm(t, axis=1)
     cosine = np.clip(np.einsum("ni,ni->n", R[:, :, 2], t) / distance, -1.0, 1.0)
-    A = R[:, :2, :2] - (t[:, :2] / t[:, 2:])[:, :, None] * R[:, 2:, :2]
-    A = A * (np.array([[camera.fx], [camera.fy]]) * board.square) / t[:, 2, None, None]
+    if camera.lens.is_perspective:
+        A = R[:, :2, :2] - (t[:, :2] / t[:, 2:])[:, :, None] * R[:, 2:, :2]
+        A = A * (np.array([[camera.fx], [camera.fy]]) * board.square) / t[:, 2, None, None]
+    else:
+        by_point = camera.jacobians(np.zeros((1, 3)), R, t)[:, 3:6, :, 0]
+        A = by_point.swapaxes(1, 2) @ R[:, :, :2] * board.square
     # Singular values of 2 x 2: their squares add up to |A|^2, their product is |det A|.
     half = np.sum(A * A, axis=(1, 2)) / 2
     area = A[:, 0, 0] * A[:, 1, 1] - A[:, 0, 1] * A[:, 1, 0]

@@ -15,17 +15,19 @@ from venus3d.engine.calibration.adjustment import Calibration, LeftOut, LeftOutR
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.residual_patterns import (
+    ALIKE,
+    WHILE_READ,
     board_share,
     neighbour_correlation,
-    rolling_share,
+    rolling_motion,
 )
 from venus3d.engine.calibration.turned_pictures import turned_views
 from venus3d.engine.sentences import Sentence, listed
 
-ALIKE = 0.6
-"""Correlation of neighbouring corners' residuals from which the model lacks something."""
-ON_THE_BOARD, WHILE_READ = 0.5, 0.9
-"""Shares of the residuals that a bent board and a rolling shutter must explain to be named."""
+ON_THE_BOARD = 0.5
+"""Share of the residuals that a bent board must explain to be named."""
+SOME = 1 / 3
+"""Share of the views up to which those in motion are named: of more, others explain as much."""
 MANY_LEFT_OUT = 0.1
 """Share of the corners of one view, or of all, that is not left out without a word."""
 _MOST_NAMED = 5
@@ -104,7 +106,29 @@ _ALIKE = Sentence(
     "neighbouring corners are off alike (correlation {correlation:.2f}; rms {rms} px where the "
     "corners are good for {noise} px)"
 )
-
+_ROLLING = Sentence(
+    "Each picture is bent in its own way: {alike}, as a rolling shutter shears them when the board "
+    "or the camera moves, or a loose board bends in the hand."
+)
+_HOLD_STILL = Sentence(
+    "Hold still for each picture, or use a camera with a global shutter; fix the board to a flat "
+    "plate."
+)
+_ROLLING_SOME = (
+    Sentence(
+        "The picture of view {views} is bent in its own way: {alike}, as a rolling shutter shears "
+        "it when the board or the camera moves, or a loose board bends in the hand."
+    ),
+    Sentence(
+        "The pictures of views {views} are bent, each in its own way: {alike}, as a rolling "
+        "shutter shears them when the board or the camera moves, or a loose board bends in the "
+        "hand."
+    ),
+)
+_TAKE_AGAIN = (
+    Sentence("Leave it out, or take it again while nothing moves."),
+    Sentence("Leave them out, or take them again while nothing moves."),
+)
 
 _TURNED_OUT = (
     Sentence(
@@ -262,18 +286,10 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
             ).format(alike=alike),
             Sentence("Fix it to a flat plate (glass, aluminium) and take the views again."),
         )
-    elif rolling_share(calibration) >= WHILE_READ:
-        yield Diagnosis(
-            "rolling-shutter",
-            Sentence(
-                "Each picture is bent in its own way: {alike}, as a rolling shutter shears them "
-                "when the board or the camera moves, or a loose board bends in the hand."
-            ).format(alike=alike),
-            Sentence(
-                "Hold still for each picture, or use a camera with a global shutter; fix the board "
-                "to a flat plate."
-            ),
-        )
+        return
+    motion = rolling_motion(calibration)
+    if motion.share >= WHILE_READ:
+        yield _rolling(calibration, motion.numbers, alike)
     else:
         yield Diagnosis(
             "poor-fit",
@@ -283,6 +299,21 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
                 "nor stabilised; a very wide lens needs another model."
             ),
         )
+
+
+def _rolling(calibration: Calibration, numbers: tuple[int, ...], alike: str) -> Diagnosis:
+    """That all views, or those of these numbers, were in motion."""
+    moved = [view for view in calibration.views if view.number in numbers]
+    if not moved or len(moved) > SOME * len(calibration.views):
+        return Diagnosis("rolling-shutter", _ROLLING.format(alike=alike), _HOLD_STILL)
+    return Diagnosis(
+        "rolling-shutter",
+        _ROLLING_SOME[len(moved) > 1].format(
+            views=listed([_name(view) for view in moved]), alike=alike
+        ),
+        _TAKE_AGAIN[len(moved) > 1],
+        numbers,
+    )
 
 
 def _name(one: LeftOut | View) -> str:

@@ -9,11 +9,20 @@ or each view's board in motion while the rows were read.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.geometry.pose import Array
+
+ALIKE = 0.6
+"""Correlation of neighbouring corners' residuals from which the model lacks something."""
+WHILE_READ = 0.9
+"""Share of the residuals that a motion must explain to be named."""
+_MOVED = 40.0  # variances of the noise that a motion of six parameters explains: no chance
+_STEP = 0.1  # of what the last view explained: the next one, which explains less, did not move
 
 
 def neighbour_correlation(calibration: Calibration) -> float:
@@ -68,26 +77,70 @@ def _by_corner(calibration: Calibration) -> list[tuple[Array, Array]]:
     ]
 
 
-def rolling_share(calibration: Calibration) -> float:
-    """Share of the squared residuals, less the independent noise, that is explained if the board
-    moved evenly in each view while the rows were read one after the other."""
-    explained = total = noise = 0.0
-    for view in calibration.views:
-        by_pose = _by_pose(calibration, view).reshape(6, -1).T
-        rows = view.observation.corners[:, 1]
-        moving = by_pose * np.tile(rows - rows.mean(), 2)[:, None]
-        held = np.linalg.qr(by_pose).Q
-        errors = view.errors.T.reshape(-1)
-        errors, moving = errors - held @ (held.T @ errors), moving - held @ (held.T @ moving)
-        along = np.linalg.qr(moving / np.linalg.norm(moving, axis=0)).Q.T @ errors
-        explained += float(along @ along)
-        total += float(errors @ errors)
-        noise += calibration.corner_errors.noise_px**2 * (len(errors) - 6)
-    systematic = total - noise
+@dataclass(frozen=True)
+class RollingMotion:
+    """What is explained if the board moved evenly in some views while their rows were read one
+    after the other, the intrinsics being fitted anew with that."""
+
+    share: float
+    """Of the squared residuals, less the independent noise."""
+    numbers: tuple[int, ...]
+    """The views that moved: as few as explain it."""
+
+
+def rolling_motion(calibration: Calibration) -> RollingMotion:
+    """The motion that the residuals show: of one view after the other, that which explains most,
+    until that is enough and the next one explains far less, or no more than noise."""
+    noise2 = calibration.corner_errors.noise_px**2
+    views = calibration.views
+    grams = [_grams(calibration, view) for view in views]
+    still, moving = (np.array(each) for each in zip(*grams, strict=True))
+    p = still.shape[1] - 1
+    freedom = sum(view.errors.size for view in views) - 6 * len(views) - p
+    least = float(least_squares_of(still.sum(axis=0)[None])[0])
+    systematic = least - noise2 * freedom
     if systematic <= 0:
-        return 0.0
-    by_chance = calibration.corner_errors.noise_px**2 * 6 * len(calibration.views)
-    return float(np.clip((explained - by_chance) / systematic, 0.0, 1.0))
+        return RollingMotion(0.0, ())
+    moved = np.zeros(len(views), dtype=bool)
+    total, left, share, gain = still.sum(axis=0), least, 0.0, least
+    while not moved.all():
+        each = least_squares_of(total + moving - still)
+        each[moved] = np.inf
+        best = int(np.argmin(each))
+        last, gain = gain, left - float(each[best])
+        if gain < _MOVED * noise2 or (share >= WHILE_READ and gain < _STEP * last):
+            break
+        moved[best], left, total = True, left - gain, total + moving[best] - still[best]
+        share = (least - left - 6 * noise2 * moved.sum()) / systematic
+    numbers = tuple(v.number for v, is_moved in zip(views, moved, strict=True) if is_moved)
+    return RollingMotion(float(np.clip(share, 0.0, 1.0)), numbers)
+
+
+def _grams(calibration: Calibration, view: View) -> tuple[Array, Array]:
+    """(p + 1, p + 1) normal matrices of a view's derivatives by the intrinsics and, last, of its
+    residuals: with its pose projected out, and with an even motion while rows are read as well."""
+    points = calibration.board.points_of(view.observation.ids)
+    J = calibration.camera.jacobians(points, view.pose.R[None], view.pose.t[None])[0]
+    stacked = J.reshape(len(J), -1).T
+    rows = view.observation.corners[:, 1]
+    by_motion = stacked[:, :6] * np.tile(rows - rows.mean(), 2)[:, None]
+    by_motion /= np.maximum(np.linalg.norm(by_motion, axis=0), 1e-300)
+    Q = np.linalg.qr(np.concatenate([stacked[:, :6], by_motion], axis=1)).Q
+    columns = np.column_stack([stacked[:, 6:], view.errors.T.reshape(-1)])
+    columns = columns - Q[:, :6] @ (Q[:, :6].T @ columns)
+    along = Q[:, 6:].T @ columns
+    still = columns.T @ columns
+    return still, still - along.T @ along
+
+
+def least_squares_of(grams: Array) -> Array:
+    """(N,) the least sums of squares for normal matrices (N, q + 1, q + 1), residuals last."""
+    H, right = grams[:, :-1, :-1], grams[:, :-1, -1]
+    scale = 1.0 / np.sqrt(np.maximum(np.einsum("nii->ni", H), 1e-300))
+    H = H * scale[:, :, None] * scale[:, None] + 1e-13 * np.eye(H.shape[1])
+    right = (right * scale)[:, :, None]
+    explained = (right * np.linalg.solve(H, right)).sum(axis=(1, 2))
+    return np.asarray(grams[:, -1, -1] - explained, dtype=np.float64)
 
 
 def _by_pose(calibration: Calibration, view: View) -> Array:

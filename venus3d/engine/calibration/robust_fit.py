@@ -57,6 +57,8 @@ class RobustFit:
     """(N, M) weights with those corners."""
     kept: tuple[int, ...]
     """Indices of the views fitted, ascending; the others are outlying."""
+    doubts: tuple[Array, ...] = ()
+    """(p,) changes of the camera's parameters by what is likely and not in the model."""
 
     @property
     def sigma_px(self) -> float:

@@ -13,6 +13,7 @@ flipped one by one for as long as it falls. Other errors gain by signs too. What
   odd parameters, with the errors that a view's corners share (`shared_errors`).
 - With the pictures turned back, the principal point lies off the middle by `OFF_MIDDLE` standard
   deviations. Nearer than that a turn can't be seen, and does little harm.
+- They fit then: neighbouring corners are not off alike.
 """
 
 from __future__ import annotations
@@ -32,6 +33,11 @@ from venus3d.engine.calibration.observation import (
     reprojection_errors,
     rms_distance,
     whole,
+)
+from venus3d.engine.calibration.residual_patterns import (
+    ALIKE,
+    least_squares_of,
+    neighbour_correlation,
 )
 from venus3d.engine.calibration.shared_errors import ViewResidual, corner_errors
 from venus3d.engine.errors import CalibrationError
@@ -138,6 +144,8 @@ def _told(calibration: Calibration, signs: Array) -> tuple[int, ...]:
     unlikely = UNLIKELY_SHARED if again.corner_errors.shared_px > 0 else UNLIKELY
     if system.gain(signs) < unlikely or _off_middle(again) < OFF_MIDDLE:
         return ()
+    if neighbour_correlation(again) >= ALIKE:
+        return ()  # turned back, they do not fit either: a rolling shutter, or the like
     told = (signs < 0) & (system.clear(signs) > CLEAR)
     return tuple(view.number for view, is_told in zip(views, told, strict=True) if is_told)
 
@@ -210,13 +218,13 @@ class _Signs:
 
     def cost(self, signs: Array) -> float:
         """The least sum of squares for signs (N,)."""
-        return float(_least(self.with_signs(signs).grams.sum(axis=0)[None])[0])
+        return float(least_squares_of(self.with_signs(signs).grams.sum(axis=0)[None])[0])
 
     def flipped(self, signs: Array) -> Array:
         """(N,) the least sums of squares with each of the signs (N,) flipped."""
         each = self.with_signs(signs).grams
         odd = np.append(self.is_odd, False)
-        return _least(each.sum(axis=0) - 2 * each * (odd[:, None] != odd))
+        return least_squares_of(each.sum(axis=0) - 2 * each * (odd[:, None] != odd))
 
     def gain(self, signs: Array) -> float:
         """Twice the log-likelihood that signs (N,) gain, less what the best of as many choices
@@ -242,7 +250,7 @@ class _Signs:
         outer = scale[:, :, None] * scale[:, None]
         inverse = np.linalg.pinv(own * outer, hermitian=True) * outer
         rest = self.grams[:, ~odd][:, :, ~odd] - cross @ inverse @ cross.swapaxes(1, 2)
-        least = float(_least(rest.sum(axis=0)[None])[0])
+        least = float(least_squares_of(rest.sum(axis=0)[None])[0])
         fitted = odd.sum() * len(self.grams) + (~odd).sum() - 1
         return least, least / max(self.freedom - fitted, 1)
 
@@ -271,13 +279,3 @@ def _gram(part: ViewResidual, odd: Array, ratio: float) -> Array:
         along = T.T @ columns
         gram -= along.T @ np.linalg.solve(np.eye(T.shape[1]) / ratio**2 + T.T @ T, along)
     return np.asarray(gram, dtype=np.float64)
-
-
-def _least(grams: Array) -> Array:
-    """(N,) the least sums of squares for normal matrices (N, q + 1, q + 1), residuals last."""
-    H, right = grams[:, :-1, :-1], grams[:, :-1, -1]
-    scale = 1.0 / np.sqrt(np.maximum(np.einsum("nii->ni", H), 1e-300))
-    H = H * scale[:, :, None] * scale[:, None] + 1e-13 * np.eye(H.shape[1])
-    right = (right * scale)[:, :, None]
-    explained = (right * np.linalg.solve(H, right)).sum(axis=(1, 2))
-    return np.asarray(grams[:, -1, -1] - explained, dtype=np.float64)

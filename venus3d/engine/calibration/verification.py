@@ -87,7 +87,8 @@ def verify(
         limit_px: the largest projection difference that does no harm, pixels.
 
     Raises:
-        CalibrationError: different picture sizes, or the fresh views leave parameters open.
+        CalibrationError: different picture sizes or lens models, or the fresh views leave
+            parameters open.
     """
     if not all(fresh.free):
         raise CalibrationError("The fresh views do not determine all parameters; take more.")
@@ -96,6 +97,11 @@ def verify(
         raise CalibrationError(
             f"The camera file is for pictures of {w} x {h} px, these are {other_w} x {other_h} px; "
             "verify with pictures of its size, or convert it with venus3d export --size."
+        )
+    if camera.lens != fresh.camera.lens:
+        raise CalibrationError(
+            f"The camera file has a lens of the model {camera.lens.name}, the fresh views were "
+            f"calibrated with {fresh.camera.lens.name}; calibrate them with the same model."
         )
     joint = fresh.covariance if covariance is None else fresh.covariance + covariance
     diff_px, chance_px = projection_diff_px(camera, fresh.camera), _chance_px(fresh.camera, joint)

@@ -167,6 +167,12 @@ class Camera:
             return replace(self, coefficients=())
         return replace(self, coefficients=(), lens=PINHOLE)
 
+    @property
+    def unbent(self) -> Camera:
+        """The pinhole of a perspective lens, whose estimate may fold back; a wide lens as it is,
+        since no pinhole sees as far."""
+        return self.without_distortion() if self.lens.is_perspective else self
+
     def with_lens(self, lens: LensModel) -> Camera:
         """The same camera with a lens model that has all coefficients of this one, the others zero.
         Raises `CalibrationError` for another one."""

@@ -190,8 +190,8 @@ def _silhouette(camera: Camera, board: Board, pose: Pose) -> Array:
 def _corner_distance_px(camera: Camera, board: Board, one: Pose, other: Pose) -> float:
     """Mean distance of the projected inner corners, pixels, by the undistorted pinhole or a
     wide lens."""
-    pinhole = camera.without_distortion() if camera.lens.is_perspective else camera
-    shift = pinhole.project(one.apply(board.corners)) - pinhole.project(other.apply(board.corners))
+    seen = camera.unbent
+    shift = seen.project(one.apply(board.corners)) - seen.project(other.apply(board.corners))
     distance = np.linalg.norm(shift, axis=1)
-    seen = np.isfinite(distance)
-    return float(distance[seen].mean()) if seen.any() else float("inf")
+    finite = np.isfinite(distance)
+    return float(distance[finite].mean()) if finite.any() else float("inf")

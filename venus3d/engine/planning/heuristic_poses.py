@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS, Camera
-from venus3d.engine.geometry.lenses import BROWN5
+from venus3d.engine.geometry.lenses import BROWN5, EQUIDISTANT
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.planning.costs import index_of_dispersion
-from venus3d.engine.planning.pose_space import Space, brought_within
+from venus3d.engine.planning.pose_space import Space, brought_within, rays_towards
 
 ROLL_DEG = 22.5
 """pi/8 of eq. (10): keeps the board's rows from being parallel to the image's."""
@@ -157,13 +158,19 @@ def rojtberg_pose(space: Space, parameter: str, state: HeuristicState) -> Heuris
 
 
 def distortion_map(camera: Camera, cell_px: int = CELL_PX) -> Array:
-    """(rows, columns) displacement of the cells' points by the distortion, pixels."""
+    """(rows, columns) displacement of the cells' points by the distortion, pixels: against the
+    pinhole or, of a wide lens, against the equidistant one. 0 where no ray comes from."""
     columns, rows = camera.width // cell_px, camera.height // cell_px
     u = (np.arange(columns) + 0.5) * camera.width / columns - 0.5
     v = (np.arange(rows) + 0.5) * camera.height / rows - 0.5
     f, c = np.array([camera.fx, camera.fy]), np.array([camera.cx, camera.cy])
     ideal = (np.stack(np.meshgrid(u, v), axis=-1) - c) / f
-    return np.linalg.norm((camera.distort(ideal) - ideal) * f, axis=-1)
+    if camera.lens.is_perspective:
+        return np.linalg.norm((camera.distort(ideal) - ideal) * f, axis=-1)
+    rays = np.moveaxis(EQUIDISTANT.rays((), ideal), -1, 0)
+    moved = np.moveaxis(camera.lens.image(camera.coefficients, rays), 0, -1) - ideal
+    is_seen = np.isfinite(moved).all(axis=-1) & camera.reaches(rays)
+    return np.where(is_seen, np.linalg.norm(moved * f, axis=-1), 0.0)
 
 
 def distortion_window(
@@ -195,13 +202,25 @@ def distortion_window(
 
 
 def window_pose(board: Board, camera: Camera, window: Window) -> Pose:
-    """The pose parallel to the image in which the board fills the window's width."""
+    """The pose parallel to the image in which the board fills the window's width; for a wide lens
+    the board faces it instead: beside the lens, none is parallel to the image."""
     centre = [window.x + window.width / 2 - 0.5, window.y + window.height / 2 - 0.5]
+    if not camera.lens.is_perspective:
+        return _facing(board, camera, window)
     ray = camera.unproject(np.array(centre))
     if not np.isfinite(ray).all():
         ray = camera.without_distortion().unproject(np.array(centre))
     z = camera.fx * board.width / window.width
     return Pose(np.eye(3), z * np.array([ray[0] / ray[2], ray[1] / ray[2], 1.0]))
+
+
+def _facing(board: Board, camera: Camera, window: Window) -> Pose:
+    y = window.y + window.height / 2 - 0.5
+    x = window.x - 0.5 + window.width * np.array([0.5, 0.0, 1.0])
+    centre, left, right = rays_towards(camera, np.column_stack([x, np.full(3, y)]))
+    half = np.arccos(np.clip(left @ right, -1.0, 1.0)) / 2
+    turn = Rotation.align_vectors(centre[None], np.array([[0.0, 0.0, 1.0]]))[0]
+    return Pose(turn.as_matrix(), board.width / 2 / np.tan(max(float(half), 1e-3)) * centre)
 
 
 def _turned(parameter: str, state: HeuristicState, angle_deg: Callable[[int], float]) -> Array:

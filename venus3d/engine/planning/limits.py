@@ -24,6 +24,8 @@ from venus3d.engine.sentences import Sentence
 Mask = NDArray[np.bool_]
 SLACK = 1e-9
 """Of a margin: a pose exactly on a limit must not be lost to rounding."""
+WIDEST = float(np.radians(88.0))
+"""From the axis to a board's centre: nothing is held behind a lens that sees there."""
 
 Rule = Literal["angle", "tilt", "behind", "near", "far", "depth", "outside", "small"]
 RULES: tuple[Rule, ...] = get_args(Rule)
@@ -68,7 +70,8 @@ class Limits:
         room = 1 - 2 * limits.margin
         height_px = camera.height - 2 * limits.margin * camera.width
         z_fill = max(
-            board.width * camera.fx / (room * camera.width), board.height * camera.fy / height_px
+            _filling_distance(camera, board.width, room * camera.width / camera.fx),
+            _filling_distance(camera, board.height, height_px / camera.fy),
         )
         z_small = min(camera.fx, camera.fy) * board.square / limits.min_square_px
         usable = min(limits.farthest, z_small) / max(limits.nearest, z_fill)
@@ -133,6 +136,14 @@ class Limits:
         """(2,) smallest and (2,) largest pixel allowed for the board: the image less a margin."""
         border = self.margin * camera.width - 0.5
         return np.full(2, border), np.array([camera.width - 1, camera.height - 1]) - border
+
+
+def _filling_distance(camera: Camera, side: float, extent: float) -> float:
+    """The distance at which a frontal board of this side, metres, has this extent in normalised
+    image coordinates, on the axis and without distortion."""
+    if camera.lens.is_perspective:
+        return side / extent
+    return side / 2 / float(np.tan(min(extent / 2, WIDEST)))
 
 
 def _normals(vectors: Array) -> Array:

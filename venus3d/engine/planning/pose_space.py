@@ -18,7 +18,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose, angles_of, rotations_of
 from venus3d.engine.geometry.visibility import Visibility, visibility_of
-from venus3d.engine.planning.limits import Limits, Mask, refusals
+from venus3d.engine.planning.limits import WIDEST, Limits, Mask, refusals
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.settings import PlanningSettings
 from venus3d.engine.sentences import Sentence, listed
@@ -30,7 +30,6 @@ _TRIES = 50  # batches of 64 poses drawn for a random one within the limits
 _TILT_DEG = 0.05
 _SHARE = 1e-3
 _PX = 0.2
-_WIDEST = float(np.radians(88.0))  # of a board's centre to the axis: nothing is held behind
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +83,7 @@ class Space:
         z = limits.nearest * (limits.farthest / limits.nearest) ** unit[:, 5]
         if not camera.lens.is_perspective:
             pixels = unit[:, 3:5] * camera.image_size - 0.5
-            return np.column_stack([angles, z[:, None] * _rays_towards(camera, pixels)])
+            return np.column_stack([angles, z[:, None] * rays_towards(camera, pixels)])
         x = (unit[:, 3] * camera.width - 0.5 - camera.cx) / camera.fx * z
         y = (unit[:, 4] * camera.height - 0.5 - camera.cy) / camera.fy * z
         return np.column_stack([angles, x, y, z])
@@ -108,10 +107,10 @@ class Space:
         )
 
 
-def _rays_towards(camera: Camera, pixels: Array) -> Array:
+def rays_towards(camera: Camera, pixels: Array) -> Array:
     """(N, 3) rays of a wide lens from pixels (N, 2), or from the nearest of its image circle."""
     centre, f = np.array([camera.cx, camera.cy]), np.array([camera.fx, camera.fy])
-    edge = min(0.98 * camera.angle_limit, _WIDEST)
+    edge = min(0.98 * camera.angle_limit, WIDEST)
     radius = camera.lens.image(camera.coefficients, np.array([np.sin(edge), 0.0, np.cos(edge)]))[0]
     image = (pixels - centre) / f
     length = np.maximum(np.linalg.norm(image, axis=1, keepdims=True), 1e-12)
@@ -266,7 +265,7 @@ def _sideways(limits: Limits, camera: Camera, seen: Visibility, t: Array, factor
         # By the same pixels, at the same distance from the lens.
         right = np.max(np.maximum(low + _PX - seen.pixels, 0), axis=1)
         left = np.max(np.maximum(seen.pixels - (high - _PX), 0), axis=1)
-        moved = _rays_towards(camera, (camera.pixels_of(t) + right - left).T)
+        moved = rays_towards(camera, (camera.pixels_of(t) + right - left).T)
         aside = (np.linalg.norm(t, axis=0)[:, None] * moved).T[:2] - t[:2]
         return np.where(seen.seen, aside, -0.3 * t[:2])
     depth = seen.depth * factor

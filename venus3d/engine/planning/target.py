@@ -172,7 +172,7 @@ def held_in_words(pose: Pose, camera: Camera) -> str:
     """How the board is held: turn in the image, place, tilt, distance. Sides are the image's."""
     roll = float(pose.vector()[2])
     turn = _CLOCKWISE if roll > 0 else _COUNTER
-    u, v = camera.without_distortion().project(pose.t) / (camera.width, camera.height)
+    u, v = camera.unbent.project(pose.t) / (camera.width, camera.height)
     x, y = (-1 if share < 0.38 else 1 if share > 0.62 else 0 for share in (float(u), float(v)))
     tilt = tilt_deg(pose)
     parts = (
@@ -217,7 +217,7 @@ def _what_it_does(pose: Pose, camera: Camera, board: Board, lens: bool) -> str:
 def _place(pose: Pose, camera: Camera, board: Board) -> str:
     """Where the board reaches furthest out in the image; empty in the middle, `_FULL` if it covers
     most of it."""
-    pixels = camera.without_distortion().project(pose.apply(board.outline))
+    pixels = camera.unbent.project(pose.apply(board.outline))
     size = np.array([camera.width, camera.height])
     if not np.isfinite(pixels).all():
         return ""
