@@ -77,7 +77,7 @@ def test_a_board_whose_markers_are_lost_is_named_by_its_grid() -> None:
         picture_of(board, camera, Pose.from_vector([tilt, turn, 10, 0.1, 0.05, distance]))
         for tilt, turn in ((0, 0), (15, 10), (-10, 20))
     ]
-    with pytest.raises(CalibrationError, match="too small to be read: its squares are [78] px"):
+    with pytest.raises(CalibrationError, match=r"too small to be read: its squares are [78] px"):
         calibrate_images(pictures, board)
 
 

@@ -1,8 +1,8 @@
 """Recognises a board that is too small to be read, in pictures where detection failed.
 
 In an enlarged picture its markers have enough pixels to be read; smaller ones are lost, but the
-grid of its squares is seen. What is read so is no measurement: the corners between pixels that small
-are worth little.
+grid of its squares is seen. What is read so is no measurement: the corners between pixels that
+small are worth little.
 """
 
 from __future__ import annotations
