@@ -184,7 +184,7 @@ def true_error_px(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAM
 
 def points_before(truth: Camera, depth: float = 1.0) -> Array:
     """(96, 3) points that the true camera sees in a grid over its whole image, at one depth (m);
-    of a wide lens at one distance, and those that its image circle holds."""
+    of a wide lens at one distance, those from which a ray comes."""
     rays = truth.unproject(grid_pixels(truth.image_size))
     if not truth.lens.is_perspective:
         return depth * rays[np.isfinite(rays).all(axis=1)]

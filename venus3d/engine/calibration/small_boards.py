@@ -76,7 +76,7 @@ def _grid_px(board: Board, picture: NDArray[np.uint8]) -> float | None:
     for times in range(min(_TIMES, int(np.sqrt(_MOST_PIXELS / picture.size))), 1, -1):
         blurred = cv2.GaussianBlur(_enlarged(picture, times), (0, 0), _BLUR * times)
         flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_EXHAUSTIVE
-        found, corners = cv2.findChessboardCornersSB(blurred, (columns, rows), flags)
+        found, corners = cv2.findChessboardCornersSB(blurred, (columns, rows), flags=flags)
         grid = np.asarray(corners, dtype=np.float64).reshape(rows, columns, 2) if found else None
         if grid is not None and is_even(grid):
             steps = [np.linalg.norm(np.diff(grid, axis=axis), axis=2) for axis in (0, 1)]
