@@ -27,9 +27,14 @@ help:
 run: $(VENV)/.ready-run
 	$(BIN)/venus3d guide sim --autopilot
 
-# Some tests wait and some compute, those in the browser too: three workers keep two cores busy.
+# A browser alone takes both cores. Of everything else some waits and some computes: three workers
+# keep two cores busy.
 test: lint
-	$(BIN)/pytest -n 3
+	@failed=0; \
+	echo "pytest -n 3 -m 'not browser'"; \
+	$(BIN)/pytest -n 3 -m "not browser" || failed=1; \
+	echo "pytest -m browser"; $(BIN)/pytest -m browser || failed=1; \
+	exit $$failed
 
 lint: $(VENV)/.ready-test
 	$(BIN)/ruff check .

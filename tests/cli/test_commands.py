@@ -40,6 +40,7 @@ KEYS = {
     "std",
     "std_noise_only",
     "image_size",
+    "image_circle",
     "board",
     "warnings",
     "diagnoses",
