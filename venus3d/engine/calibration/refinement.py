@@ -30,8 +30,6 @@ _FARTHEST_PX = 1.5
 # Of a smaller move, which of the two places fits better says nothing.
 _TELLS_PX = 0.1
 _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
-_SHARPNESS_AT = 48
-"""Corners at most at which the sharpness is looked at."""
 # A corner is predicted from those within so many squares along both axes, if they are this many:
 # two more than a quadratic has coefficients.
 _REACH, _FEWEST_NEIGHBOURS = 2, 8
@@ -163,12 +161,11 @@ def edge_sharpness(grey: Grey, corners: Array, squares: Array) -> float:
     """Contrast of the board's edges per pixel, 0 ... 1.
 
     The steepest grey step per pixel around a corner over the contrast there: 1 for a step within
-    one pixel, 1/w for one over w pixels. Median over corners all over the board.
+    one pixel, 1/w for one over w pixels. Median over the corners.
     """
     height, width = grey.shape
     values: list[float] = []
-    every = -(-len(corners) // _SHARPNESS_AT)
-    for (x, y), square in zip(corners[::every], squares[::every], strict=True):
+    for (x, y), square in zip(corners, squares, strict=True):
         half = int(np.clip(0.3 * square, 3, 20))
         column, row = round(float(x)), round(float(y))
         if not (half <= column < width - half and half <= row < height - half):

@@ -150,8 +150,9 @@ class Session:
         seen = tracker.observation if chosen is None else chosen
         if tracker.pose is None or over or self._captured.has(seen):
             return False
-        if seen.image is not None:
-            seen = replace(seen, image_circle=image_circle(seen.image))
+        circle = None if seen.image is None else image_circle(seen.image)
+        if circle is not None:
+            seen = replace(seen, image_circle=circle)
         at_target = tracker.is_at_target and self._phase == "guiding"
         view = CapturedView(self._captured.next_number, seen, self._target if at_target else None)
         try:
