@@ -14,7 +14,7 @@ import viser.transforms as tf
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
-from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.render.shapes import LabelShape, MeshShape
 from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera
 from venus3d.scene.web.camera_rig import CameraRig
@@ -40,7 +40,7 @@ def settled(view: SceneView) -> bool:
     return not view.is_due
 
 
-def vertices_of(view: SceneView) -> np.ndarray:
+def vertices_of(view: SceneView) -> Array:
     """(N, 3) where the browser puts the arrow's vertices."""
     handle = view.node(ARROW.name)
     turned = tf.SO3(handle.wxyz) @ np.asarray(ARROW.mesh.vertices, np.float64)
@@ -99,6 +99,18 @@ def test_nothing_is_drawn_for_an_eye_that_is_still_flying(server: LocalServer) -
             assert not in_front(), "nor when its last view was sent"
         tab.look(position=(0.9, -0.7, 1.3), look_at=(0.0, 0.0, 0.5), fov=0.7)
         wait_until(in_front)
+        assert rescaled(tab) == set(), "a browser comes to a scale later than to a position"
+
+
+def rescaled(tab: RawClient) -> set[str]:
+    """Names of the shapes whose scale was changed in all that was sent to the tab."""
+    names: set[str] = set()
+    while True:
+        try:
+            window = tab.window(timeout=0.5)
+        except TimeoutError:
+            return names
+        names |= {m["name"] for m in window if "scale" in m.get("updates", {})}
 
 
 def test_a_label_faces_the_person_and_keeps_its_size(server: LocalServer) -> None:
@@ -114,6 +126,7 @@ def test_a_label_faces_the_person_and_keeps_its_size(server: LocalServer) -> Non
             np.testing.assert_allclose(R[:, 2], ahead / np.linalg.norm(ahead), atol=1e-6)
             assert R[1, 1] > 0, "upright, and not mirrored: right, down and ahead"
             depth = (np.asarray(pill.position) - eye) @ R[:, 2]
+            assert 0.3 < pill.scale < 3, "a browser comes to it later than to the position"
             high = pill.render_height * pill.scale / depth * 360 / np.tan(0.35)
             assert 22 < high < 32, "pixels"
 

@@ -43,6 +43,10 @@ class SceneLabel:
         self._word: Any = None
         """The pill that stands in while the text changes."""
         self._looks: dict[str, tuple[str, tuple[int, int, int], int]] = {}
+        self._unit_m: dict[str, float] = {}
+        """Metres of a pixel of the pictures of the two, without the nodes' scale. As in the first
+        view: a browser comes to a node's scale later than to its position, and a pill that is large
+        without its scale fills the window until then."""
         self._sent_s: dict[str, float] = {}
         """What the pictures of the two show, and when they were sent."""
         self._changed_s = -np.inf
@@ -101,24 +105,26 @@ class SceneLabel:
         Args:
             metres_per_px: a pixel's size one metre before the eye.
         """
-        if self._pill is None or time.monotonic() - self._changed_s >= _STAYS_S:
-            self._pill = self._pictured(self._pill, "pill", self._shape.text)
-        said = self._looks["pill"][0] == self._shape.text and self._has_come("pill")
-        self._is_changing, node = not said, self._pill
-        if not said and self._shape.in_motion:
-            node = self._word = self._pictured(self._word, "word", self._shape.in_motion)
         depth = float(view.axes[2] @ (place - view.position))
+        unit_m = max(_NEARER * depth, 1e-3) * metres_per_px / _FINE
+        if self._pill is None or time.monotonic() - self._changed_s >= _STAYS_S:
+            self._pill = self._pictured(self._pill, "pill", self._shape.text, unit_m)
+        said = self._looks["pill"][0] == self._shape.text and self._has_come("pill")
+        self._is_changing, node, kind = not said, self._pill, "pill"
+        if not said and self._shape.in_motion:
+            kind = "word"
+            node = self._word = self._pictured(self._word, kind, self._shape.in_motion, unit_m)
         node.wxyz = Pose(view.axes.T, place).wxyz
         node.position = view.position + _NEARER * (place - view.position)
-        node.scale = max(_NEARER * depth, 1e-3) * metres_per_px / _FINE
+        node.scale = unit_m / self._unit_m[kind]
         self._show_only(node if said or self._has_come("word") else None)
 
     def _has_come(self, kind: str) -> bool:
         """Whether the browser has had the time to load this pill's picture."""
         return time.monotonic() - self._sent_s.get(kind, np.inf) >= _ARRIVES_S
 
-    def _pictured(self, node: Any, kind: str, text: str) -> Any:
-        """The pill, made if there is none, with this text in the shape's colour."""
+    def _pictured(self, node: Any, kind: str, text: str, unit_m: float) -> Any:
+        """The pill, made in this size if there is none, with this text in the shape's colour."""
         look = text, self._shape.colour, round(_FINE * HEIGHT_PX * 0.86)
         if self._looks.get(kind) == look:
             return node
@@ -126,13 +132,13 @@ class SceneLabel:
         if node is None or self._shape.in_motion:
             self._sent_s[kind] = time.monotonic()
         picture = pill_picture(*look)
-        height, width = picture.shape[:2]
+        height, width = (side * self._unit_m.setdefault(kind, unit_m) for side in picture.shape[:2])
         if node is None:
             name = f"{self._name}_{kind}"
             return self._scene.add_image(
                 name, picture, width, height, cast_shadow=False, visible=False
             )
-        node.image, node.render_width = picture, float(width)
+        node.image, node.render_width = picture, width
         return node
 
     def _show_only(self, shown: Any) -> None:

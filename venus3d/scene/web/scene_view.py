@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cv2
@@ -39,9 +39,11 @@ Host = viser.ViserServer | viser.ClientHandle
 """Where a page or a scene lives: all tabs, or one."""
 
 _FRUSTUM_PICTURE_WIDTH = 320
-_LIFTED = 0.25
+_NEARER, _IN_FRONT = 0.25, "-in-front"
 """Share of the way from the eye at which shapes are drawn that nothing may hide: smaller and
-nearer, so that they look the same."""
+nearer, so that they look the same. Each is a node of its own beside the one in its true place,
+since a browser applies a node's position at once but its scale only when it comes to it: a shape
+that is near already and not yet small fills the window."""
 _PULSE_S, _PULSE_OPACITY = 0.7, 0.9
 """How long the end of a new step is stronger, once, and how strong."""
 _ENDS = re.compile("/steps/[1-4]/after")
@@ -75,9 +77,6 @@ class SceneView:
         self._host, self._plain_labels = host, plain_labels
         self._view = SharedView(host, wake)
         self._arrived = arrived
-        self._eye: Array | None = None
-        """(3,) the point from which what nothing may hide is drawn in front; None while it moves,
-        and if tabs look from different points."""
         self._drawn: tuple[tuple[Shape, ...], bool] = ((), True)
         self._drawn_from: tuple[object, bool] = (None, False)
         self._nodes: dict[str, _Node] = {}
@@ -102,24 +101,25 @@ class SceneView:
     def names(self) -> tuple[str, ...]:
         """Names of the visible shapes."""
         nodes = tuple(self._nodes.items())  # another thread may be drawing
-        return tuple(name for name, node in nodes if node.handle.visible)
+        return tuple(name.removesuffix(_IN_FRONT) for name, node in nodes if node.handle.visible)
 
     def node(self, name: str) -> Any:
         """viser's handle of a drawn shape, for binding gestures; None before it is drawn."""
-        found = self._nodes.get(name)
+        nearer, found = self._nodes.get(name + _IN_FRONT), self._nodes.get(name)
+        if nearer is not None and nearer.handle.visible:
+            return nearer.handle
         return None if found is None else found.handle
 
     def draw(self, shapes: tuple[Shape, ...], *, dark: bool) -> None:
         """Show these shapes and no others of ours."""
         self._drawn = shapes, dark
         view, at_rest = self._drawn_from = self._view_now()
-        eye = None if self._plain_labels or view is None or not at_rest else view.position
-        moved, self._eye = eye is not self._eye, eye
-        if eye is not None and view is not None:
-            shapes = tuple(facing(shape, view) for shape in shapes)
+        if view is not None and at_rest and not self._plain_labels:
+            eye = view.position
+            shapes = tuple(_in_front(facing(shape, view), eye) for shape in shapes)
         with self._host.atomic():
             for shape in shapes:
-                self._draw_one(shape, dark, anew=moved and _is_lifted(shape))
+                self._draw_one(shape, dark)
             drawn = {shape.name for shape in shapes}
             for name, node in self._nodes.items():
                 if name not in drawn:
@@ -182,17 +182,16 @@ class SceneView:
             if isinstance(node.shape, FrustumShape):
                 node.handle.image = self._picture
 
-    def _draw_one(self, shape: Shape, dark: bool, *, anew: bool) -> None:
+    def _draw_one(self, shape: Shape, dark: bool) -> None:
         node = self._nodes.get(shape.name)
-        if node is not None and node.shape is shape and not anew:
+        if node is not None and node.shape is shape:
             node.handle.visible = True
             return
         if node is not None and not _same_kind(node.shape, shape):
             node.handle.remove()
             node = None
         if node is None:
-            node = self._nodes[shape.name] = _Node(shape, self._create(shape, dark))
-            self._lift(node)
+            self._nodes[shape.name] = _Node(shape, self._create(shape, dark))
             return
         if isinstance(shape, MeshShape):
             _update_mesh(node, shape)
@@ -211,31 +210,21 @@ class SceneView:
             node.handle.color = ground(dark).camera
         node.handle.visible = True
         node.shape = shape
-        self._lift(node)
-
-    def _lift(self, node: _Node) -> None:
-        """Draw a shape that nothing may hide in front of all else."""
-        shape = node.shape
-        if not (isinstance(shape, MeshShape) and shape.on_top):
-            return
-        place, scale = shape.pose.t, 1.0
-        if self._eye is not None:
-            scale = _LIFTED
-            place = self._eye + scale * (place - self._eye)
-        node.handle.position, node.handle.scale = place, scale
 
     def _create(self, shape: Shape, dark: bool) -> Any:
         scene = self._host.scene
         if isinstance(shape, MeshShape):
+            scale = _NEARER if shape.name.endswith(_IN_FRONT) else 1.0
             if shape.textured:
                 return scene.add_mesh_trimesh(
-                    shape.name, shape.mesh, **_place(shape.pose), cast_shadow=False
+                    shape.name, shape.mesh, scale=scale, **_place(shape.pose), cast_shadow=False
                 )
             return scene.add_mesh_simple(
                 shape.name,
                 *_mesh_arrays(shape),
                 color=shape.colour,
                 opacity=_opacity(shape),
+                scale=scale,
                 side="double",
                 cast_shadow=False,
                 receive_shadow=False,
@@ -290,8 +279,12 @@ class SceneView:
         )
 
 
-def _is_lifted(shape: Shape) -> bool:
-    return isinstance(shape, MeshShape) and shape.on_top
+def _in_front(shape: Shape, eye: Array) -> Shape:
+    """A shape that nothing may hide, nearer to the eye (3,); others as they are."""
+    if not (isinstance(shape, MeshShape) and shape.on_top):
+        return shape
+    pose = Pose(shape.pose.R, eye + _NEARER * (shape.pose.t - eye))
+    return replace(shape, name=shape.name + _IN_FRONT, pose=pose)
 
 
 def _same_kind(old: Shape, new: Shape) -> bool:
