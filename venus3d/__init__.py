@@ -22,7 +22,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from venus3d.engine.calibration.adjustment import Calibration
+    from venus3d.engine.calibration.calibration import Calibration
     from venus3d.engine.calibration.checks import diagnose
     from venus3d.engine.calibration.detection import Detector
     from venus3d.engine.calibration.diagnosis import Diagnosis
@@ -112,7 +112,7 @@ _NAMES_IN = {
     "engine.calibration.diagnosis": ("Diagnosis",),
     "engine.calibration.observation": ("Observation", "View"),
     "engine.calibration.projection_uncertainty": ("projection_diff_px",),
-    "engine.calibration.adjustment": ("Calibration",),
+    "engine.calibration.calibration": ("Calibration",),
     "engine.errors": (
         "BoardError",
         "CalibrationError",

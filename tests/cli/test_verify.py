@@ -15,7 +15,7 @@ import pytest
 
 from tests.cli.conftest import Ran
 from venus3d.cli import main
-from venus3d.engine.calibration.adjustment import LeftOut, LeftOutReason
+from venus3d.engine.calibration.calibration import LeftOut, LeftOutReason
 from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.report.calibration_report import ReportInput, calibration_report
 from venus3d.storage.formats import export_camera

@@ -15,7 +15,7 @@ import pytest
 import yaml
 from scipy.io import loadmat, savemat
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.lenses import lens_called

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from tests.storage.conftest import SUMMARY, Write
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.storage import folder as folder_module

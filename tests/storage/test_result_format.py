@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.scene.guided import guided_session
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.errors import StorageError

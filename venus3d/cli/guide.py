@@ -9,7 +9,7 @@ from typing import Any
 
 from venus3d.cli.kept_session import KeptSession, opened_session
 from venus3d.cli.report import deliver, print_note, print_result, write_first
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.other_cameras import OTHER_CAMERAS
 from venus3d.engine.calibration.refusals import OtherCameraError, calibrate_or_refuse
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.camera import Camera

@@ -8,7 +8,7 @@ from typing import Any, cast
 from venus3d.cli.options import VerifyOptions
 from venus3d.cli.progress import search_progress
 from venus3d.cli.report import print_note
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.verification import CHANCE, Verdict, Verification, verify
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.printable import printable

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.amounts import figure
-from venus3d.engine.calibration.adjustment import Calibration, LeftOutReason
+from venus3d.engine.calibration.calibration import Calibration, LeftOutReason
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import uncertainty_map
 from venus3d.engine.geometry.board import Board

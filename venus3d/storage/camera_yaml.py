@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.storage.folder import write_bytes

@@ -9,7 +9,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.sentences import Sentence

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration, LeftOut
+from venus3d.engine.calibration.calibration import Calibration, LeftOut
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.calibration.shared_errors import CornerErrors

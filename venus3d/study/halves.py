@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.projection_uncertainty import (
     projection_diff_px,
     projection_uncertainty_px,

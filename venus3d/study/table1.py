@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.camera import Camera

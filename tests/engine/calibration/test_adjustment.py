@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from venus3d.engine.calibration.adjustment import calibrate, largest_angle_deg
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.calibration import largest_angle_deg
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation

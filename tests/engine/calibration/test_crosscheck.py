@@ -17,7 +17,8 @@ from scipy.optimize import OptimizeResult, least_squares
 from scipy.stats import chi2, norm
 
 from tests.engine.calibration.test_adjustment import NOISE_PX, observe, tilted
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board

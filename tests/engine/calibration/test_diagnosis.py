@@ -18,8 +18,9 @@ import pytest
 from tests.engine.board_pictures import picture_of
 from tests.engine.calibration.test_adjustment import GOOD, observe, tilted
 from venus3d.engine.amounts import figure
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_recognition import BoardRecognition, recognise_board
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from tests.engine.calibration.test_adjustment import observe, tilted
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import DiagnosisKind

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.calibration.board_shape import uncertainty_of, with_shape
 from venus3d.engine.calibration.bundle import Corners, Problem, adjust
+from venus3d.engine.calibration.calibration import Calibration, LeftOut, largest_angle_deg
 from venus3d.engine.calibration.information import covariance_of
 from venus3d.engine.calibration.initial_values import located_by
 from venus3d.engine.calibration.observation import (
@@ -26,7 +27,6 @@ from venus3d.engine.calibration.observation import (
     rms_distance,
     with_centres,
 )
-from venus3d.engine.calibration.projection_uncertainty import projection_uncertainty_px
 from venus3d.engine.calibration.repeats import repeated
 from venus3d.engine.calibration.robust_fit import (
     RobustFit,
@@ -42,69 +42,6 @@ from venus3d.engine.geometry.image_circle import common_circle
 from venus3d.engine.geometry.lenses import BROWN5, LensModel
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.sentences import Sentence, listed, said_by
-
-LeftOutReason = Literal["undetermined", "misfit", "repeat", "turned"]
-
-
-@dataclass(frozen=True, eq=False)
-class LeftOut:
-    """A view that the calibration does without."""
-
-    number: int
-    observation: Observation
-    reason: LeftOutReason
-    """"undetermined": its corners fix no pose; "misfit": they fit no pose of this board; "repeat":
-    they are where another view's are, and count once (see `repeats`); "turned": its picture is
-    turned by 180° against the others (see `turned_pictures`)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Calibration:
-    """The calibrated camera with its covariance and its views."""
-
-    board: Board
-    """The board whose corners the views show, with the bow and the stretch that were found."""
-    camera: Camera
-    covariance: Array
-    """(p, p) of the camera's parameters; zero rows and columns for parameters held fixed. With the
-    errors that the corners of a view share."""
-    covariance_noise_only: Array
-    """(p, p) the same as if each corner's error were independent, as OpenCV reports it."""
-    free: tuple[bool, ...]
-    """Which of the parameters were estimated."""
-    residual_sigma_px: float
-    """Standard deviation of one corner coordinate, from the residuals, pixels."""
-    corner_errors: CornerErrors
-    """What of it is independent, and what a view's corners share."""
-    rms_px: float
-    """Root mean square reprojection distance over all corners fitted, pixels (OpenCV's rms)."""
-    views: tuple[View, ...]
-    left_out: tuple[LeftOut, ...] = ()
-    """Views that are not fitted, by number."""
-    lens_reason: str = ""
-    """Why this lens, in a sentence; empty if it was asked for, or is the usual one."""
-    shape_sigma: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Standard deviations of the board's two `bow`s, metres, and of its `stretch`; 0 where the
-    residuals did not ask for it."""
-
-    @property
-    def sigma(self) -> Array:
-        """(p,) standard deviations of the parameters; 0 where a parameter was held fixed."""
-        return np.sqrt(np.diag(self.covariance))
-
-    @property
-    def sigma_noise_only(self) -> Array:
-        """(p,) the same of `covariance_noise_only`: OpenCV's `stdDeviationsIntrinsics`."""
-        return np.sqrt(np.diag(self.covariance_noise_only))
-
-    @property
-    def uncertainty_px(self) -> float:
-        """Projection uncertainty: expected rms error of a projected point over the image. Common
-        rotations of the camera are removed. NaN unless all parameters were estimated."""
-        if not all(self.free):
-            return float("nan")
-        return projection_uncertainty_px(self.camera, self.covariance)
-
 
 Model = Literal["full", "startup"]
 
@@ -392,12 +329,6 @@ def _view(
         raise CalibrationError(_UNTIED.format(why=_FOLDED))
     left_out = None if used.all() else seen.only(~used)
     return View(number, fitted, pose, rms_distance(errors), errors, left_out)
-
-
-def largest_angle_deg(calibration: Calibration) -> float:
-    """The largest angle between the normals of any two views, degrees; 0 for a single view."""
-    normals = np.array([view.pose.R[:, 2] for view in calibration.views])
-    return float(np.degrees(np.arccos(np.clip(np.min(normals @ normals.T), -1.0, 1.0))))
 
 
 def _common_size(observations: Sequence[Observation]) -> tuple[int, int]:

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_recognition import has_dark_joints, numbering_of
+from venus3d.engine.calibration.board_recognition import has_dark_joints
 from venus3d.engine.calibration.marker_lattice import Lattice, lattices_of
+from venus3d.engine.calibration.marker_numbering import numbering_of
 from venus3d.engine.calibration.marker_reading import Markers, family_of, read_markers, size_key
 from venus3d.engine.calibration.plain_patterns import Pattern, find_pattern
 from venus3d.engine.geometry.board import DICTIONARIES

@@ -10,13 +10,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
-from venus3d.engine.calibration.board_recognition import (
-    OTHER_MARKER,
+from venus3d.engine.calibration.board_diagnoses import (
     first_id_diagnosis,
     marker_size_diagnosis,
     two_boards_diagnosis,
 )
+from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
+from venus3d.engine.calibration.board_recognition import OTHER_MARKER
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.marker_lattice import side_of
 from venus3d.engine.calibration.observation import determines_homography

@@ -14,8 +14,8 @@ import numpy as np
 
 from venus3d.engine.amounts import figure, whole
 from venus3d.engine.calibration import fit_checks
-from venus3d.engine.calibration.adjustment import Calibration, largest_angle_deg
 from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
+from venus3d.engine.calibration.calibration import Calibration, largest_angle_deg
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
 from venus3d.engine.calibration.other_cameras import other_cameras
 from venus3d.engine.geometry.camera import planning_camera

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from venus3d.engine.amounts import figure
-from venus3d.engine.calibration.adjustment import Calibration, LeftOut, LeftOutReason
+from venus3d.engine.calibration.calibration import Calibration, LeftOut, LeftOutReason
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.residual_patterns import (

@@ -18,7 +18,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.shared_errors import ViewResidual
 from venus3d.engine.errors import CalibrationError

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.bundle import Corners, Problem, Solution, adjust
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind
 from venus3d.engine.calibration.fisheye_fit import FisheyeFit, fit_fisheye
 from venus3d.engine.calibration.initial_values import located_by

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration, calibrate
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens
 from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.calibration.other_cameras import explained, other_cameras

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.geometry.pose import Array
 

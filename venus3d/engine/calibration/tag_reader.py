@@ -7,8 +7,8 @@ from typing import Any
 import cv2
 import numpy as np
 
+from venus3d.engine.calibration.board_diagnoses import two_boards_diagnosis
 from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
-from venus3d.engine.calibration.board_recognition import two_boards_diagnosis
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.tag_edges import corners_by_edges
 from venus3d.engine.geometry.board import Board

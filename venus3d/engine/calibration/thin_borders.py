@@ -17,6 +17,9 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.sentences import Sentence
 
+Border = Literal["black", "white"]
+"""The black border of a marker, or the white one around it."""
+
 Grey = NDArray[np.uint8]
 
 WIDE_ENOUGH = 0.7
@@ -32,7 +35,7 @@ _OUTER = 0.8
 """Where the black border is looked at, cells from the bits: the outer part of its one cell."""
 
 
-def thin_border(grey: Grey, corners: Array, board: Board) -> Literal["black", "white"] | None:
+def thin_border(grey: Grey, corners: Array, board: Board) -> Border | None:
     """Which border of the markers of `board` in an image is too thin: their own black one, or the
     white one around them. None if they are not its markers.
 

@@ -25,8 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln
 
-from venus3d.engine.calibration.adjustment import Calibration, LeftOut, calibrate
+from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.calibration import Calibration, LeftOut
 from venus3d.engine.calibration.observation import (
     Observation,
     View,

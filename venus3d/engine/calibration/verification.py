@@ -18,8 +18,8 @@ from typing import Literal
 import numpy as np
 from scipy.special import chdtri
 
-from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.observation import View, reprojection_errors, rms_distance
 from venus3d.engine.calibration.projection_uncertainty import (
     projection_diff_map,

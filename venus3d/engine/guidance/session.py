@@ -14,8 +14,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first

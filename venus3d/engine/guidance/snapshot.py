@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation, View
 from venus3d.engine.geometry.board import Board

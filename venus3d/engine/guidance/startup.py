@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration
 from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.lens_choice import start_with_any_lens
 from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.errors import CalibrationError

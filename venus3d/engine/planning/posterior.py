@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.corner_noise import RENDERED, NoiseModel
 from venus3d.engine.calibration.information import (
     covariance_of,

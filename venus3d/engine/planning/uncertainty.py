@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.information import covariance_of, information_of
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.projection_uncertainty import (

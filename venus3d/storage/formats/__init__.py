@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.lenses import BROWN5, LENSES

@@ -11,7 +11,7 @@ import numpy as np
 import viser
 
 from venus3d.engine.amounts import figure
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.geometry.field_of_view import fields_of_view_deg
 from venus3d.engine.guidance.prompts import Phase
 from venus3d.engine.guidance.snapshot import Snapshot

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.measurement import MeasuringCamera
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import VenusError

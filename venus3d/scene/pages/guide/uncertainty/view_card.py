@@ -13,7 +13,7 @@ import numpy as np
 import viser
 
 from venus3d.engine.amounts import figure, signed, whole
-from venus3d.engine.calibration.adjustment import Calibration
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import held_in_words
