@@ -78,19 +78,20 @@ def _circle_through(points: Array) -> ImageCircle | None:
         return None
     rng, best = np.random.default_rng(0), np.zeros(len(points), bool)
     for _ in range(_TRIES):
-        circle = _least_squares(points[rng.choice(len(points), 3, replace=False)])
-        near = np.abs(circle.room(points.T)) < _FITS_PX
+        x, y, radius = _least_squares(points[rng.choice(len(points), 3, replace=False)])
+        near = np.abs(np.hypot(*(points - [x, y]).T) - radius) < _FITS_PX
         best = near if near.sum() > best.sum() else best
     if best.sum() < max(_FITTING * len(points), _LEAST_ARC_DEG):
         return None
-    return _least_squares(points[best])
+    return ImageCircle(*_least_squares(points[best]).tolist())
 
 
-def _least_squares(points: Array) -> ImageCircle:
-    """The algebraic fit (Kasa 1976): x^2 + y^2 = 2 a x + 2 b y + c is linear."""
+def _least_squares(points: Array) -> Array:
+    """(3,) x, y and radius by the algebraic fit (Kasa 1976): x^2 + y^2 = 2 a x + 2 b y + c is
+    linear."""
     A = np.column_stack([2 * points, np.ones(len(points))])
     a, b, c = np.linalg.lstsq(A, (points**2).sum(axis=1), rcond=None)[0]
-    return ImageCircle(float(a), float(b), float(np.sqrt(max(c + a * a + b * b, 0.0))))
+    return np.array([a, b, np.sqrt(max(c + a * a + b * b, 0.0))])
 
 
 def _is_plausible(circle: ImageCircle, lit: NDArray[np.bool_]) -> bool:

@@ -8,16 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.pose import Array
 
 
 @dataclass(frozen=True)
 class ImageCircle:
-    """A circle in the image, pixels. Outside it the picture is dark."""
+    """A circle in the image, pixels. Outside it the picture is dark. Raises `CalibrationError` for
+    what is no circle."""
 
     x: float
     y: float
     radius: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite([self.x, self.y, self.radius]).all() and self.radius > 0):
+            raise CalibrationError("An image circle needs a finite centre and a positive radius.")
 
     def room(self, pixels: Array) -> Array:
         """(...) how far pixels (2, ...) are within the circle; negative outside."""
