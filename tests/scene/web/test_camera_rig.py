@@ -17,7 +17,7 @@ import viser
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
-from tests.waiting import PATIENCE_S
+from tests.waiting import PATIENCE_S, wait_until
 from venus3d.render.viewpoints import SceneCamera
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.server import start_server
@@ -27,10 +27,10 @@ USUAL: dict[str, Any] = {"position": (3.0, 3.0, 3.0), "look_at": (0.0, 0.0, 0.0)
 
 
 @pytest.fixture
-def rig(monkeypatch: pytest.MonkeyPatch) -> Iterator[CameraRig]:
+def rig() -> Iterator[CameraRig]:
     """A page whose rig has a view, and whose loop turns the cameras when that is due. A view is
-    sent again after 0.05, 0.15, 0.35, 0.75 and 1.55 s."""
-    monkeypatch.setattr("venus3d.scene.web.camera_rig._FIRST_RESENT_S", 0.05)
+    sent again after 0.25, 0.75, 1.75, 3.75 and 7.75 s; where the machine stalls that long, viser
+    joins what waits into one."""
     server, _ = start_server("127.0.0.1", free_port())
     rig, stop = CameraRig(server), threading.Event()
     rig.go(lambda _: SceneCamera(EYE, AT, 0.7), at_once=True)
@@ -91,11 +91,16 @@ def test_a_view_is_sent_again_until_the_browser_shows_it(rig: CameraRig) -> None
         assert np.allclose(sent(client, PATIENCE_S, 3), 2 * EYE), "a later one as well"
 
 
-def test_a_browser_that_never_answers_is_left_alone_in_the_end(rig: CameraRig) -> None:
+def test_a_browser_that_never_answers_is_left_alone_in_the_end(
+    rig: CameraRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("venus3d.scene.web.camera_rig._FIRST_RESENT_S", 0.05)
     with RawClient(port_of(rig)) as client:
         client.backlog()
         client.look(**USUAL)
-        assert len(sent(client, PATIENCE_S, 6)) == 6
+        assert sent(client, PATIENCE_S, 1)
+        wait_until(lambda: not rig.is_due and rig.arrived)
+        assert len(sent(client, 1.0)) <= 5
         assert sent(client, 1.0) == []
 
 
