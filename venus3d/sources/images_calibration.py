@@ -9,7 +9,7 @@ from typing import cast
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
+from venus3d.engine.calibration.diagnosis import Diagnosis, joined
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.refusals import FEWEST_VIEWS, calibrate_or_refuse
 from venus3d.engine.calibration.view_selection import select_views
@@ -114,7 +114,7 @@ def calibrate_recording(
     calibration = calibrate_or_refuse(
         detector.board, seen, len(recording.observations), lens_chosen(lens)
     )
-    found = worst_first(dict.fromkeys((*diagnoses, *diagnose(calibration))))
+    found = joined(diagnoses, diagnose(calibration))
     return ImagesCalibration(calibration, tuple(warnings), found)
 
 

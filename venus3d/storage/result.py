@@ -197,6 +197,7 @@ def _shape(calibration: Calibration) -> dict[str, Any]:
         "bow_std_mm": [1000 * across, 1000 * down],
         "stretch": board.stretch,
         "stretch_std": stretch,
+        "marker_std_mm": 1000 * calibration.marker_sigma,
     }
 
 

@@ -129,6 +129,7 @@ def _result_of(content: Mapping[str, Any]) -> Result:
                 for one in content.get("left_out", ())
             ),
             shape_sigma=shape_sigma,
+            marker_sigma=float(content.get("board_shape", {}).get("marker_std_mm", 0)) / 1000,
             lens_reason=str(content.get("model_reason", "")),
         ),
         warnings=tuple(text for text in content["warnings"] if text not in sentences),

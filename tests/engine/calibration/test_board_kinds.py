@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.engine.calibration.test_adjustment import observe, tilted
 from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation, with_centres
 from venus3d.engine.geometry.board import Board, Kind
@@ -24,7 +27,7 @@ from venus3d.sources.images_calibration import calibrate_images
 from venus3d.sources.sim_cameras import SIM_CAMERAS, SimCamera
 from venus3d.storage.formats.plain_json import JSON
 from venus3d.storage.formats.record import CameraRecord
-from venus3d.storage.result import board_summary
+from venus3d.storage.result import board_summary, result_json, summary_of
 from venus3d.storage.result_reader import board_of
 
 CAMERA = Camera(1280, 720, 1000, 1000, 645, 352)
@@ -132,10 +135,12 @@ def test_stored_with_what_its_kind_has(board: Board) -> None:
 
 
 def test_real_grids_of_tags(shared_data: Path) -> None:
-    """Four photographs each, of boards whose sizes are known by their proportions only."""
-    april = Board(6, 6, 0.039, 0.03, "DICT_APRILTAG_36H11", kind="aprilgrid")
+    """Four photographs each, of boards whose sizes are known by their proportions only: Kalibr's
+    usual AprilGrid has gaps of 0.3 of a tag."""
+    april = Board(6, 6, 0.04, 0.03, "DICT_APRILTAG_36H11", kind="aprilgrid")
     found = calibrate_images(shared_data / "cases" / "aprilgrid", april)
-    assert found.rms_px < 0.2 and sum(view.observation.count for view in found.views) > 400
+    assert found.rms_px < 0.13 and sum(view.observation.count for view in found.views) > 400
+    assert found.board.marker / found.board.square == pytest.approx(1 / 1.3, abs=0.0003)
     aruco = Board(6, 4, 0.04, 0.032, "DICT_6X6_1000", kind="aruco-grid")
     found = calibrate_images(shared_data / "cases" / "aruco-gridboard", aruco)
     assert found.rms_px < 0.5 and sum(view.observation.count for view in found.views) > 370
@@ -222,3 +227,38 @@ def area_centroid(polygon: np.ndarray) -> np.ndarray:
     (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
     cross = x * v - u * y
     return np.array([((x + u) * cross).sum(), ((y + v) * cross).sum()]) / (3 * cross.sum())
+
+
+@pytest.mark.parametrize("name", ["aprilgrid", "aruco-grid"])
+@pytest.mark.parametrize("off", [0.8, 1.2])
+def test_tags_of_another_size_than_given_are_measured(name: str, off: float) -> None:
+    """The corners of such a grid were some pixels off the model, and nothing was said."""
+    board = BOARDS[name]
+    given = replace(board, marker=off * board.marker)
+    detector = Detector(given)
+    for k, tilt in enumerate((20, -25, 5)):
+        pose = Pose.from_vector([tilt, 15, 40 * k, 0.01, 0, 0.45])
+        seen = detector.detect(picture_of(board, pose))
+    assert detector.board.marker == pytest.approx(board.marker, rel=0.006)
+    assert errors_of(detector.board, seen, pose).max() < 0.4
+    (said,) = detector.diagnoses
+    assert said.kind == "wrong-marker-size" and f"not {1000 * given.marker:g} mm" in said.cause
+    assert f"--board.marker-mm {1000 * detector.board.marker:g}" in said.cure
+
+
+@pytest.mark.parametrize("noise_px", [0.05, 0.3])
+@pytest.mark.parametrize("off", [1.0, 0.98, 1.03])
+def test_a_calibration_finds_the_side_of_the_tags(off: float, noise_px: float) -> None:
+    board, rng = BOARDS["aprilgrid"], np.random.default_rng(0)
+    seen = [observe(CAMERA, board, vector, rng, noise_px) for vector in tilted(rng, 10, 40, 8)]
+    found = calibrate(replace(board, marker=off * board.marker), seen)
+    told = [d for d in diagnose(found) if d.kind == "wrong-marker-size"]
+    assert abs(found.camera.fx - CAMERA.fx) < 4 * found.sigma[0]
+    if off == 1.0:
+        assert found.marker_sigma == 0 and found.board == board and not told
+        return
+    assert abs(found.board.marker - board.marker) < 4 * found.marker_sigma < 4e-5
+    assert len(told) == 1 and f"--board.marker-mm {1000 * found.board.marker:.2f}" in told[0].cure
+    assert found.rms_px < 1.1 * np.sqrt(2) * noise_px
+    content = json.loads(result_json(summary_of(found), found))
+    assert content["board_shape"]["marker_std_mm"] == pytest.approx(1000 * found.marker_sigma)

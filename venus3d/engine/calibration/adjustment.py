@@ -266,11 +266,13 @@ def _calibration(
     errors, covariance, noise_only = _covariances(board, fit, model)
     p = len(parameters.camera.parameters)
     shape, free = parameters.shape, np.flatnonzero(fit.problem.basis[p:].any(axis=1))
-    shape_sigma = np.zeros(3)
+    shape_sigma = np.zeros(4)
     shape_sigma[free] = np.sqrt(np.diag(covariance)[p + free])
     if len(shape):
         bow = (board.bow[0] + float(shape[0]), board.bow[1] + float(shape[1]))
         board = replace(board, bow=bow, stretch=board.stretch + float(shape[2]))
+    if len(shape) > 3:
+        board = replace(board, marker=board.marker + float(shape[3]))
     weights = fit.problem.corners.weights
     found = tuple(
         _view(parameters.camera, board, number, seen, pose, used[: seen.count] > 0)
@@ -288,6 +290,7 @@ def _calibration(
         rms_px=float(np.sqrt(squares / sum(view.observation.count for view in found))),
         views=found,
         shape_sigma=(float(shape_sigma[0]), float(shape_sigma[1]), float(shape_sigma[2])),
+        marker_sigma=float(shape_sigma[3]),
     )
 
 

@@ -25,6 +25,11 @@ _KIND_OF = {
     "circles": "circles",
     "asymmetric circles": "asymmetric-circles",
 }
+MEASURE_TAGS = Sentence(
+    "Measure a tag and the distance from one tag's edge to the same edge of the next, and give "
+    "both: --board.marker-mm {found} --board.square-mm {square}, if that is right. If the tags are "
+    "as given, expose less: overexposed white spreads into them."
+)
 _PLAIN = {
     "checkerboard": Sentence(
         "The picture shows a checkerboard of {columns} x {rows} inner corners, without markers: "
@@ -111,6 +116,19 @@ def marker_size_diagnosis(asked: Board, board: Board) -> Diagnosis:
             "Measure a marker and a square and give both: --board.marker-mm {found:g} "
             "--board.square-mm {square:g}, if that is right."
         ).format(**values),
+    )
+
+
+def tag_size_diagnosis(asked: Board, board: Board) -> Diagnosis:
+    """The tags of a grid have another size than asked for, and are read in that."""
+    found, square = f"{board.marker * 1000:g}", f"{board.square * 1000:g}"
+    return Diagnosis(
+        "wrong-marker-size",
+        Sentence(
+            "In the pictures the tags are about {found} mm wide where it is {square} mm from one "
+            "tag to the next, not {given} mm; they are read that way."
+        ).format(found=found, square=square, given=f"{asked.marker * 1000:g}"),
+        MEASURE_TAGS.format(found=found, square=square),
     )
 
 

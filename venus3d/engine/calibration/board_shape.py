@@ -2,7 +2,8 @@
 
 A board that is not flat, or a print that is longer one way, moves all corners of all views in one
 pattern, and the intrinsics give way to it: a bow of 2 mm moves fx by 4 % at a low rms. Three
-parameters are added to the bundle adjustment (`Board.bow`, `Board.stretch`), shared by all views.
+parameters are added to the bundle adjustment (`Board.bow`, `Board.stretch`), shared by all views; a
+fourth for grids of tags, whose corners lie otherwise if the tags are larger than given.
 
 They must be earned: each stays if it lies `EARNED` standard deviations beyond what passes for flat
 and true (`FLAT`, `TRUE`), with the errors that a view's corners share (`shared_errors`). A board
@@ -38,12 +39,12 @@ LIKELY = 3.0
 """Standard deviations beyond flat and true from which a parameter that is not kept is a doubt."""
 FLAT, TRUE = 0.001, 0.002
 """A board passes for flat with a bow up to this share of its longer side, a print for true with a
-stretch up to this."""
+stretch up to this, tags with a side that is off by this share."""
 FEWEST_VIEWS = 4
 """With fewer views, a shape cannot be told from what their corners share."""
-PRIOR_BOW_M, PRIOR_STRETCH = 0.0005, 0.005
-"""Standard deviations of a bow and of a stretch before any picture is seen."""
-_PRIOR = np.array([PRIOR_BOW_M, PRIOR_BOW_M, PRIOR_STRETCH])
+PRIOR_BOW_M, PRIOR_STRETCH, PRIOR_MARKER = 0.0005, 0.005, 0.03
+"""Standard deviations of a bow, of a stretch and of a share of the tags' side before any picture is
+seen."""
 _NOISE_PX = 0.1
 """A corner's noise that weighs this prior: the fit's own would be the misfit of a flat board."""
 
@@ -81,22 +82,17 @@ def with_shape(board: Board, flat: RobustFit) -> RobustFit:
     p = problem.basis.shape[1]
     if len(problem.corners.points) < FEWEST_VIEWS:
         return flat
-    every = block_diag(problem.basis, np.eye(len(_PRIOR)))
-    whole = replace(
-        problem,
-        basis=every,
-        deformations=board.deformations(problem.corners.points),
-        prior=(_NOISE_PX / _PRIOR) ** 2,
-    )
-    at = replace(flat.solution.parameters, shape=np.zeros(len(_PRIOR)))
-    tolerance = np.array([FLAT, FLAT, 0]) * max(board.width, board.height) + [0, 0, TRUE]
+    deformations, prior, tolerance = _shape_of(board, problem.corners.points)
+    every = block_diag(problem.basis, np.eye(len(prior)))
+    whole = replace(problem, basis=every, deformations=deformations, prior=(_NOISE_PX / prior) ** 2)
+    at = replace(flat.solution.parameters, shape=np.zeros(len(prior)))
     step, information = one_step(whole, replace(flat.solution, parameters=at))
     # Cheap, and hardly ever stricter: the errors that views share only add to this uncertainty.
     spread = sigma * np.sqrt(np.diag(covariance_of(information))[p:])
     if (abs(step[p:]) < EARNED * spread + 0.5 * tolerance).all():
         return flat
     fit = replace(flat, problem=whole, solution=replace(flat.solution, parameters=at))
-    kept = np.ones(len(_PRIOR), dtype=bool)
+    kept = np.ones(len(prior), dtype=bool)
     doubts: list[Array] = []
     likely: Array | None = None
     while kept.any():
@@ -108,7 +104,7 @@ def with_shape(board: Board, flat: RobustFit) -> RobustFit:
         beyond = (abs(shape) - tolerance)[kept] / np.sqrt(np.diag(covariance)[p:])
         if (beyond >= EARNED).all():
             # The views determine it: the prior would only draw a strong bow towards flat.
-            return replace(_refitted(fit, prior=np.zeros(len(_PRIOR))), doubts=tuple(doubts))
+            return replace(_refitted(fit, prior=np.zeros(len(prior))), doubts=tuple(doubts))
         likely = _camera(fit) if beyond.min() >= LIKELY else None
         kept[np.flatnonzero(kept)[int(np.argmin(beyond))]] = False
         parameters = replace(fit.solution.parameters, shape=shape * kept)
@@ -116,6 +112,22 @@ def with_shape(board: Board, flat: RobustFit) -> RobustFit:
     if likely is not None:
         doubts.append(likely - _camera(flat))
     return replace(flat, doubts=tuple(doubts))
+
+
+def _shape_of(board: Board, points: Array) -> tuple[Array, Array, Array]:
+    """Shifts (K, ..., 3) of board points (..., 3) by each parameter, their prior standard
+    deviations (K,) and what passes for flat and true (K,)."""
+    longer, by_marker = max(board.width, board.height), board.of_kind.by_marker(board, points)
+    deformations = board.deformations(points)
+    prior = np.array([PRIOR_BOW_M, PRIOR_BOW_M, PRIOR_STRETCH])
+    tolerance = np.array([FLAT * longer, FLAT * longer, TRUE])
+    if by_marker is None:
+        return deformations, prior, tolerance
+    return (
+        np.concatenate([deformations, by_marker[None]]),
+        np.append(prior, PRIOR_MARKER * board.marker),
+        np.append(tolerance, TRUE * board.marker),
+    )
 
 
 def _camera(fit: RobustFit) -> Array:

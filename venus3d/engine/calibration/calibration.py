@@ -34,7 +34,8 @@ class Calibration:
     """The calibrated camera with its covariance and its views."""
 
     board: Board
-    """The board whose corners the views show, with the bow and the stretch that were found."""
+    """The board whose corners the views show, with the bow, the stretch and the tags' side that
+    were found."""
     camera: Camera
     covariance: Array
     """(p, p) of the camera's parameters; zero rows and columns for parameters held fixed. With the
@@ -57,6 +58,8 @@ class Calibration:
     shape_sigma: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Standard deviations of the board's two `bow`s, metres, and of its `stretch`; 0 where the
     residuals did not ask for it."""
+    marker_sigma: float = 0.0
+    """Of the tags' side, metres; 0 unless the residuals asked for another one than given."""
 
     @property
     def sigma(self) -> Array:

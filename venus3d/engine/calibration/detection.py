@@ -46,7 +46,7 @@ def reader_of(board: Board, *, find_layout: bool = True) -> BoardReader:
         return ChessboardReader(board)
     if board.of_kind.radius(board) > 0:
         return CircleReader(board)
-    return TagReader(board, 2 if board.kind == "aprilgrid" else 1)
+    return TagReader(board, 2 if board.kind == "aprilgrid" else 1, find_layout=find_layout)
 
 
 class Detector:

@@ -60,6 +60,15 @@ class Diagnosis:
         return f"{self.cause.removesuffix('.')}; {self.cure[:1].lower()}{self.cure[1:]}"
 
 
+def joined(by_picture: Iterable[Diagnosis], by_fit: Iterable[Diagnosis]) -> tuple[Diagnosis, ...]:
+    """What single pictures and what a calibration say, worst first; on the markers' size the
+    calibration knows better."""
+    fit = tuple(by_fit)
+    measured = any(one.kind == "wrong-marker-size" for one in fit)
+    pictures = [one for one in by_picture if not (measured and one.kind == "wrong-marker-size")]
+    return worst_first(dict.fromkeys((*pictures, *fit)))
+
+
 def worst_first(found: Iterable[Diagnosis]) -> tuple[Diagnosis, ...]:
     """In the order of `DiagnosisKind`."""
     return tuple(sorted(found, key=lambda diagnosis: _WORST_FIRST.index(diagnosis.kind)))

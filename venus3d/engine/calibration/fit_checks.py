@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from venus3d.engine.amounts import figure
+from venus3d.engine.calibration.board_diagnoses import MEASURE_TAGS
 from venus3d.engine.calibration.calibration import Calibration, LeftOut, LeftOutReason
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import View
@@ -96,6 +97,10 @@ _LONG_COLUMNS = Sentence(
     "The print is stretched: its squares are {share} % longer along the columns than along the "
     "rows. The calibration allows for it."
 )
+_TAGS_MEASURED = Sentence(
+    "In the pictures the tags are {found} mm wide where it is {square} mm from one tag to the "
+    "next, which is not as given. The calibration allows for it."
+)
 _GONE_FROM_ONE = Sentence(
     "{out} of {every} corners fit no view and were left out, most of them in view {views}."
 )
@@ -168,8 +173,17 @@ _REPEATED_ONE = Sentence(
 
 
 def shape(calibration: Calibration) -> Iterator[Diagnosis]:
-    """A bow of the board and a stretch of its print that the calibration found."""
+    """A bow of the board, a stretch of its print and a side of its tags that the calibration
+    found."""
     board, (across, down, stretch) = calibration.board, calibration.shape_sigma
+    if calibration.marker_sigma > 0:
+        found = _measured(1000 * board.marker, 1000 * calibration.marker_sigma)
+        square = f"{1000 * board.square:g}"
+        yield Diagnosis(
+            "wrong-marker-size",
+            _TAGS_MEASURED.format(found=found, square=square),
+            MEASURE_TAGS.format(found=found.split()[0], square=square),
+        )
     for bow, sigma, (behind, before) in zip(board.bow, (across, down), _BOWED, strict=True):
         if sigma > 0:
             yield Diagnosis(

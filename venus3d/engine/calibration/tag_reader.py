@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_diagnoses import two_boards_diagnosis
+from venus3d.engine.calibration.board_diagnoses import tag_size_diagnosis, two_boards_diagnosis
 from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.tag_edges import corners_by_edges
@@ -24,6 +26,12 @@ _BORDER_PX = 1.0
 """Corners nearer to the border are not measured: the tag may go on outside."""
 _TWICE = 4
 """Different tags seen twice in one image: two boards."""
+_MEASURED, _FEWEST_PAIRS = 3, 8
+"""Pictures in which the tags are measured, and pairs of neighbours that each must show."""
+_FRAMES_AT_MOST = 12
+"""Pictures after which it is too late to measure them."""
+OTHER_SIZE = 0.03
+"""Tags measured this far from the size given, by a share of it, are read in the size measured."""
 
 
 class TagReader(BoardReader):
@@ -31,18 +39,21 @@ class TagReader(BoardReader):
 
     quick_from_px = _QUICK_FROM_PX
 
-    def __init__(self, board: Board, border: int) -> None:
-        """`border`: width of the tags' black border, in cells."""
+    def __init__(self, board: Board, border: int, *, find_layout: bool = True) -> None:
+        """`border`: width of the tags' black border, in cells. `find_layout`: see `Detector`."""
         super().__init__(board)
         self._border = border
         self.exact = True
+        self.settled = not find_layout
+        self._measured: list[float] = []
+        self._frames = 0
         self._finders: dict[tuple[Board, bool], Any] = {}
         self._two_boards = False
 
     def copy(self) -> TagReader:
         """With detectors of its own."""
         other = super().copy()
-        other._finders = {}
+        other._finders, other._measured, other._frames = {}, [], 0
         return other
 
     def take_over(self, by: BoardReader) -> None:
@@ -51,9 +62,29 @@ class TagReader(BoardReader):
             self._two_boards |= by._two_boards
 
     def diagnoses(self, asked: Board) -> list[Diagnosis]:
-        """Two boards."""
-        del asked
-        return [two_boards_diagnosis()] if self._two_boards else []
+        """Two boards; another size of the tags than given."""
+        found = [two_boards_diagnosis()] if self._two_boards else []
+        if self.board.marker != asked.marker:
+            found.append(tag_size_diagnosis(asked, self.board))
+        return found
+
+    def seen_otherwise(self, ids: NDArray[np.intp], corners: Array) -> Board | None:
+        """The board with the size of the tags as it is seen in the first pictures, if that is
+        another one. What is left of the difference, a calibration finds (`board_shape`)."""
+        if self.settled:
+            return None
+        self.weighing = True
+        self._frames += 1
+        share = tag_share(self.board, ids, corners)
+        if share is not None:
+            self._measured.append(share)
+        self.settled = len(self._measured) >= _MEASURED or self._frames >= _FRAMES_AT_MOST
+        if len(self._measured) < _MEASURED:
+            return None
+        marker = round(float(np.median(self._measured)) * self.board.square, 4)  # 0.1 mm
+        if abs(marker / self.board.marker - 1) < OTHER_SIZE or not 0 < marker < self.board.square:
+            return None
+        return replace(self.board, marker=marker)
 
     def read(self, grey: Grey, region: Region, quick: bool) -> Read:
         """The corners of the tags that are seen once."""
@@ -95,6 +126,33 @@ class TagReader(BoardReader):
         start = quads.astype(np.float32).reshape(-1, 1, 2)
         moved = cv2.cornerSubPix(grey, start.copy(), (half, half), (-1, -1), _CRITERIA)
         return np.asarray(moved, dtype=np.float64).reshape(-1, 2)
+
+
+def tag_share(board: Board, ids: NDArray[np.intp], corners: Array) -> float | None:
+    """Side of the tags over the distance from one to the next, as a picture shows it: of tags side
+    by side, seen alike by any lens; None if too few are."""
+    tags = ids[::4] // 4
+    quads = corners.reshape(-1, 4, 2)
+    H, _ = cv2.findHomography(corners, board.points_of(ids)[:, :2])
+    if H is None:
+        return None
+    flat = cv2.perspectiveTransform(quads.reshape(1, -1, 2), H).reshape(-1, 4, 2)
+    places = {
+        (int(tag) % board.columns, int(tag) // board.columns): n for n, tag in enumerate(tags)
+    }
+    shares: list[float] = []
+    for (column, row), n in places.items():
+        for across, beside in ((True, (column + 1, row)), (False, (column, row + 1))):
+            k = places.get(beside)
+            if k is None:
+                continue
+            apart = np.linalg.norm(flat[k].mean(axis=0) - flat[n].mean(axis=0))
+            sides = [
+                flat[i][[1, 2]] - flat[i][[0, 3]] if across else flat[i][[3, 2]] - flat[i][[0, 1]]
+                for i in (n, k)
+            ]
+            shares.append(float(np.linalg.norm(np.concatenate(sides), axis=1).mean() / apart))
+    return float(np.median(shares)) if len(shares) >= _FEWEST_PAIRS else None
 
 
 def _finder(board: Board, border: int, quick: bool) -> Any:

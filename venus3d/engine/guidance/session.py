@@ -18,7 +18,7 @@ from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.dark_rim import image_circle
-from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
+from venus3d.engine.calibration.diagnosis import Diagnosis, joined
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.repeats import repeats
 from venus3d.engine.errors import CalibrationError, VenusError
@@ -389,7 +389,7 @@ class Session:
             headline=headline,
             instruction=instruction,
             warnings=(*([self._not_kept] if self._not_kept else []), *self._warnings),
-            diagnoses=worst_first((*self._board_diagnoses, *self._diagnoses)),
+            diagnoses=joined(self._board_diagnoses, self._diagnoses),
             forecast=known and known.forecast,
             method=self.settings.method,
             cost=self.settings.search_cost,

@@ -56,6 +56,9 @@ class Charuco:
         """None: its points are corners."""
         return 0.0
 
+    def by_marker(self, board: Board, points: Array) -> None:
+        """None: the corners are those of the squares."""
+
     def clearance(self, board: Board) -> float:
         """Up to the markers."""
         return (board.square - board.marker) / 2

@@ -56,6 +56,9 @@ class Chessboard:
         """None: its points are corners."""
         return 0.0
 
+    def by_marker(self, board: Board, points: Array) -> None:
+        """None: there is no marker."""
+
     def clearance(self, board: Board) -> float:
         """A fifth of a square: the edges go on, but in a larger window the lens bends them."""
         return _CLEARANCE * board.square

@@ -76,6 +76,9 @@ class CircleGrid:
         """Of the circles."""
         return board.marker / 2
 
+    def by_marker(self, board: Board, points: Array) -> None:
+        """None: the centres stay."""
+
     def clearance(self, board: Board) -> float:
         """Half of the way to the nearest circle's centre."""
         return self._nearest(board) / 2

@@ -71,6 +71,11 @@ class BoardKind(Protocol):
         """Half the side of the square around a point in which it has no other edge than its own."""
         ...
 
+    def by_marker(self, board: Board, points: Array) -> Array | None:
+        """(..., 3) shift of points (..., 3) of the flat board by one metre more of `marker`; None
+        where the markers' size moves no point."""
+        ...
+
     def legible_square_px(self, board: Board) -> float:
         """The least side of a square in the picture with which the board is read, pixels."""
         ...

@@ -85,6 +85,14 @@ class TagGrid:
         """None: its points are corners."""
         return 0.0
 
+    def by_marker(self, board: Board, points: Array) -> Array:
+        """Away from the middle of the nearest tag."""
+        last = np.array([board.columns, board.rows]) - 1
+        place = np.clip(np.rint(points[..., :2] / board.square + last / 2), 0, last)
+        shift = np.zeros(points.shape)
+        shift[..., :2] = (points[..., :2] - (place - last / 2) * board.square) / board.marker
+        return shift
+
     def clearance(self, board: Board) -> float:
         """Up to the tag's cells inside, and to the next tag outside."""
         cell = board.marker / self._cells(board)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.diagnosis import worst_first
+from venus3d.engine.calibration.diagnosis import joined
 from venus3d.engine.errors import SourceError, VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -109,8 +109,7 @@ def run_guide(
             # No more views come: judge the set as it is.
             known = snapshot.calibration
             found = tracker.detector.explain_misses() if known is None else diagnose(known)
-            found = dict.fromkeys((*tracker.detector.diagnoses, *found))
-            final = replace(snapshot, diagnoses=worst_first(found))
+            final = replace(snapshot, diagnoses=joined(tracker.detector.diagnoses, found))
             return GuideResult(final, tuple(dict.fromkeys(said)), truth)
 
         def kept(snapshot: Snapshot) -> str:
