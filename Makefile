@@ -20,7 +20,7 @@ help:
 	@echo "make gallery   take the screenshots of docs/gallery.md anew"
 	@echo "make pace   measure how steadily the page is served"
 	@echo "make soak   100,000 frames through the live guide; memory, threads, handles stay flat"
-	@echo "make speed   time the bundle adjustment beside OpenCV's"
+	@echo "make speed   time the bundle adjustment beside OpenCV's, and the detection of each kind"
 	@echo "make format   let ruff put the code in order"
 	@echo "make clean   remove what the other commands made"
 
@@ -67,6 +67,7 @@ soak: $(VENV)/.ready-test
 
 speed: $(VENV)/.ready-test
 	$(BIN)/python scripts/adjustment_speed.py
+	$(BIN)/python scripts/detection_speed.py
 
 format: $(VENV)/.ready-test
 	$(BIN)/ruff check --fix .

@@ -162,6 +162,23 @@ def test_opencv_finds_each_tag_where_the_drawing_has_it(kind: Kind) -> None:
         assert np.abs(np.reshape(quad, (4, 2)) - places).max() < 8
 
 
+@pytest.mark.parametrize("name", ["aprilgrid", "aruco-grid"])
+@pytest.mark.parametrize("turn_deg", [0, 45])
+def test_a_quick_search_loses_no_tag_of_the_smallest_that_it_is_for(
+    name: str, turn_deg: float
+) -> None:
+    """Short outlines are not looked into: none may be a tag's, upright or on its corner."""
+    board = BOARDS[name]
+    away = CAMERA.fx * board.square / 43  # pixels that a square is wide
+    picture = picture_of(board, Pose.from_vector([0, 0, turn_deg, 0, 0, away]))
+    detector = Detector(board)
+    everything = detector.detect(picture)
+    assert 40 < detector.square_px < 44 and everything.count > 0.9 * board.corner_count
+    quick = detector.detect(picture, quick=True)
+    np.testing.assert_array_equal(quick.ids, everything.ids)
+    assert np.abs(quick.corners - everything.corners).max() < 0.1
+
+
 @pytest.mark.parametrize("name", ["circles", "asymmetric circles"])
 def test_opencv_numbers_circles_as_the_board_does(name: str) -> None:
     board, px = BOARDS[name], 60

@@ -59,9 +59,12 @@ def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
                 :, :, axis
             ]
             continue
-        mean = np.nansum(steps[:, measured], axis=0) / known[:, measured].sum(axis=0)[:, None]
-        distances = np.linalg.norm(places[:, None] - places[measured], axis=2)
-        nearest = np.argmin(distances, axis=1)
+        sums = np.where(known[:, measured, None], steps[:, measured], 0.0).sum(axis=0)
+        mean = sums / known[:, measured].sum(axis=0)[:, None]
+        nearest = np.arange(ids.size)
+        if measured.size < ids.size:
+            distances = np.linalg.norm(places[:, None] - places[measured], axis=2)
+            nearest = np.argmin(distances, axis=1)
         scales[:, :, axis] = mean[nearest, :2] / mean[nearest, 2 + axis, None]
     return scales
 
@@ -164,17 +167,22 @@ def edge_sharpness(grey: Grey, corners: Array, squares: Array) -> float:
     one pixel, 1/w for one over w pixels. Median over the corners.
     """
     height, width = grey.shape
-    values: list[float] = []
-    for (x, y), square in zip(corners, squares, strict=True):
-        half = int(np.clip(0.3 * square, 3, 20))
-        column, row = round(float(x)), round(float(y))
-        if not (half <= column < width - half and half <= row < height - half):
-            continue
-        patch = grey[row - half : row + half + 1, column - half : column + half + 1].astype(
-            np.int16
+    halves = np.clip(0.3 * squares, 3, 20).astype(np.intp)
+    column, row = np.rint(corners).astype(np.intp).T
+    inside = (column >= halves) & (column < width - halves)
+    inside &= (row >= halves) & (row < height - halves)
+    values: list[NDArray[np.float64]] = []
+    for half in np.unique(halves[inside]):
+        members = inside & (halves == half)
+        around = np.arange(-half, half + 1)
+        patches = grey[
+            row[members, None, None] + around[:, None], column[members, None, None] + around
+        ].astype(np.int16)
+        contrast = patches.max(axis=(1, 2)) - patches.min(axis=(1, 2))
+        steps = np.maximum(
+            np.abs(np.diff(patches, axis=2)).max(axis=(1, 2)),
+            np.abs(np.diff(patches, axis=1)).max(axis=(1, 2)),
         )
-        contrast = float(np.ptp(patch))
-        if contrast > 0:
-            steps = np.abs(np.diff(patch, axis=1)).max(), np.abs(np.diff(patch, axis=0)).max()
-            values.append(float(max(steps)) / contrast)
-    return float(np.median(values)) if values else 0.0
+        values.append(steps[contrast > 0] / contrast[contrast > 0])
+    every = np.concatenate(values) if values else np.zeros(0)
+    return float(np.median(every)) if every.size else 0.0
