@@ -108,7 +108,7 @@ def test_what_is_set_on_the_camera_is_set_again_when_it_goes_on(
     rng = np.random.default_rng(0)
     seen = observe(paper_camera, default_board, GOOD[0], rng, 0.1)
     kept.folder.changed(Session(default_board, paper_camera.image_size).state)
-    kept.folder.captured(CapturedView(1, seen, None))
+    kept.folder.captured(CapturedView(1, seen, None)).result()
     kept.camera_set(CameraSettings(focus="35", gain="3"))
     kept.camera_set(CameraSettings(focus="40", gain="3"))
     kept.close()

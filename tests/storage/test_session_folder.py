@@ -6,7 +6,9 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,8 +20,10 @@ from tests.engine.calibration.test_adjustment import GOOD, observe
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.views import CapturedView
 from venus3d.storage.session_folder import SessionFolder
 from venus3d.storage.session_reader import EVENTS, pictures_of, read_header
 
@@ -92,6 +96,7 @@ def test_pictures_are_kept_as_captured(
         pictures.append(picture)
         session.observe(replace(observe(paper_camera, session.board, vector, rng), image=picture))
         session.capture()
+        session.count_kept(wait=True)
     state = folder.state()
     assert state is not None
     found = dict(folder.pictures(state))
@@ -163,6 +168,45 @@ def test_two_processes_do_not_share_a_session(
     assert subprocess.run(command, capture_output=True).returncode == 0
 
 
+def test_a_slow_disk_is_not_waited_for(
+    default_board: Board, paper_camera: Camera, rng: np.random.Generator
+) -> None:
+    """Frames go on while a view is written; it counts when it is kept, once, and who undoes, ends
+    or begins anew meanwhile means it too."""
+    disk: list[Future[None]] = []
+
+    class SlowDisk:
+        def captured(self, view: CapturedView) -> Future[None]:
+            disk.append(Future())
+            return disk[-1]
+
+        def changed(self, state: SessionState) -> None:
+            pass
+
+    def held(index: int) -> Session:
+        session = Session(default_board, paper_camera.image_size, SETTINGS, SlowDisk())
+        session.observe(observe(paper_camera, default_board, GOOD[index], rng))
+        assert session.capture() and session.capture()
+        assert session.observe(session.snapshot().observation).captured == ()
+        return session
+
+    session = held(0)
+    assert len(disk) == 1 and session.pending is None and session.phase == "startup"
+    disk[0].set_result(None)
+    assert session.observe(session.snapshot().observation).captured == (1,)
+    assert session.pending is not None and len(disk) == 1
+    meanwhile: list[tuple[Callable[[Session], object], tuple[int, ...]]] = [
+        (Session.undo_view, ()),
+        (Session.finish, (1,)),
+        (Session.restart, ()),
+    ]
+    for act, left in meanwhile:
+        session = held(1)
+        threading.Timer(0.05, disk[-1].set_result, [None]).start()
+        act(session)
+        assert session.snapshot().captured == left
+
+
 def test_a_view_that_cannot_be_kept_is_not_captured(
     session: Session, folder: SessionFolder, paper_camera: Camera, rng: np.random.Generator
 ) -> None:
@@ -177,12 +221,14 @@ def test_a_view_that_cannot_be_kept_is_not_captured(
             image=np.zeros((720, 1280, 3), np.uint8),
         )
     )
-    assert not session.capture()
+    session.capture()
+    session.count_kept(wait=True)
     snapshot = session.snapshot()
     assert len(snapshot.views) == 2 and "not captured" in snapshot.warnings[0]
     views.unlink()
     views.mkdir()
     assert session.capture()
+    session.count_kept(wait=True)
     assert not any("not captured" in said for said in session.snapshot().warnings)
     session.run_pending()
     assert len(session.snapshot().views) == 3
@@ -200,13 +246,13 @@ def test_a_full_disk_loses_nothing(
     try:
         folder = SessionFolder.create(disk / "session", {}, lambda _: None)
         session = Session(default_board, paper_camera.image_size, SETTINGS, folder)
-        kept = 0
         for vector in GOOD:
             picture = rng.integers(0, 255, (720, 1280, 3), np.uint8)  # 2.8 MB as a PNG
             seen = observe(paper_camera, default_board, vector, rng)
             session.observe(replace(seen, image=picture))
-            kept += session.capture()
+            session.capture()
             session.run_pending()
+        kept = len(session.snapshot().captured or ())
         assert 2 <= kept < len(GOOD)
         assert "No space left" in session.snapshot().warnings[0] or (
             "no space left" in session.snapshot().warnings[0]

@@ -21,7 +21,7 @@ from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_recognition import BoardRecognition, recognise_board
 from venus3d.engine.calibration.calibration import Calibration
-from venus3d.engine.calibration.checks import diagnose
+from venus3d.engine.calibration.checks import Diagnoses, diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind
 from venus3d.engine.calibration.observation import Observation
@@ -91,7 +91,7 @@ def test_a_guided_session_is_silent_from_its_first_view_on(
     """What every set lacks at its beginning is no alarm; as a final set six views are enough."""
     assert len(guided) >= 7
     for calibration in guided:
-        assert diagnose(calibration, growing=True) == ()
+        assert Diagnoses.of(calibration).growing == ()
         if len(calibration.views) >= 6:
             assert diagnose(calibration) == ()
 
@@ -275,7 +275,7 @@ def test_a_square_size_that_cannot_be(
     np.testing.assert_allclose(found.camera.K, right.camera.K, rtol=1e-3)
     assert diagnose(right) == ()
     first = calibrate(wrong, seen[:1], model="startup")
-    assert "impossible-distance" in by_kind(diagnose(first, growing=True)), "at once"
+    assert "impossible-distance" in by_kind(Diagnoses.of(first).growing), "at once"
 
 
 def test_a_lens_model_that_folds_back(

@@ -15,7 +15,7 @@ import pytest
 
 from tests.engine.calibration.test_adjustment import observe, tilted
 from venus3d.engine.calibration.adjustment import calibrate
-from venus3d.engine.calibration.checks import diagnose
+from venus3d.engine.calibration.checks import Diagnoses, diagnose
 from venus3d.engine.calibration.information import shared_modes
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.refusals import calibrate_or_refuse
@@ -73,7 +73,7 @@ def test_in_a_session_they_are_named(rng: np.random.Generator) -> None:
     """It goes on with all views: its calibration is not made anew without some."""
     seen = with_turned(views_of(TRUTH, tilted(rng, 10, 40, 12), rng), (3, 4))
     told = next(
-        d for d in diagnose(calibrate(Board(), seen), growing=True) if d.kind == "turned-pictures"
+        d for d in Diagnoses.of(calibrate(Board(), seen)).growing if d.kind == "turned-pictures"
     )
     assert told.views == (3, 4) and "the estimate of it lies in between" in told.cause
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,7 +54,8 @@ _LEAST_SPREAD = 0.08
 
 @dataclass(frozen=True)
 class _Check:
-    """One diagnosis, and the least number of views for it: while views still come, at the end."""
+    """One diagnosis, and the least number of views for it: while views still come, at the end (no
+    more than that)."""
 
     growing: int
     final: int
@@ -62,19 +64,31 @@ class _Check:
     """Only if all parameters were estimated."""
 
 
-def diagnose(calibration: Calibration, *, growing: bool = False) -> tuple[Diagnosis, ...]:
-    """What is doubtful about a calibration; worst first, empty if nothing is.
+class Diagnoses(NamedTuple):
+    """What is doubtful about a calibration; worst first, empty if nothing is."""
 
-    Args:
-        growing: more views are still being taken, so what every set lacks at first (coverage of the
-            image, several depths) is diagnosed later than for a final set.
-    """
-    count, full = len(calibration.views), all(calibration.free)
-    found: list[Diagnosis] = []
-    for check in _CHECKS:
-        if count >= (check.growing if growing else check.final) and (full or not check.needs_full):
-            found += check.find(calibration)
-    return worst_first(found)
+    growing: tuple[Diagnosis, ...] = ()
+    """While more views are being taken: what every set lacks at first (coverage of the image,
+    several depths) is diagnosed later than for a final set."""
+    final: tuple[Diagnosis, ...] = ()
+
+    @staticmethod
+    def of(calibration: Calibration) -> Diagnoses:
+        """The diagnoses of a calibration; takes up to some tenths of a second."""
+        count, full = len(calibration.views), all(calibration.free)
+        growing: list[Diagnosis] = []
+        final: list[Diagnosis] = []
+        for check in _CHECKS:
+            if count >= check.final and (full or not check.needs_full):
+                found = tuple(check.find(calibration))
+                final += found
+                growing += found if count >= check.growing else ()
+        return Diagnoses(worst_first(growing), worst_first(final))
+
+
+def diagnose(calibration: Calibration) -> tuple[Diagnosis, ...]:
+    """What is doubtful about a calibration to which no more views come; worst first."""
+    return Diagnoses.of(calibration).final
 
 
 def _parallel_or_weak(calibration: Calibration) -> Iterator[Diagnosis]:

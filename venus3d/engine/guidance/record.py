@@ -38,12 +38,24 @@ class SessionState:
     """The camera that it began with, if one was known."""
 
 
-class Recorder(Protocol):
-    """Keeps a session while it goes on. Called on the session's thread."""
+class Keeping(Protocol):
+    """The keeping of one view. A `concurrent.futures.Future` is one."""
 
-    def captured(self, view: CapturedView) -> None:
-        """Keep a view, with its image, before the session counts it. Raises `VenusError` if it
-        cannot be kept; it is then not captured."""
+    def done(self) -> bool:
+        """Whether `result` would return or raise at once."""
+        ...
+
+    def result(self) -> None:
+        """Wait until the view is kept. Raises `VenusError` if it cannot be kept."""
+        ...
+
+
+class Recorder(Protocol):
+    """Keeps a session while it goes on, in the order in which it is called. Called on the session's
+    thread, which does not wait for a disk."""
+
+    def captured(self, view: CapturedView) -> Keeping:
+        """Begin to keep a view, with its image; the session counts it once it is kept."""
         ...
 
     def changed(self, state: SessionState) -> None:
@@ -51,11 +63,20 @@ class Recorder(Protocol):
         ...
 
 
+class _Kept:
+    def done(self) -> bool:
+        return True
+
+    def result(self) -> None:
+        pass
+
+
 class NoRecorder:
     """Keeps nothing."""
 
-    def captured(self, view: CapturedView) -> None:
-        """Nothing."""
+    def captured(self, view: CapturedView) -> Keeping:
+        """Nothing is left to do."""
+        return _Kept()
 
     def changed(self, state: SessionState) -> None:
         """Nothing."""

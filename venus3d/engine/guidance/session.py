@@ -16,7 +16,7 @@ from dataclasses import replace
 
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.calibration import Calibration
-from venus3d.engine.calibration.checks import diagnose
+from venus3d.engine.calibration.checks import Diagnoses
 from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.diagnosis import Diagnosis, joined
 from venus3d.engine.calibration.observation import Observation
@@ -35,7 +35,7 @@ from venus3d.engine.guidance.prompts import (
     refusal_headline_and_prompt,
     startup_headline_and_prompt,
 )
-from venus3d.engine.guidance.record import NoRecorder, Recorder, SessionState
+from venus3d.engine.guidance.record import Keeping, NoRecorder, Recorder, SessionState
 from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -71,6 +71,7 @@ class Session:
         Raises `VenusError` for settings whose method, cost and search are incompatible."""
         self.settings = settings or Settings()
         self._recorder = recorder or NoRecorder()
+        self._keeping: tuple[CapturedView, Keeping] | None = None
         self._not_kept, self._retry_at = "", 0
         self._ending = False
         self._image_size = image_size
@@ -98,7 +99,7 @@ class Session:
         self._heuristic_state = HeuristicState()
         self._skipped: tuple[Pose, ...] = ()
         self._warnings: tuple[str, ...] = ()
-        self._diagnoses: tuple[Diagnosis, ...] = ()
+        self._diagnoses = Diagnoses()
         self._outcome: Outcome | None = None
         self._figures = LoopFigures()
         self._tracker = PoseTracker(board, self._image_size, self.settings)
@@ -113,6 +114,7 @@ class Session:
 
         Raises `CalibrationError` if the frame's size is not the session's.
         """
+        self.count_kept()
         if observation.board is not None:
             self._use_board(observation.board)
         self._board_diagnoses = observation.board_diagnoses
@@ -129,6 +131,7 @@ class Session:
         self._watch_taken_back()
         may_capture = (
             self.settings.auto_capture
+            and self._keeping is None
             and self._taken_back is None
             and self._number >= self._retry_at
         )
@@ -140,11 +143,14 @@ class Session:
 
     def capture(self, chosen: Observation | None = None) -> bool:
         """Capture the current observation as a view, or one `chosen` from this hold at the target.
-        False if there is none, or all is over.
+        False if there is none, or all is over. It counts once the recorder has kept it, see
+        `count_kept`.
 
         A view that does not determine the focal length is accepted too: guidance then continues
         with a guessed camera, and says so, until tilted views come.
         """
+        if self._keeping is not None:
+            return True  # the one that is being kept
         tracker = self._tracker
         over = self._phase == "finished" or self._ending
         seen = tracker.observation if chosen is None else chosen
@@ -155,17 +161,26 @@ class Session:
             seen = replace(seen, image_circle=circle)
         at_target = tracker.is_at_target and self._phase == "guiding"
         view = CapturedView(self._captured.next_number, seen, self._target if at_target else None)
+        self._keep_going = self._keep_going or self._phase == "converged"
+        self._keeping = view, self._recorder.captured(view)
+        self.count_kept()
+        return self._keeping is not None or not self._not_kept
+
+    def count_kept(self, *, wait: bool = False) -> None:
+        """Count the captured view that the recorder has kept by now; `wait` for it. One that cannot
+        be kept is not captured, and the snapshot's warnings say why."""
+        if self._keeping is None or not (wait or self._keeping[1].done()):
+            return
+        (view, keeping), self._keeping = self._keeping, None
         try:
-            self._recorder.captured(view)
+            keeping.result()
         except VenusError as error:
             self._not_kept = _NOT_CAPTURED.format(error=said_by(error))
             self._retry_at = self._number + _RETRY_FRAMES
-            return False
+            return
         self._not_kept, self._taken_back = "", None
         self._captured.add(view)
-        self._keep_going = self._keep_going or self._phase == "converged"
         self._recalibrate()
-        return True
 
     def take_new_view(self) -> CapturedView | None:
         """The last captured view with its image, returned once; None if there is no new one."""
@@ -173,6 +188,7 @@ class Session:
 
     def skip_target(self) -> bool:
         """Replace the current target by one elsewhere. False if there is none."""
+        self.count_kept(wait=True)
         if self._target is None or self._phase != "guiding":
             return False
         self._skipped = (*self._skipped, self._target.pose)
@@ -182,6 +198,7 @@ class Session:
     def choose_alternative(self, index: int) -> bool:
         """Switch to one of the target's alternatives. False if there is no such one.
         The rejected pose goes last, so that `choose_alternative(0)` cycles through them all."""
+        self.count_kept(wait=True)
         old = self._target
         if old is None or self._phase != "guiding" or not 0 <= index < len(old.alternatives):
             return False
@@ -197,6 +214,7 @@ class Session:
         The method's own search is used and, if `cost` is None, its own cost. Raises `VenusError`
         for an invalid combination and leaves the session unchanged.
         """
+        self.count_kept(wait=True)
         old, new = self.settings, replace(self.settings, method=method, cost=cost, strategy=None)
         used = [(s.method, s.search_cost, s.search_strategy) for s in (old, new)]
         if used[0] == used[1]:
@@ -208,6 +226,7 @@ class Session:
     def undo_view(self) -> bool:
         """Discard the last captured view. False if there is none, or the user ended it.
         Its pose is captured by itself only after the board has left it."""
+        self.count_kept(wait=True)
         last = self._captured.views[-1] if self._captured.views else None
         if last is None or not self.drop_view(last.number):
             return False
@@ -216,6 +235,7 @@ class Session:
 
     def drop_view(self, number: int) -> bool:
         """Discard the view with this number. False if there is none, or the user ended it."""
+        self.count_kept(wait=True)
         index = None if self._ending else self._captured.drop(number)
         if index is None:
             return False
@@ -226,12 +246,12 @@ class Session:
 
     def finish(self) -> None:
         """End the session; views are kept, and pending work can still be applied."""
+        self.count_kept(wait=True)
         self._ending = True
         self._target = None
         self._tracker.set_target(self.camera, None)
         if self.pending is None:
             self._phase = "finished"
-            self._diagnose()
 
     def resume(self) -> bool:
         """Go on after the end, with all views. False if it has not ended.
@@ -254,6 +274,7 @@ class Session:
     def restart(self, image_size: tuple[int, int] | None = None) -> None:
         """Begin anew with the same board, without any view, for images of `image_size` (width,
         height) if their size has changed."""
+        self.count_kept(wait=True)
         self._ending, self._taken_back = False, None
         self._image_size = image_size or self._image_size
         self._run += 1
@@ -318,7 +339,7 @@ class Session:
             if found is not None:
                 self._target, self._heuristic_state = found.target, found.state
                 self._next_target = self._target.number + 1
-        self._diagnose()
+        self._diagnoses = outcome.diagnoses
         self._tracker.set_target(self.camera, self._target)
         return self.snapshot()
 
@@ -333,11 +354,13 @@ class Session:
         return self.snapshot()
 
     def run_pending(self, stop: Callable[[], bool] | None = None) -> Snapshot:
-        """Do the `pending` work in place until there is none; takes up to some seconds.
+        """Do the `pending` work in place until there is none, what is being kept counted; takes up
+        to some seconds.
 
         `stop` ends a search early, with the best pose so far. An unusable view is dropped, and the
         snapshot's warnings say why.
         """
+        self.count_kept(wait=True)
         while (work := self.pending) is not None:
             try:
                 self.apply(work.run(stop))
@@ -369,6 +392,8 @@ class Session:
         refusal = tracker.refusal if self._is_held and tracker.best_held is None else None
         if refusal is not None:
             headline, instruction = refusal_headline_and_prompt(refusal)
+        over = self._phase in ("converged", "finished")
+        diagnoses = self._diagnoses.final if over else self._diagnoses.growing
         if self._phase == "startup" and not self._startup.is_ready and self._target is None:
             headline, instruction = startup_headline_and_prompt(
                 tracker.observation.count, self.board.corner_count
@@ -389,7 +414,8 @@ class Session:
             headline=headline,
             instruction=instruction,
             warnings=(*([self._not_kept] if self._not_kept else []), *self._warnings),
-            diagnoses=joined(self._board_diagnoses, self._diagnoses),
+            diagnoses=joined(self._board_diagnoses, diagnoses),
+            final_diagnoses=self._diagnoses.final,
             forecast=known and known.forecast,
             method=self.settings.method,
             cost=self.settings.search_cost,
@@ -412,7 +438,8 @@ class Session:
 
     def _use_board(self, board: Board) -> None:
         """Adopt a board with another layout; only before the first view."""
-        if not (self._captured.views or self._ending) and board != self.board:
+        has_views = bool(self._captured.views) or self._keeping is not None
+        if not (has_views or self._ending) and board != self.board:
             self._restart(board)
 
     def _watch_taken_back(self) -> None:
@@ -438,11 +465,6 @@ class Session:
         now = self._outcome.posterior
         after = now.with_observation(tracker.observation, tracker.pose)
         return after.uncertainty_px <= (1 - drop) * now.uncertainty_px
-
-    def _diagnose(self) -> None:
-        if self._calibration is not None:
-            growing = self._phase not in ("converged", "finished")
-            self._diagnoses = diagnose(self._calibration, growing=growing)
 
     def _go_on(self) -> bool:
         """Calibrate the remaining views; if there are none, restart and return False."""

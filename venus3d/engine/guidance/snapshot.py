@@ -60,6 +60,8 @@ class Snapshot:
     warnings: tuple[str, ...] = field(default=())
     diagnoses: tuple[Diagnosis, ...] = field(default=())
     """Reasons why the calibration is less trustworthy than its numbers; worst first."""
+    final_diagnoses: tuple[Diagnosis, ...] = ()
+    """The same of the calibration alone, as if no more views came."""
     forecast: Forecast | None = None
     """None while unknown."""
     method: Method = "global"

@@ -12,6 +12,7 @@ import numpy as np
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.calibration import Calibration
+from venus3d.engine.calibration.checks import Diagnoses
 from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens, start_with_any_lens
 from venus3d.engine.calibration.observation import (
     Observation,
@@ -60,6 +61,7 @@ class Outcome:
     is_over: bool
     """Whether nothing is left to do: converged, or enough views."""
     warnings: tuple[str, ...]
+    diagnoses: Diagnoses
     forecast: Forecast | None = None
     """None if unknown, or if there was no time for it."""
     uncertainty: ProjectionUncertainty | None = None
@@ -140,6 +142,7 @@ class Work:
             suggestion,
             is_over,
             warnings,
+            Diagnoses.of(calibration),
             self._forecast(planner, calibration, suggestion),
             projection_uncertainty(calibration, posterior, target),
             None if target is None else recorder.trace(target.pose.vector()),

@@ -36,6 +36,7 @@ def run_headless(
             if frame is None:
                 break
             session.observe(tracker.track(frame))
+            session.count_kept(wait=True)
             if session.pending is not None:
                 keep(session.run_pending())
             if isinstance(source, Simulation):

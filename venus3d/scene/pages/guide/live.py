@@ -168,8 +168,8 @@ class LiveGuide:
         # One that was on its way may be of the size before.
         if observation is not None and observation.image_size == session.image_size:
             session.observe(observation)
-        self._keep_picture()
-        if asked or observation is not None:
+        session.count_kept()
+        if self._keep_picture() or asked or observation is not None:
             self._show()
         # Only now: the moved board is shown before the search's result.
         if self._think():
@@ -185,11 +185,12 @@ class LiveGuide:
             monitor.show(snapshot)
         self._keep(snapshot)
 
-    def _keep_picture(self) -> None:
-        """Pass on the picture of a view captured just now."""
+    def _keep_picture(self) -> bool:
+        """Pass on the picture of a view captured just now; whether there was one."""
         view = self._session.take_new_view()
         if view is not None and view.observation.image is not None:
             self._viewer.keep_view(view.number, view.observation.image)
+        return view is not None
 
     def _think(self) -> bool:
         """Start pending work on its thread, collect finished work; whether there was any."""

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.diagnosis import joined
 from venus3d.engine.errors import SourceError, VenusError
@@ -107,8 +106,11 @@ def run_guide(
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
             said = (*source.notes, *tracker.detector.notes, *snapshot.warnings, *notes)
             # No more views come: judge the set as it is.
-            known = snapshot.calibration
-            found = tracker.detector.explain_misses() if known is None else diagnose(known)
+            found = (
+                tracker.detector.explain_misses()
+                if snapshot.calibration is None
+                else snapshot.final_diagnoses
+            )
             final = replace(snapshot, diagnoses=joined(tracker.detector.diagnoses, found))
             return GuideResult(final, tuple(dict.fromkeys(said)), truth)
 
