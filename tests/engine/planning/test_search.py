@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import cv2
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from venus3d.engine.calibration.information import prior_information, view_information
+from venus3d.engine.calibration.observation import Observation, View
+from venus3d.engine.calibration.repeats import SAME, shift_px
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -257,6 +262,34 @@ def test_skipped_poses_stay_away(space: Space, rng: np.random.Generator) -> None
         near = 0.1 * np.linalg.norm(skipped.t)
         assert there.angle_to_deg(skipped) >= 15 or there.distance_to(skipped) >= near
         assert found.cost < (2 if strategy == "global" else 8), "but no farther than needed"
+
+
+def test_no_target_repeats_a_view(space: Space, rng: np.random.Generator) -> None:
+    """A guided fisheye was once asked for a view that the calibration then left out as a repeat of
+    another one, and for the same again."""
+    camera, board = space.camera, space.board
+    pose = Pose.from_vector(GOAL)
+
+    def seen(there: Pose) -> Observation:
+        turn, _ = cv2.Rodrigues(there.R)
+        pixels, _ = cv2.projectPoints(
+            board.corners, turn, there.t, camera.K, np.asarray(camera.coefficients)
+        )
+        return Observation(np.arange(len(board.corners)), pixels.reshape(-1, 2), camera.image_size)
+
+    captured = seen(pose)
+    view = View(1, captured, pose, 0.0, np.zeros_like(captured.corners))
+    around = replace(space, views=(view,))
+    assert space.accepts(GOAL)[0] and not around.accepts(GOAL)[0]
+    for strategy in STRATEGIES:
+        start = [0, 0, 0, 0, 0, 0.5]
+        found = search(strategy, around, bowl, rng, start=start, budget=700, keep_best=True)
+        there = seen(Pose.from_vector(found.vector))
+        assert 2 * SAME * camera.width <= shift_px(there, captured)
+        # An annealing of 700 poses comes about as near without views.
+        assert strategy == "annealing" or shift_px(there, captured) < 0.1 * camera.width
+    few = replace(view, observation=captured.only(np.arange(len(board.corners)) < 15))
+    assert replace(space, views=(few,)).accepts(GOAL)[0], "a third of the board is no repeat"
 
 
 def test_limits_that_leave_nothing_are_told(

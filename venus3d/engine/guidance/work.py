@@ -117,7 +117,7 @@ class Work:
         enough = len(self.observations) >= settings.max_views
         is_over = enough or (convergence.converged and not self.keep_going)
         suggestion, recorder = None, SearchRecorder(on_step)
-        space = Space.of(posterior, settings, self.skipped)
+        space = Space.of(posterior, settings, self.skipped, calibration.views)
         planner = Planner(posterior, settings, space, calibration.views, stop, recorder)
         if not is_over:
             try:

@@ -8,11 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from venus3d.engine.amounts import degrees, size_mm
+from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.repeats import SAME
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -25,6 +28,12 @@ from venus3d.engine.sentences import Sentence, listed
 
 SKIPPED_DEG = 15.0
 SKIPPED_FRACTION = 0.1
+REPEATED = 2 * SAME
+"""Mean shift of the corners up to which a target would repeat a view, as a share of the image's
+width: twice what a calibration takes for the same, since nobody hits a target exactly."""
+_NEAR_A_VIEW, _AS_FAR = 4, 0.25
+"""Where a repeat is looked for: the board's centre has moved by less than so many times that limit
+and its distance has changed by less than this share."""
 _TRIES = 50  # batches of 64 poses drawn for a random one within the limits
 # Aim a little inside: each correction is a Newton step and would otherwise approach forever.
 _TILT_DEG = 0.05
@@ -34,43 +43,84 @@ _PX = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """The allowed poses: within the limits and not near a skipped one."""
+    """The allowed poses: within the limits, not near a skipped one, no repeats of a view."""
 
     board: Board
     camera: Camera
     limits: Limits
     skipped: tuple[Pose, ...] = ()
     """Poses within 15 degrees and a tenth of the distance are not offered again."""
+    views: tuple[View, ...] = ()
+    """Captured so far. One that repeats another counts once (`repeats`), and so brings nothing."""
 
     @staticmethod
-    def of(posterior: Posterior, settings: PlanningSettings, skipped: Iterable[Pose] = ()) -> Space:
+    def of(
+        posterior: Posterior,
+        settings: PlanningSettings,
+        skipped: Iterable[Pose] = (),
+        views: Iterable[View] = (),
+    ) -> Space:
         """The space for a plan with these settings."""
         board, camera = posterior.board, posterior.camera
-        return Space(board, camera, settings.limits_for(board, camera), tuple(skipped))
+        limits = settings.limits_for(board, camera)
+        return Space(board, camera, limits, tuple(skipped), tuple(views))
 
     def accepts(self, vectors: ArrayLike) -> Mask:
         """Which pose vectors (N, 6) are in the space: (N,) bool."""
         p = np.atleast_2d(np.asarray(vectors, dtype=np.float64))
         good = self.limits.accepts(self.camera, self.board, p)
-        for pose in self.skipped:
-            good &= ~_near(p, pose)
+        good[good] = ~self._is_taken(p[good])
         return good
 
     def bring_inside(self, vectors: Array) -> tuple[Array, Mask]:
         """Pose vectors (N, 6) moved onto the limits they break, and which (N,) are now inside."""
         moved, good = onto_limits(self.limits, self.camera, self.board, vectors)
-        for pose in self.skipped:
-            # Only those: the others may be anywhere, even beyond the range of floats.
-            good[good] = ~_near(moved[good], pose)
+        # Only those: the others may be anywhere, even beyond the range of floats.
+        good[good] = ~self._is_taken(moved[good])
         return moved, good
 
     def excess(self, vectors: Array) -> Array:
         """(N,) how far pose vectors (N, 6) are outside: 0 inside, else a slope that leads back.
-        By how much they break the limits (`Limits.excess`), plus 1 for each skipped pose nearby."""
+        By how much they break the limits (`Limits.excess`), plus 1 where `_is_taken`."""
         total = self.limits.excess(self.camera, self.board, vectors)
+        return total + self._is_taken(vectors)
+
+    def _is_taken(self, vectors: Array) -> Mask:
+        """Which pose vectors (N, 6) are near a skipped pose, or would repeat a view."""
+        taken = np.zeros(len(vectors), dtype=bool)
         for pose in self.skipped:
-            total += _near(vectors, pose)
-        return total
+            taken |= _near(vectors, pose)
+        if self.views:
+            with np.errstate(all="ignore"):
+                taken |= self._repeats(vectors)
+        return taken
+
+    def _repeats(self, vectors: Array) -> Mask:
+        """Which pictures of the whole board under pose vectors (N, 6) would repeat a view."""
+        camera, board = self.camera, self.board
+        limit = REPEATED * camera.width
+        here, there = vectors[:, 3:].T, np.array([view.pose.t for view in self.views]).T
+        apart = camera.pixels_of(here)[:, :, None] - camera.pixels_of(there)[:, None]  # (2, N, V)
+        farther = np.linalg.norm(here, axis=0)[:, None] / np.linalg.norm(there, axis=0) - 1
+        likely = (np.abs(apart) < _NEAR_A_VIEW * limit).all(axis=0) & (np.abs(farther) < _AS_FAR)
+        repeated = np.zeros(len(vectors), dtype=bool)
+        which, of = np.nonzero(likely)
+        if which.size:
+            R, t = rotations_of(vectors[which]), vectors[which, 3:]
+            shifts = camera.project_board(board.corners, R, t) - self._seen[of]  # (K, M, 2)
+            common = np.isfinite(shifts[:, :, 0])
+            total = np.nansum(np.linalg.norm(shifts, axis=2), axis=1)
+            enough = 2 * common.sum(axis=1) >= board.corner_count
+            repeated[which[enough & (total < limit * common.sum(axis=1))]] = True
+        return repeated
+
+    @cached_property
+    def _seen(self) -> Array:
+        """(V, M, 2) each point's place in each view, pixels; NaN where it is not seen."""
+        places = np.full((len(self.views), self.board.corner_count, 2), np.nan)
+        for one, view in enumerate(self.views):
+            places[one, view.observation.ids] = view.observation.corners
+        return places
 
     def from_unit(self, unit: Array) -> Array:
         """Points (N, 6) of the unit cube to pose vectors (N, 6), most of them not in the space.

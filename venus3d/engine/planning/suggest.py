@@ -82,7 +82,7 @@ def suggest(
     settings = settings or PlanningSettings()
     count = len(calibration.views) + 1 if number is None else number
     posterior = Posterior.of_calibration(calibration, settings.noise)
-    space = Space.of(posterior, settings, skipped)
+    space = Space.of(posterior, settings, skipped, calibration.views)
     planner = Planner(posterior, settings, space, calibration.views, stop, on_step)
     rng = np.random.default_rng([0, count]) if rng is None else rng
     return planner.next_target(count, rng, state).target
