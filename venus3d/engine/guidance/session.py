@@ -15,7 +15,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from venus3d.engine.calibration.board_pose import estimate_pose
-from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.checks import Diagnoses
 from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.diagnosis import Diagnosis, joined
@@ -23,7 +22,7 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.repeats import repeats
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera, planning_camera
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.lenses import lens_chosen
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
@@ -93,7 +92,6 @@ class Session:
         self._captured = captured or CapturedViews()
         self._next_target = 1
         self._target: Target | None = None
-        self._calibration: Calibration | None = None
         self._convergence: Convergence | None = None
         self._history: tuple[Progress, ...] = ()
         self._heuristic_state = HeuristicState()
@@ -323,7 +321,6 @@ class Session:
         if outcome.work is not self.pending:
             return self.snapshot()
         self.pending = None
-        self._calibration = outcome.calibration
         self._history, self._convergence = outcome.history, outcome.convergence
         self._outcome = outcome
         self._warnings = (*outcome.warnings, *([self._lost] if self._lost else []))
@@ -373,9 +370,7 @@ class Session:
     @property
     def camera(self) -> Camera:
         """The best camera known, to track and to plan with; see `planning_camera`."""
-        if self._calibration is None:
-            return self._startup.camera
-        return planning_camera(self._calibration.camera)
+        return self._startup.camera if self._outcome is None else self._outcome.posterior.camera
 
     @property
     def phase(self) -> Phase:
@@ -408,7 +403,7 @@ class Session:
             target=self._target,
             match=tracker.match,
             remaining=remaining,
-            calibration=self._calibration,
+            calibration=known and known.calibration,
             convergence=self._convergence,
             history=self._history,
             headline=headline,
