@@ -44,6 +44,12 @@ class Folder:
             raise SourceError("There are no images to read; give at least one.")
         self._paths, left_out = _sorted_out(paths)
         if not self._paths:
+            videos = [path for path in paths if path.suffix.lower() in VIDEOS]
+            if videos:
+                raise SourceError(
+                    f"There are no images, but {shown(videos[0].name)} is a video: give the video "
+                    f"itself, {shown(videos[0])}."
+                )
             raise SourceError(f"{_left_out(left_out)} There is no other image.")
         headers = {path: read_header(path) for path in self._paths}
         self._size = _common_size(headers)

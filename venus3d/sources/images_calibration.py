@@ -98,7 +98,7 @@ def calibrate_recording(
         )
         on_progress(
             f"Of {len(recording.observations)} frames {len(seen)} show the board; {len(chosen)} "
-            "are taken."
+            f"{'is' if len(chosen) == 1 else 'are'} taken."
         )
         if len(chosen) >= FEWEST_VIEWS:  # else all of them tell why
             seen = [seen[index] for index in chosen]

@@ -352,7 +352,7 @@ _CHECKS = (
     _Check(2, 2, fit_checks.left_out),
     _Check(2, 2, fit_checks.turned),
     _Check(2, 2, fit_checks.repeats),
-    _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.shape),
+    _Check(1, 1, fit_checks.shape),
     _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.pattern),
     _Check(4, 4, _outlying),
     _Check(6, 3, _unseen),

@@ -85,7 +85,7 @@ class TagReader(BoardReader):
         self.settled = len(self._measured) >= _MEASURED or self._frames >= _FRAMES_AT_MOST
         if len(self._measured) < _MEASURED:
             return None
-        marker = round(float(np.median(self._measured)) * self.board.square, 4)  # 0.1 mm
+        marker = round(float(np.median(self._measured)) * self.board.square, 5)  # 0.01 mm
         if abs(marker / self.board.marker - 1) < OTHER_SIZE or not 0 < marker < self.board.square:
             return None
         return replace(self.board, marker=marker)
