@@ -242,6 +242,18 @@ def single_markers_diagnosis(board: Board, markers: Markers) -> Diagnosis:
     )
 
 
+def small_board_diagnosis(width_px: float, needed_px: float) -> Diagnosis:
+    """The board's squares are too small to be read."""
+    return Diagnosis(
+        "small-board",
+        Sentence(
+            "The board is in the picture, but too small to be read: its squares are {width} px "
+            "wide, and {needed} px are needed."
+        ).format(width=f"{width_px:.0f}", needed=f"{needed_px:.0f}"),
+        Sentence("Bring it nearer, take pictures with more pixels, or print larger squares."),
+    )
+
+
 def unread_border_diagnosis(board: Board, border: Border) -> Diagnosis:
     """A border of the board's markers is too thin for them to be found."""
     return Diagnosis(

@@ -22,6 +22,7 @@ from venus3d.engine.calibration.board_diagnoses import (
     mirrored_diagnosis,
     plain_pattern_diagnosis,
     single_markers_diagnosis,
+    small_board_diagnosis,
     some_mirrored_diagnosis,
     swapped_size_diagnosis,
     tag_grid_diagnosis,
@@ -127,6 +128,9 @@ def _finding_of(board: Board, grey: Grey, plain: bool) -> Finding | None:
     if seen is not None and seen.distinct >= _FEWEST_MARKERS:
         return _of_markers(board, grey, seen)
     pattern = find_pattern(grey) if plain else None
+    small = None if pattern is None else _small(board, pattern)
+    if small is not None:
+        return Finding(small, weight=0.5)
     thin = None if pattern is None else _thin(board, grey, pattern)
     if thin is not None:
         return Finding(thin, weight=0.5)
@@ -247,6 +251,23 @@ def _grid(board: Board, grey: Grey, dictionary: str, lattice: Lattice) -> Diagno
     if board.kind == kind and part and family_of(dictionary) == family_of(board.dictionary):
         return None
     return tag_grid_diagnosis(kind, lattice, dictionary)
+
+
+def _small(board: Board, pattern: Pattern) -> Diagnosis | None:
+    """That it is the board asked for with squares too small for their markers, if it is: nothing
+    can be said of those."""
+    sides = {pattern.columns + 1, pattern.rows + 1}
+    grid = pattern.corners
+    if pattern.kind != "unread" or grid is None or not board.has("marker"):
+        return None
+    if sides != {board.columns, board.rows}:
+        return None
+    steps = [np.linalg.norm(np.diff(grid, axis=axis), axis=2) for axis in (0, 1)]
+    width, needed = (
+        min(float(np.median(step)) for step in steps),
+        board.of_kind.legible_square_px(board),
+    )
+    return small_board_diagnosis(width, needed) if width < needed else None
 
 
 def _thin(board: Board, grey: Grey, pattern: Pattern) -> Diagnosis | None:

@@ -12,11 +12,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.calibration.board_diagnoses import small_board_diagnosis
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.refusals import legible_square_px, square_px
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.sentences import Sentence
 
 _TIMES = 3
 _MOST_PIXELS = 30_000_000  # of an enlarged picture; above, it is enlarged less, or not at all
@@ -44,11 +44,4 @@ def small_board(
             found.append(square_px(board, seen) / times)
     if not found or max(found) >= needed:
         return None
-    return Diagnosis(
-        "small-board",
-        Sentence(
-            "The board is in the picture, but too small to be read: its squares are {width} px "
-            "wide, and {needed} px are needed."
-        ).format(width=f"{max(found):.0f}", needed=f"{needed:.0f}"),
-        Sentence("Bring it nearer, take pictures with more pixels, or print larger squares."),
-    )
+    return small_board_diagnosis(max(found), needed)

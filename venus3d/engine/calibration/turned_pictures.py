@@ -13,7 +13,7 @@ flipped one by one for as long as it falls. Other errors gain by signs too. What
   odd parameters, with the errors that a view's corners share (`shared_errors`).
 - With the pictures turned back, the principal point lies off the middle by `OFF_MIDDLE` standard
   deviations. Nearer than that a turn can't be seen, and does little harm.
-- They fit then: neighbouring corners are not off alike.
+- They fit then: neighbouring corners are not off alike, or the signs gain far more.
 """
 
 from __future__ import annotations
@@ -49,10 +49,15 @@ from venus3d.engine.geometry.pose import Array
 Mask = NDArray[np.bool_]
 FEWEST_VIEWS = 5
 """With fewer views, two kinds can't be told from errors that each view has."""
-UNLIKELY, UNLIKELY_SHARED = 22.0, 28.0
+MANY_VIEWS = 8
+UNLIKELY, UNLIKELY_FEW = (18.0, 24.0), (22.0, 36.0)
 """Twice the log-likelihood that signs must gain beyond chance, where the corners of a view share no
-errors and where they do: six views of the photographs in `cases/glare` reach 27."""
-OFF_MIDDLE = 4.0
+errors and where they do; of `MANY_VIEWS` or more, and of fewer, which tell less of what differs
+from view to view. Sets with no picture turned reach 10 and 22 where the principal point lies off
+the middle, few views of a phone that moves its lens 35."""
+UNLIKELY_ALIKE = 50.0
+"""The same where neighbouring corners are off alike even with the pictures turned back."""
+OFF_MIDDLE = 3.5
 """Standard deviations by which the principal point must lie off the picture's middle."""
 CLEAR = 9.0
 """Variances of the noise that a view's own sign must gain for the view to be named."""
@@ -142,13 +147,18 @@ def _told(calibration: Calibration, signs: Array) -> tuple[int, ...]:
         if (better == signs).all() or rounds == _ROUNDS:
             break
         signs = better
-    unlikely = UNLIKELY_SHARED if again.corner_errors.shared_px > 0 else UNLIKELY
-    if system.gain(signs) < unlikely or _off_middle(again) < OFF_MIDDLE:
+    if system.gain(signs) < _unlikely(again) or _off_middle(again) < OFF_MIDDLE:
         return ()
-    if neighbour_correlation(again) >= ALIKE:
-        return ()  # turned back, they do not fit either: a rolling shutter, or the like
     told = (signs < 0) & (system.clear(signs) > CLEAR)
     return tuple(view.number for view, is_told in zip(views, told, strict=True) if is_told)
+
+
+def _unlikely(again: Calibration) -> float:
+    """What signs must gain, by the calibration with the pictures turned back."""
+    if neighbour_correlation(again) >= ALIKE:
+        return UNLIKELY_ALIKE  # they do not fit either: a rolling shutter, or the like
+    least = UNLIKELY if len(again.views) >= MANY_VIEWS else UNLIKELY_FEW
+    return least[again.corner_errors.shared_px > 0]
 
 
 def _calibrated(calibration: Calibration, views: Sequence[View], signs: Array) -> Calibration:
