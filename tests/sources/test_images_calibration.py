@@ -92,3 +92,20 @@ def test_pictures_that_make_no_calibration(
         calibrate_images(pictures[:2], replace(default_board, legacy=True))
     with pytest.raises(CalibrationError, match="differ in size"):
         calibrate_images([*pictures, pictures[0][:-10]], default_board)
+
+
+@pytest.mark.parametrize("other", [Board(6, 5, first_id=15), Board(8, 6, 0.022, kind="chessboard")])
+def test_a_second_board_in_the_pictures_is_told(paper_camera: Camera, other: Board) -> None:
+    first = Board(6, 5)
+    pictures: list[NDArray[np.uint8]] = []
+    for vector in VECTORS:
+        pose = Pose.from_vector([*vector[:3], 0, 0, 0.42])
+        beside = Pose.from_vector([10, 10, 3, 0, 0, 0.42])
+        both = (picture_of(first, paper_camera, pose), picture_of(other, paper_camera, beside))
+        pictures.append(np.hstack([picture[:, 320:960] for picture in both]))
+    found = calibrate_recording(pictures, first)
+    said = [one.cause for one in found.diagnoses if one.kind == "second-board"]
+    assert len(said) == 1 and f"{other.columns} x {other.rows} squares" in said[0]
+    alone = [np.where(np.arange(1280) < 640, picture, 120).astype(np.uint8) for picture in pictures]
+    kinds = [one.kind for one in calibrate_recording(alone, first).diagnoses]
+    assert "second-board" not in kinds

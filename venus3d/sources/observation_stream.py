@@ -2,20 +2,23 @@
 
     watch   source -> `on_picture` at once, and the frame box
     detect  frame box -> detection -> observation box
+    beside  every few seconds, if wanted: another board beside the one detected
 
     stream = ObservationStream(source, BoardTracker(Detector(board)), on_picture=show)
     stream.run(lambda: use(stream.take(timeout=0.05)))   # until stop() or a signal
 
-Both boxes hold the newest value only: the image never waits for detection, nor detection for the
-user of its observations.
+All boxes hold the newest value only: the image never waits for detection, nor detection for the
+user of its observations, nor for the look beside the board.
 """
 
 from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 
+from venus3d.engine.calibration.board_finding import FoundBoard
 from venus3d.engine.calibration.observation import Observation
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
@@ -30,6 +33,10 @@ from venus3d.threads.signals import on_stop_signal
 
 # Seconds for which each image of a folder is shown.
 _STILL_S = 1.0
+# Another board is looked for this often, and for this share of one core's time at most.
+_BESIDE_S, _BESIDE_SHARE = 3.0, 0.05
+_BESIDE_KEPT = 2
+"""Looks that count: a board that is not seen in so many is gone."""
 
 
 class ObservationStream:
@@ -43,6 +50,7 @@ class ObservationStream:
         on_picture: Callable[[Frame], None],
         reopen: Callable[[], Source] | None = None,
         flow: Flow | None = None,
+        look_beside: bool = False,
     ) -> None:
         """Nothing is read until `run`.
 
@@ -51,12 +59,16 @@ class ObservationStream:
             on_picture: called with every frame, on the watching thread; must not block.
             reopen: reopens a recording when it has ended; None: `source` continues by itself.
             flow: counts the frames that come and that are searched.
+            look_beside: look for another board beside the one detected, now and then.
         """
         self.source, self.tracker = source, tracker
         self._on_picture, self._reopen = on_picture, reopen
         self._flow, self._counted = flow or Flow(), 0
         self._frames: Latest[Frame] = Latest()
         self._observations: Latest[Observation] = Latest()
+        self._look_beside = look_beside
+        self._to_look_beside: Latest[Observation] = Latest()
+        self._beside: deque[FoundBoard | None] = deque(maxlen=_BESIDE_KEPT)
         self._stop = threading.Event()
         self._running = threading.Event()  # cleared while paused
         self._running.set()
@@ -95,9 +107,12 @@ class ObservationStream:
 
         Raises what `step` raised. The source's exception is kept for `check`.
         """
+        loops = {"watch": self._watch, "detect": self._detect}
+        if self._look_beside:
+            loops["beside"] = self._look_for_another
         threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
-            for name, loop in (("watch", self._watch), ("detect", self._detect))
+            for name, loop in loops.items()
         ]
         for thread in threads:
             thread.start()
@@ -111,6 +126,7 @@ class ObservationStream:
             self._running.set()
             self._frames.close()
             self._observations.close()
+            self._to_look_beside.close()
             at_end()
             if isinstance(self.source, (Live, WatchedFolder)):  # they may wait for ever
                 self.source.close()
@@ -170,5 +186,17 @@ class ObservationStream:
     def _detect(self) -> None:
         frame = self._frames.take(timeout=0.2)
         if frame is not None:
-            self._observations.put(self.tracker.track(frame))
+            observation = self.tracker.track(frame)
+            self._observations.put(observation)
+            if self._look_beside and observation.count:
+                self._to_look_beside.put(observation)
             self._flow.note("searched")
+
+    def _look_for_another(self) -> None:
+        seen = self._to_look_beside.take(timeout=0.2)
+        if seen is None:
+            return
+        began = time.thread_time()
+        self._beside.append(self.tracker.detector.look_beside(seen.image, seen))
+        self.tracker.detector.note_beside(self._beside)
+        self._stop.wait(max(_BESIDE_S, (time.thread_time() - began) / _BESIDE_SHARE))

@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.calibration.board_finding import FoundBoard
 from venus3d.engine.calibration.board_recognition import some_mirrored
 from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.detection import Detector
@@ -109,7 +110,8 @@ def _observe(
 ) -> Recording:
     observations: list[Observation] = []
     found = 0
-    with closing(_opened(images)) as source:
+    beside: list[Future[FoundBoard | None]] = []
+    with closing(_opened(images)) as source, ThreadPoolExecutor(1) as pool:
         source.flip = flip
         if isinstance(source, WatchedFolder):
             raise SourceError("A folder that is still being filled has no end; leave out watch:.")
@@ -124,9 +126,20 @@ def _observe(
             taken = detector.take_over(seen, frame.image, by)
             observations.append(replace(taken, image_circle=seen.image_circle))
             found += observations[-1].count > 0
+            if taken.count and _is_looked_beside(found):
+                beside.append(pool.submit(detector.look_beside, frame.image, observations[-1]))
             if on_count is not None:
                 on_count(len(observations), found, total)
+        detector.note_beside([look.result() for look in beside])
         return Recording(tuple(observations), tuple(source.notes), is_video)
+
+
+def _is_looked_beside(found: int) -> bool:
+    """Whether another board is looked for beside the one found for the so-manieth time: the 1st,
+    3rd, 9th, 27th ... time, in a few frames from all over the recording."""
+    while found % 3 == 0:
+        found //= 3
+    return found == 1
 
 
 class _Look:

@@ -47,6 +47,19 @@ _PLAIN = {
         "read: they are too small or blurred, or their dictionary is none of OpenCV's."
     ),
 }
+_SECOND = {
+    "charuco": Sentence("a ChArUco board of {columns} x {rows} squares, {name}, ids from {first}"),
+    "aprilgrid": Sentence("an AprilGrid of {columns} x {rows} tags, {name}, ids from {first}"),
+    "aruco-grid": Sentence("a grid of {columns} x {rows} markers of {name}, ids from {first}"),
+    "chessboard": Sentence("a checkerboard of {columns} x {rows} squares"),
+    "circles": Sentence("a grid of {columns} x {rows} circles"),
+    "asymmetric-circles": Sentence("an asymmetric grid of circles, {rows} rows of {columns}"),
+}
+_SECOND_PART = {
+    "charuco": Sentence("a part of a ChArUco board with markers of {name}"),
+    "aprilgrid": Sentence("a part of an AprilGrid with tags of {name}"),
+    "aruco-grid": Sentence("a part of a grid of markers of {name}"),
+}
 _THIN = {
     "black": Sentence(
         "The markers of the board in the picture are of {dictionary}, but their black border is "
@@ -138,6 +151,35 @@ def two_boards_diagnosis() -> Diagnosis:
         "two-boards",
         Sentence("The picture shows the same markers twice, on two equal boards."),
         Sentence("Cover one of the boards, or take it away."),
+    )
+
+
+def second_board_diagnosis(
+    kind: str, size: tuple[int, int] | None, dictionary: str, first_id: int, options: str
+) -> Diagnosis:
+    """Another board is in view beside the one that is read.
+
+    Args:
+        size: columns and rows, as `--board.columns` and `--board.rows` count; None if only a part
+            is seen.
+        options: to read it instead.
+    """
+    columns, rows = size or (0, 0)
+    other = (_SECOND if size else _SECOND_PART)[kind].format(
+        columns=columns, rows=rows, name=dictionary, first=first_id
+    )
+    cure = Sentence("Only the board asked for is used: cover the other one, or take it away.")
+    if size:
+        cure = Sentence(
+            "Only the board asked for is used: cover the other one, or take it away. If it is the "
+            "one you mean, start with {options}."
+        ).format(options=options)
+    return Diagnosis(
+        "second-board",
+        Sentence("Beside the board asked for, another one is in view: {board}.").format(
+            board=other
+        ),
+        cure,
     )
 
 

@@ -70,17 +70,33 @@ def find_boards(pictures: Iterable[Grey]) -> list[FoundBoard]:
     """The boards in grey images (H, W), the one with the most markers first; about 0.2 s each at
     720p. Two boards side by side, or of other ids, are two; each is told as it was seen best."""
     marked: list[FoundBoard] = []
-    plain: list[Pattern] = []
+    unmarked: list[Grey] = []
     for grey in pictures:
-        here = _with_markers(grey)
+        here = marked_boards(grey)
         if not here:
-            pattern = find_pattern(grey)
-            if pattern is not None and pattern.kind in _PLAIN:
-                plain.append(pattern)
-        for one in here:
+            unmarked.append(grey)
+        for _, one in here:
             _merge(marked, one)
     best = sorted(marked, key=lambda one: (-one.markers, one.first_id))
-    return [*best, *_without_markers(plain)]
+    return [*best, *plain_boards(unmarked)]
+
+
+def marked_boards(grey: Grey) -> list[tuple[Lattice, FoundBoard]]:
+    """The boards with markers in a grey image (H, W), and how their markers lie."""
+    upright, _ = read_markers(grey)
+    return [
+        (lattice, _of_lattice(grey, markers, lattice))
+        for markers in upright
+        for lattice in lattices_of(markers)
+        if lattice.ids.size >= _FEWEST_PLACED
+    ]
+
+
+def plain_boards(pictures: Iterable[Grey], *, quick: bool = False) -> list[FoundBoard]:
+    """The boards without markers that enough of the grey images (H, W) agree on; `quick`: see
+    `find_pattern`."""
+    patterns = [find_pattern(grey, quick=quick) for grey in pictures]
+    return _agreed([one for one in patterns if one is not None and one.kind in _PLAIN])
 
 
 def _merge(known: list[FoundBoard], one: FoundBoard) -> None:
@@ -99,16 +115,6 @@ def _is_part(one: FoundBoard, other: FoundBoard) -> bool:
     each = other.columns * other.rows // (2 if other.kind == "charuco" else 1)
     begun = other.first_id <= one.first_id < other.first_id + each
     return alike and begun and one.columns <= other.columns and one.rows <= other.rows
-
-
-def _with_markers(grey: Grey) -> list[FoundBoard]:
-    upright, _ = read_markers(grey)
-    found: list[FoundBoard] = []
-    for markers in upright:
-        for lattice in lattices_of(markers):
-            if lattice.ids.size >= _FEWEST_PLACED:
-                found.append(_of_lattice(grey, markers, lattice))
-    return found
 
 
 def _of_lattice(grey: Grey, markers: Markers, lattice: Lattice) -> FoundBoard:
@@ -199,8 +205,8 @@ def _light_part(grey: Grey, one: Array, other: Array) -> float | None:
     return float((100 + after[0] - before[-1] - 1) / 200)
 
 
-def _without_markers(patterns: list[Pattern]) -> list[FoundBoard]:
-    """The boards that enough pictures agree on."""
+def _agreed(patterns: list[Pattern]) -> list[FoundBoard]:
+    """The boards that enough patterns are of."""
     counts = Counter((one.kind, one.columns, one.rows) for one in patterns)
     found: list[FoundBoard] = []
     for (kind, columns, rows), count in counts.most_common(2):

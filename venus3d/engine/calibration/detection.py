@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.calibration.board_finding import FoundBoard
 from venus3d.engine.calibration.board_reader import BoardReader, Grey, Region
 from venus3d.engine.calibration.board_recognition import BoardRecognition, best_finding
 from venus3d.engine.calibration.charuco_reader import CharucoReader
@@ -29,6 +30,7 @@ from venus3d.engine.calibration.refinement import (
     refine_corners,
     refinement_windows,
 )
+from venus3d.engine.calibration.second_board import second_board, told_by
 from venus3d.engine.calibration.small_boards import small_board
 from venus3d.engine.calibration.tag_reader import TagReader
 from venus3d.engine.errors import VenusError
@@ -69,6 +71,7 @@ class Detector:
         self._check = BoardRecognition(board)
         self._missed: deque[Grey] = deque(maxlen=_KEPT_MISSED)
         self._first_missed: list[Grey] = []
+        self._beside: Diagnosis | None = None
 
     @property
     def board(self) -> Board:
@@ -92,14 +95,28 @@ class Detector:
 
     @property
     def diagnoses(self) -> tuple[Diagnosis, ...]:
-        """Another board in the images, or another layout, first id or marker size than given."""
-        other = () if self._check.diagnosis is None else (self._check.diagnosis,)
-        return tuple(dict.fromkeys((*other, *self._reader.diagnoses(self._asked))))
+        """Another board in the images, instead of the one given or beside it, or another layout,
+        first id or marker size than given."""
+        others = [one for one in (self._check.diagnosis, self._beside) if one is not None]
+        return tuple(dict.fromkeys((*others, *self._reader.diagnoses(self._asked))))
 
     @property
     def missed_images(self) -> tuple[Grey, ...]:
         """The first and the last whole images (H, W) in which the board was not found."""
         return (*self._first_missed, *self._missed)
+
+    def look_beside(self, image: Any, seen: Observation) -> FoundBoard | None:
+        """Another board in an image in which the board was `seen`, some 0.15 s at 720p; from any
+        thread."""
+        try:
+            return second_board(seen.board or self.board, seen, _grey(image))
+        except cv2.error:  # a search for what nobody asked for ends nothing
+            return None
+
+    def note_beside(self, looks: Sequence[FoundBoard | None]) -> None:
+        """What some images show beside the board, each by `look_beside`: a diagnosis from now on,
+        until the next call; from any thread."""
+        self._beside = told_by(looks)
 
     def explain_misses(self) -> tuple[Diagnosis, ...]:
         """What images without the board show instead; may take a second. A board that can be read

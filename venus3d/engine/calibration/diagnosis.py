@@ -33,6 +33,7 @@ DiagnosisKind = Literal[
     "same-depth",
     "bowed-board",
     "stretched-print",
+    "second-board",
     "wrong-layout",
     "other-first-id",
     "wrong-marker-size",

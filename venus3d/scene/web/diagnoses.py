@@ -36,6 +36,7 @@ SEVERITIES: dict[DiagnosisKind, Severity] = {
     "same-depth": "weak",
     "bowed-board": "note",
     "stretched-print": "note",
+    "second-board": "note",
     "wrong-layout": "note",
     "other-first-id": "note",
     "wrong-marker-size": "note",

@@ -67,7 +67,12 @@ class LiveGuide:
         self._viewer, self._monitors = viewer, tuple(monitors)
         self._flow = Flow()
         self._stream = ObservationStream(
-            source, tracker, on_picture=self._show_picture, reopen=again, flow=self._flow
+            source,
+            tracker,
+            on_picture=self._show_picture,
+            reopen=again,
+            flow=self._flow,
+            look_beside=not isinstance(source, Simulation),
         )
         self._stats = FlowNews(self._flow, viewer) if stats else None
         self._silent_since = self._said = ""

@@ -336,6 +336,7 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "same-depth": "always the same distance",
     "bowed-board": "the board is bowed",
     "stretched-print": "the print is stretched",
+    "second-board": "another board in view",
     "wrong-layout": "another layout of the board",
     "other-first-id": "the marker ids start elsewhere",
     "wrong-marker-size": "another size of the markers",
