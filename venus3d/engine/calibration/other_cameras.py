@@ -8,18 +8,22 @@ succeeded by chance with the first few views, so both are looked for wherever th
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import chain
 
 import numpy as np
 
-from venus3d.engine.calibration.bundle import Corners, Problem, Solution, adjust
+from venus3d.engine.calibration.bundle import Corners, Parameters, Problem
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind
-from venus3d.engine.calibration.fisheye_fit import FisheyeFit, fit_fisheye
-from venus3d.engine.calibration.initial_values import located_by
+from venus3d.engine.calibration.initial_values import initial_parameters, located_by
 from venus3d.engine.calibration.observation import Observation, determines_homography
+from venus3d.engine.calibration.robust_fit import best_of_starts
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.field_of_view import fields_of_view_deg
+from venus3d.engine.geometry.lenses import FISHEYE
 from venus3d.engine.sentences import Sentence
 
 OTHER_CAMERAS: tuple[DiagnosisKind, ...] = ("fisheye-lens", "cropped-pictures")
@@ -62,54 +66,60 @@ def explained(board: Board, observations: Sequence[Observation], rms_px: float) 
     seen = [o for o in observations if determines_homography(board.points_of(o.ids))]
     if len(seen) < _FEWEST_VIEWS:
         return None
-    pinhole = _best_pinhole(board, seen)
-    corners = sum(o.count for o in seen)
-    best_px = float("inf") if pinhole is None else float(np.sqrt(pinhole.cost / corners))
-    fisheye = fit_fisheye(board, seen)
-    if fisheye is not None and fisheye.rms_px < min(best_px / BETTER, rms_px / BETTER, _GOOD_PX):
-        return _fisheye(fisheye, best_px)
-    if pinhole is None or best_px > min(rms_px / BETTER, _GOOD_PX):
+    corners = Corners.of([board.points_of(o.ids) for o in seen], [o.corners for o in seen])
+    size = seen[0].image_size
+    pinhole, pinhole_px = _best(corners, _pinholes(corners, size))
+    fisheye, fisheye_px = _best(corners, initial_parameters(corners, size, FISHEYE))
+    if fisheye is not None and fisheye_px < min(pinhole_px / BETTER, rms_px / BETTER, _GOOD_PX):
+        return _fisheye(fisheye, fisheye_px, pinhole_px)
+    if pinhole is None or pinhole_px > min(rms_px / BETTER, _GOOD_PX):
         return None
-    camera = pinhole.parameters.camera
-    if 0 <= camera.cx < camera.width and 0 <= camera.cy < camera.height:
+    if 0 <= pinhole.cx < pinhole.width and 0 <= pinhole.cy < pinhole.height:
         return None
     return Diagnosis(
         "cropped-pictures",
         Sentence(
             "The principal point lies outside the picture, at ({x}, {y}) px, and explains all "
             "views (rms {rms} px): the pictures are cut out of larger ones."
-        ).format(x=f"{camera.cx:.0f}", y=f"{camera.cy:.0f}", rms=f"{best_px:.2f}"),
+        ).format(x=f"{pinhole.cx:.0f}", y=f"{pinhole.cy:.0f}", rms=f"{pinhole_px:.2f}"),
         Sentence(
             "Calibrate from the whole pictures, and subtract the place of the part from cx and cy."
         ),
     )
 
 
-def _fisheye(fit: FisheyeFit, pinhole_px: float) -> Diagnosis:
-    rms = f"{fit.rms_px:.2f}"
-    angle = f"{fit.view_angle_deg:.0f}"
+def _fisheye(camera: Camera, rms_px: float, pinhole_px: float) -> Diagnosis:
     return Diagnosis(
         "fisheye-lens",
         (_FISHEYE_ONLY if pinhole_px > _FITS_NONE_PX else _FISHEYE).format(
-            angle=angle, rms=rms, pinhole=f"{pinhole_px:.2f}"
+            angle=f"{fields_of_view_deg(camera)[0]:.0f}",
+            rms=f"{rms_px:.2f}",
+            pinhole=f"{pinhole_px:.2f}",
         ),
         Sentence("Calibrate it as such: --lens fisheye, or --lens auto, which finds it out."),
     )
 
 
-def _best_pinhole(board: Board, seen: Sequence[Observation]) -> Solution | None:
-    """The best of the optima from principal points inside and outside the picture."""
-    corners = Corners.of([board.points_of(o.ids) for o in seen], [o.corners for o in seen])
-    width, height = seen[0].image_size
-    f = Camera.guess((width, height), _FIELD_DEG).fx
-    problem = Problem(corners, np.eye(len(Camera.guess((width, height)).parameters)))
-    found: list[Solution] = []
+def _best(corners: Corners, starts: Iterator[Parameters]) -> tuple[Camera | None, float]:
+    """The camera that fits best from these starts, and its rms in pixels; infinite if none does."""
+    first = next(starts, None)
+    if first is None:
+        return None, float("inf")
+    problem = Problem(corners, np.eye(len(first.camera.parameters)))
+    try:
+        # What fits badly explains nothing: no start is followed only to see how badly.
+        found = best_of_starts(problem, chain((first,), starts), float("inf"))
+    except CalibrationError:
+        return None, float("inf")
+    return found.parameters.camera, float(np.sqrt(found.cost / corners.weights.sum()))
+
+
+def _pinholes(corners: Corners, size: tuple[int, int]) -> Iterator[Parameters]:
+    """Pinholes with principal points inside and outside a picture of `size`."""
+    width, height = size
+    f = Camera.guess(size, _FIELD_DEG).fx
     for across in _AWAY:
         for down in _AWAY:
-            cx, cy = (0.5 + across) * width, (0.5 + down) * height
-            try:
-                start = located_by(corners, Camera(width, height, f, f, cx, cy))
-                found.append(adjust(problem, start))
-            except CalibrationError:
-                continue
-    return min(found, key=lambda solution: solution.cost, default=None)
+            camera = Camera(width, height, f, f, (0.5 + across) * width, (0.5 + down) * height)
+            with suppress(CalibrationError):
+                yield located_by(corners, camera)

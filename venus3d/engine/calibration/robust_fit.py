@@ -7,6 +7,7 @@ which the outlying ones are told, and the rest is fitted by plain least squares 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import cv2
@@ -124,7 +125,15 @@ def from_several_starts(
     problem: Problem, size: tuple[int, int], lens: LensModel = BROWN5
 ) -> Solution:
     """The best of the optima near `initial_parameters`: all start, the best is finished."""
-    starts = list(initial_parameters(problem.corners, size, lens))
+    return best_of_starts(problem, initial_parameters(problem.corners, size, lens))
+
+
+def best_of_starts(
+    problem: Problem, starts: Iterable[Parameters], suspicious_px: float = _SUSPICIOUS_PX
+) -> Solution:
+    """The optimum near the start that gets farthest in a few steps; with an rms from
+    `suspicious_px` the best of the optima near all of them. Raises `CalibrationError` without any.
+    """
     # No solution of a race is the optimum yet, so a step's share of the cost cannot be judged.
     raced = [found for start in starts if (found := _tried(problem, start, _RACE)) is not None]
     if not raced:
@@ -132,7 +141,7 @@ def from_several_starts(
     raced.sort(key=lambda solution: solution.cost)
     best = adjust(problem, raced[0].parameters)
     corners = problem.corners.weights.sum()
-    if best.cost > corners * _SUSPICIOUS_PX**2:
+    if best.cost > corners * suspicious_px**2:
         others = [_tried(problem, other.parameters, None) for other in raced[1:]]
         best = min([best, *(o for o in others if o is not None)], key=lambda s: s.cost)
     return best
