@@ -38,22 +38,24 @@ class BoardTracker:
         if self._last is not None and self.detector.settled:
             region, before = search_region(self._last, frame.image_size), self._last.count
         self._quick_from_px = max(self.detector.quick_from_px, _FADING * self._quick_from_px)
-        quick = before > 0 and self.detector.square_px >= self._quick_from_px
+        # The picture may be searched so many times smaller.
+        quick = int(self.detector.square_px // max(self._quick_from_px, 1.0)) if before else 0
         seen = self._detect(frame, region, quick)
         if (quick or region is not None) and seen.count < _LOST * before:
-            full = self._detect(frame, None, False)
+            full = self._detect(frame, None, 0)
         elif quick and seen.count < before:
-            full = self._detect(frame, region, False)
+            full = self._detect(frame, region, 0)
         else:
             full = seen
         # A frame in which the full search finds fewer too (motion blur) says nothing about the
         # quick one.
         if quick and seen.count < before <= full.count:
-            self._quick_from_px = max(self._quick_from_px, _LEARNT * self.detector.square_px)
+            learnt_px = _LEARNT * self.detector.square_px / quick
+            self._quick_from_px = max(self._quick_from_px, learnt_px)
         self._last = full if full.count else None
         return replace(full, image=frame.image, detect_s=time.perf_counter() - began)
 
-    def _detect(self, frame: Frame, region: Region | None, quick: bool) -> Observation:
+    def _detect(self, frame: Frame, region: Region | None, quick: int) -> Observation:
         return self.detector.detect(
             frame.image, region=region, quick=quick, time_s=frame.time_s, name=frame.name
         )

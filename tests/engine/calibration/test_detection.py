@@ -101,6 +101,22 @@ def test_a_quick_look_finds_as_much_where_squares_are_large(
     assert quick_ones >= 2, "else the test shows little"
 
 
+def test_markers_found_in_a_smaller_picture_give_the_same_corners(
+    default_board: Board, paper_camera: Camera
+) -> None:
+    detector = Detector(default_board, find_layout=False)
+    for vector in ((0, 0, 0, 0, 0, 0.35), (15, -25, 40, 0.0, 0, 0.4)):
+        picture = picture_of(default_board, paper_camera, Pose.from_vector(vector))
+        large = cv2.resize(picture, None, fx=1.5, fy=1.5, interpolation=cv2.INTER_CUBIC)
+        full = detector.detect(large)
+        times = int(detector.square_px // QUICK_FROM_PX)
+        assert times >= 2, "else the test shows nothing"
+        quick = detector.detect(large, quick=times)
+        assert full.count > 30 and (quick.ids == full.ids).all()
+        np.testing.assert_allclose(quick.corners, full.corners, atol=0.02)
+    assert detector.detect(np.full_like(large, 127), quick=2).count == 0
+
+
 def test_search_region_holds_the_board_and_stays_in_the_image() -> None:
     corners = np.array([[100.0, 50], [300, 50], [300, 200], [100, 200]])
     seen = Observation(np.arange(4), corners, (1280, 720))

@@ -50,8 +50,9 @@ class BoardReader:
         other.weighing, other.is_copy = False, True
         return other
 
-    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
-        """The board's points in a region of an image (H, W); none if it is not there."""
+    def read(self, grey: Grey, region: Region, quick: int) -> Read:
+        """The board's points in a region of an image (H, W); none if it is not there. `quick`: see
+        `Detector.detect`."""
         raise NotImplementedError
 
     def adopt(self, board: Board) -> None:

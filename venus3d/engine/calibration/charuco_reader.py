@@ -114,7 +114,7 @@ class CharucoReader(BoardReader):
         self.settled, self._frames, self.weighing = False, 0, False
         self._evidence = dict.fromkeys(_readings(board), 0)
 
-    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
+    def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """The corners of the presumed board; compares readings until settled."""
         x0, y0, x1, y1 = region
         self._markers = None
@@ -122,9 +122,12 @@ class CharucoReader(BoardReader):
         self.confused = self._shows_two_boards()
         return ids, corners + np.array([x0, y0])
 
-    def _found(self, grey: Grey, quick: bool) -> Read:
+    def _found(self, grey: Grey, quick: int) -> Read:
         if self.settled:
-            ids, corners, _ = self._detect_board(self.board, grey, quick=quick)
+            markers = self._markers_in_small(grey, quick) if quick > 1 else None
+            if quick > 1 and markers is None:
+                return NOTHING
+            ids, corners, _ = self._detect_board(self.board, grey, markers, quick=quick > 0)
             return ids, corners
         found: dict[Board, Read] = {}
         for inverted in (self.board.inverted, not self.board.inverted):
@@ -174,6 +177,20 @@ class CharucoReader(BoardReader):
         best, *others = sorted(self._evidence.values(), reverse=True)
         clear = all(best >= _LEAD * other for other in others)
         self.settled = self._frames >= (_FRAMES_TO_SETTLE if clear else _FRAMES_AT_MOST)
+
+    def _markers_in_small(self, grey: Grey, times: int) -> Any:
+        """The markers as in `grey`, but found in a picture so many times smaller; None if there are
+        none. The corners are then found in `grey` itself."""
+        height, width = (side // times for side in grey.shape)
+        whole = grey[: height * times, : width * times]
+        small = np.asarray(
+            cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), np.uint8
+        )
+        _, _, markers = self._detect_board(self.board, small, quick=True)
+        if markers is None:
+            return None
+        quads, ids = markers
+        return [((quad + 0.5) * times - 0.5).astype(np.float32) for quad in quads], ids
 
     def _detect_board(
         self, board: Board, grey: Grey, markers: Any = None, *, quick: bool = False

@@ -43,7 +43,7 @@ class ChessboardReader(BoardReader):
         other._last, other._across = None, _UPRIGHT
         return other
 
-    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
+    def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """All inner corners or none; `quick` only follows those of the last image."""
         found = self._followed(grey, region) if quick else self._found(grey, region)
         if self.is_copy:

@@ -53,7 +53,7 @@ class CircleReader(BoardReader):
         other._last, other._across = None, _UPRIGHT
         return other
 
-    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
+    def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """All circles' centres or none; `quick` only follows those of the last image."""
         picture = np.asarray(255 - grey if self.board.inverted else grey, dtype=np.uint8)
         found = self._followed(picture, region) if quick else self._found(picture, region)

@@ -90,12 +90,13 @@ class TagReader(BoardReader):
             return None
         return replace(self.board, marker=marker)
 
-    def read(self, grey: Grey, region: Region, quick: bool) -> Read:
+    def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """The corners of the tags that are seen once."""
         x0, y0, x1, y1 = region
-        if (self.board, quick) not in self._finders:
-            self._finders[self.board, quick] = _finder(self.board, self._border, quick)
-        finder = self._finders[self.board, quick]
+        key = self.board, quick > 0
+        if key not in self._finders:
+            self._finders[key] = _finder(self.board, self._border, quick > 0)
+        finder = self._finders[key]
         if quick:
             parameters = finder.getDetectorParameters()
             parameters.minMarkerPerimeterRate = self._least_outline_px / max(x1 - x0, y1 - y0)
