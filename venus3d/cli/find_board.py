@@ -58,6 +58,8 @@ def _described(board: FoundBoard) -> str:
         parts += [board.dictionary, ids]
     if board.legacy:
         parts.append("the layout used before OpenCV 4.6")
+    if board.inverted:
+        parts.append("white on a dark ground")
     if math.isfinite(board.share):
         wide = "the distance from one to the next" if unit == "tags" else "a square"
         parts.append(f"markers {board.share:.2f} of {wide}")

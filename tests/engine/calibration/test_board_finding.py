@@ -37,6 +37,56 @@ def test_a_charuco_board_with_all_that_there_is_to_tell(paper_camera: Camera, le
     assert found.whole and found.markers == 24
 
 
+@pytest.mark.parametrize("inverted", [False, True])
+@pytest.mark.parametrize(
+    "grid",
+    [
+        Board(9, 6, 0.028, 0.018, kind="circles"),
+        Board(4, 11, 0.015, 0.018, kind="asymmetric-circles"),
+    ],
+)
+def test_white_circles_on_a_dark_board_are_named(
+    paper_camera: Camera, grid: Board, inverted: bool
+) -> None:
+    shown = replace(grid, inverted=inverted)
+    picture = picture_of(shown, paper_camera, POSE)
+    assert ("--board.inverted" in seen_of(shown, paper_camera).options) == inverted
+    said = recognise_board(replace(shown, inverted=not inverted), [picture])
+    assert said is not None and said.kind == "wrong-polarity"
+    assert said.cure == ("Start with" if inverted else "Leave out") + " --board.inverted."
+    assert recognise_board(shown, [picture]) is None, "it is the board asked for"
+    other = recognise_board(Board(), [picture])
+    assert other is not None and other.kind == "other-pattern"
+    assert ("--board.inverted" in other.cure) == inverted
+
+
+def test_the_option_named_reads_the_white_circles(
+    paper_camera: Camera, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """From the refusal to the result, by what the sentences say alone."""
+    white = Board(7, 5, 0.028, 0.018, kind="circles", inverted=True)
+    for number, (x, y) in enumerate([(30, 0), (-30, 0), (0, 30), (0, -30)]):
+        pose = Pose.from_vector([x, y, 5, 0, 0, 0.45])
+        cv2.imwrite(str(tmp_path / f"{number}.png"), picture_of(white, paper_camera, pose))
+    given = [
+        "--board.kind",
+        "circles",
+        "--board.columns",
+        "7",
+        "--board.rows",
+        "5",
+        "--board.square-mm",
+        "28",
+    ]
+    calibrate = ["calibrate", str(tmp_path), *given, "--board.marker-mm", "18"]
+    assert main([*calibrate, "--output", str(tmp_path / "out")]) == 2
+    assert "white on a dark board" in capsys.readouterr().err
+    assert main(["board", "--find", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "white on a dark ground" in said and "--board.inverted" in said
+    assert main([*calibrate, "--board.inverted", "--output", str(tmp_path / "out")]) == 0
+
+
 def test_two_boards_side_by_side_are_two(paper_camera: Camera) -> None:
     """With offset ids, as rigs of several boards have them."""
     one, other = Board(5, 4), Board(5, 4, first_id=10)

@@ -320,15 +320,41 @@ def plain_pattern_diagnosis(board: Board, pattern: Pattern) -> Diagnosis | None:
     more = 1 if pattern.kind == "checkerboard" else 0  # squares, not inner corners
     columns, rows, kind = pattern.columns + more, pattern.rows + more, _KIND_OF[pattern.kind]
     if board.kind == kind and {board.columns, board.rows} == {columns, rows}:
+        if more == 0 and pattern.white != board.inverted:
+            return _polarity_diagnosis(pattern.white)
         return None  # hard to see, or read the other way round
-    return Diagnosis("other-pattern", cause, _options(kind, columns, rows))
+    return Diagnosis("other-pattern", cause, _options(kind, columns, rows, inverted=pattern.white))
 
 
-def _options(kind: str, columns: int, rows: int, dictionary: str = "", first_id: int = 0) -> str:
+def _polarity_diagnosis(white: bool) -> Diagnosis:
+    """The circles are those asked for, but white instead of black, or black instead of white."""
+    if white:
+        cause = Sentence(
+            "The circles in the picture are white on a dark board, not black on white."
+        )
+        cure = Sentence("Start with --board.inverted.")
+    else:
+        cause = Sentence(
+            "The circles in the picture are black on white, not white on a dark board."
+        )
+        cure = Sentence("Leave out --board.inverted.")
+    return Diagnosis("wrong-polarity", cause, cure)
+
+
+def _options(
+    kind: str,
+    columns: int,
+    rows: int,
+    dictionary: str = "",
+    first_id: int = 0,
+    *,
+    inverted: bool = False,
+) -> str:
     """How to have a board read as what it is, if its kind is read."""
     if kind not in KINDS:
         return _NOT_READ
     options = f"--board.kind {kind} --board.columns {columns} --board.rows {rows}"
     options += f" --board.dictionary {dictionary}" if dictionary else ""
     options += f" --board.first-id {first_id}" if first_id else ""
+    options += " --board.inverted" * inverted
     return _READ_IT.format(options=options)

@@ -46,6 +46,8 @@ class FoundBoard:
     """The smallest of its family that has all the markers; "" without markers."""
     first_id: int = 0
     legacy: bool = False
+    inverted: bool = False
+    """Of circles: white ones on a dark ground."""
     whole: bool = True
     """Whether all columns were in the picture; if not, `columns` and `first_id` are guesses."""
     markers: int = 0
@@ -63,7 +65,7 @@ class FoundBoard:
             given += f" --board.dictionary {self.dictionary}"
         if self.first_id:
             given += f" --board.first-id {self.first_id}"
-        return given + " --board.legacy" * self.legacy
+        return given + " --board.legacy" * self.legacy + " --board.inverted" * self.inverted
 
 
 def find_boards(pictures: Iterable[Grey]) -> list[FoundBoard]:
@@ -159,9 +161,9 @@ def _charuco(markers: Markers, lattice: Lattice) -> FoundBoard:
         dictionary_with(family_of(markers.dictionary), needed),
         first,
         legacy,
-        numbering.whole,
-        int(lattice.ids.size),
-        lattice.marker_share,
+        whole=numbering.whole,
+        markers=int(lattice.ids.size),
+        share=lattice.marker_share,
     )
 
 
@@ -207,11 +209,12 @@ def _light_part(grey: Grey, one: Array, other: Array) -> float | None:
 
 def _agreed(patterns: list[Pattern]) -> list[FoundBoard]:
     """The boards that enough patterns are of."""
-    counts = Counter((one.kind, one.columns, one.rows) for one in patterns)
+    counts = Counter((one.kind, one.columns, one.rows, one.white) for one in patterns)
     found: list[FoundBoard] = []
-    for (kind, columns, rows), count in counts.most_common(2):
+    for (kind, columns, rows, white), count in counts.most_common(2):
         if count < _LIKELY * len(patterns) or any(one.kind == _PLAIN[kind] for one in found):
             continue
         more = 1 if kind == "checkerboard" else 0  # squares, not inner corners
-        found.append(FoundBoard(_PLAIN[kind], columns + more, rows + more, pictures=count))
+        size = columns + more, rows + more
+        found.append(FoundBoard(_PLAIN[kind], *size, inverted=white, pictures=count))
     return found

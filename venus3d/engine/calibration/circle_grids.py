@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -55,6 +55,8 @@ class CircleGrid:
     rows: int
     """The longer side first; of an asymmetric grid, the circles in a row and the rows."""
     asymmetric: bool
+    white: bool = False
+    """Whether they are white on a dark ground."""
 
 
 def find_circles(grey: Grey) -> CircleGrid | None:
@@ -64,12 +66,13 @@ def find_circles(grey: Grey) -> CircleGrid | None:
     parameters = cv2.SimpleBlobDetector.Params()
     parameters.filterByCircularity, parameters.minCircularity = True, _ROUND
     parameters.minArea, parameters.maxArea = _LEAST_AREA, grey.size / 50
-    for picture in (grey, np.asarray(255 - grey, dtype=np.uint8)):
+    for white in (False, True):
+        picture = np.asarray(255 - grey, dtype=np.uint8) if white else grey
         centres = alike_blobs(cv2.SimpleBlobDetector.create(parameters).detect(picture))
         if _FEWEST_CIRCLES <= len(centres) <= _MOST_CIRCLES:
             found = _arranged(centres)
             if found is not None and _ellipticity(picture, centres) > _ELLIPTIC:
-                return found
+                return replace(found, white=white)
     return None
 
 

@@ -11,6 +11,7 @@ DiagnosisKind = Literal[
     "swapped-size",
     "mirrored",
     "other-pattern",
+    "wrong-polarity",
     "unread-markers",
     "two-boards",
     "small-board",

@@ -36,6 +36,8 @@ class Pattern:
     grid, the circles in a row and the rows, as OpenCV counts them."""
     corners: Array | None = field(default=None, compare=False)
     """(R, C, 2) the inner corners, pixels."""
+    white: bool = False
+    """Whether circles are white on a dark ground."""
 
 
 def find_pattern(grey: Grey, *, quick: bool = False) -> Pattern | None:
@@ -49,7 +51,7 @@ def find_pattern(grey: Grey, *, quick: bool = False) -> Pattern | None:
     circles = find_circles(grey)
     if circles is not None:
         kind = "asymmetric circles" if circles.asymmetric else "circles"
-        return Pattern(kind, circles.columns, circles.rows)
+        return Pattern(kind, circles.columns, circles.rows, white=circles.white)
     try:
         found = _checkerboard(grey, quick)
     except cv2.error:  # OpenCV's search for an unknown size is not made for every picture

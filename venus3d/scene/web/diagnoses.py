@@ -14,6 +14,7 @@ SEVERITIES: dict[DiagnosisKind, Severity] = {
     "swapped-size": "wrong",
     "mirrored": "wrong",
     "other-pattern": "wrong",
+    "wrong-polarity": "wrong",
     "unread-markers": "wrong",
     "two-boards": "wrong",
     "small-board": "wrong",
@@ -48,6 +49,7 @@ _UNREAD: tuple[DiagnosisKind, ...] = (
     "swapped-size",
     "mirrored",
     "other-pattern",
+    "wrong-polarity",
     "unread-markers",
     "two-boards",
 )

@@ -314,6 +314,7 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "swapped-size": "rows and columns do not fit",
     "mirrored": "the picture is mirrored",
     "other-pattern": "another kind of pattern",
+    "wrong-polarity": "white circles, or black ones",
     "unread-markers": "markers that cannot be read",
     "two-boards": "two equal boards in view",
     "small-board": "the board is too small",
