@@ -76,6 +76,11 @@ def test_kalibr_s_files(tmp_path: Path) -> None:
         ),
         ("calib.io_checker_200x150_8x11_15.png", Board(11, 8, 0.015, kind="chessboard")),
         ("calib.io_checker_A4_8x11_20", Board(11, 8, 0.02, kind="chessboard")),
+        (
+            "calib.io_circles_200x150_8x10_18_8.33.pdf",
+            Board(10, 8, 0.018, 0.00833, kind="circles"),
+        ),
+        ("calib.io_circles_200x150_7x10_12_5.pdf", Board(10, 7, 0.012, 0.005, kind="circles")),
     ],
 )
 def test_the_names_of_calib_io(name: str, expected: Board) -> None:
@@ -99,6 +104,15 @@ def test_what_is_no_board_is_refused(file: str, text: str, says: str, tmp_path: 
     path.write_text(text)
     with pytest.raises(StorageError, match=says):
         read_board(path)
+
+
+@pytest.mark.parametrize(
+    "name", ["calib.io_circles_200x150_7x10_12.pdf", "calib.io_acircles_200x150_7x10_12_5.pdf"]
+)
+def test_names_that_do_not_tell_all_are_refused(name: str) -> None:
+    """A name of another form is a file that must be there."""
+    with pytest.raises(StorageError, match="distance and diameter|cannot be read"):
+        read_board(Path(name))
 
 
 def test_an_option_beside_the_file_wins(tmp_path: Path) -> None:

@@ -32,12 +32,19 @@ _OPTIONS: Mapping[str, type] = {
 }
 """The options of a board, as `--board.*` has them, and their types."""
 _CALIB_IO = re.compile(
-    r"calib\.io_(?P<kind>checker|charuco)_[^_]+_(?P<rows>\d+)x(?P<columns>\d+)_(?P<square>\d+"
+    r"calib\.io_(?P<kind>checker|charuco|circles)_[^_]+_(?P<rows>\d+)x(?P<columns>\d+)_(?P<square>\d+"
     r"(?:\.\d+)?)(?:_(?P<marker>\d+(?:\.\d+)?))?(?:_(?P<family>DICT_\w+?))?(?: ?\(\d+\))?$",
     re.IGNORECASE,
 )
 """calib.io_charuco_200x150_8x11_15_11_DICT_4X4: the page, rows x columns, square and marker in mm;
-those of checkers end after the square. Older files have no marker."""
+those of checkers end after the square. Older files have no marker.
+calib.io_circles_200x150_7x10_12_5: likewise, the distance of the circles and their diameter. What
+asymmetric grids are called is not known here."""
+_CALIB_IO_KINDS: Mapping[str, str] = {
+    "checker": "chessboard",
+    "charuco": "charuco",
+    "circles": "circles",
+}
 _KALIBR: Mapping[str, str] = {
     "aprilgrid": "aprilgrid",
     "checkerboard": "chessboard",
@@ -178,13 +185,17 @@ def _length(metres: Any) -> float:
 
 def _of_calib_io(named: re.Match[str], path: Path) -> dict[str, Any]:
     found: dict[str, Any] = {
-        "kind": "chessboard" if named["kind"].lower() == "checker" else "charuco",
+        "kind": _CALIB_IO_KINDS[named["kind"].lower()],
         "columns": int(named["columns"]),
         "rows": int(named["rows"]),
         "square_mm": float(named["square"]),
     }
     if found["kind"] == "chessboard":
         return found
+    if found["kind"] == "circles":
+        if named["marker"] is None:
+            raise _no_board(path, "the name does not end in the circles' distance and diameter")
+        return {**found, "marker_mm": float(named["marker"])}
     if named["family"] is None:
         raise _no_board(path, "the name does not end in a dictionary such as DICT_4X4")
     if named["marker"] is not None:

@@ -68,17 +68,9 @@ def test_the_option_named_reads_the_white_circles(
     for number, (x, y) in enumerate([(30, 0), (-30, 0), (0, 30), (0, -30)]):
         pose = Pose.from_vector([x, y, 5, 0, 0, 0.45])
         cv2.imwrite(str(tmp_path / f"{number}.png"), picture_of(white, paper_camera, pose))
-    given = [
-        "--board.kind",
-        "circles",
-        "--board.columns",
-        "7",
-        "--board.rows",
-        "5",
-        "--board.square-mm",
-        "28",
-    ]
-    calibrate = ["calibrate", str(tmp_path), *given, "--board.marker-mm", "18"]
+    sizes = {"columns": 7, "rows": 5, "square-mm": 28, "marker-mm": 18}
+    options = [f"--board.{name}={value}" for name, value in sizes.items()]
+    calibrate = ["calibrate", str(tmp_path), "--board.kind=circles", *options]
     assert main([*calibrate, "--output", str(tmp_path / "out")]) == 2
     assert "white on a dark board" in capsys.readouterr().err
     assert main(["board", "--find", str(tmp_path)]) == 0
