@@ -113,24 +113,27 @@ def test_a_run_writes_rows_verdicts_and_ten_pictures(whole: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("blow", [signal.SIGINT, signal.SIGHUP, signal.SIGKILL])
 def test_a_run_that_is_stopped_goes_on_and_ends_with_the_same_rows(
-    whole: Path, tmp_path: Path, blow: signal.Signals
+    whole: Path, tmp_path: Path
 ) -> None:
-    """One core before the interruption and two after it."""
-    journal = tmp_path / "rows.journal.jsonl"
-    process = _started(tmp_path, "--jobs", "1")
-    while process.poll() is None and not (journal.exists() and journal.read_text().count("\n") > 2):
-        time.sleep(0.02)
-    os.kill(process.pid, blow)
-    _, told = process.communicate()
-    if blow is not signal.SIGKILL:
-        assert process.returncode == 130, told
-        assert re.search(
-            r"venus3d: stopped: \d of 7 trials are kept; the same command goes on .*\n$", told
-        )
-    begun = journal.read_text()
-    assert begun.count("\n") < 8 and not (tmp_path / "rows.csv").exists()
+    """Stopped three times, each time after another trial: one core before, two for the rest."""
+    journal, begun = tmp_path / "rows.journal.jsonl", ""
+    for blow in (signal.SIGINT, signal.SIGHUP, signal.SIGKILL):
+        process, most = _started(tmp_path, "--jobs", "1"), max(1, begun.count("\n"))
+        while process.poll() is None and not (
+            journal.exists() and journal.read_text().count("\n") > most
+        ):
+            time.sleep(0.02)
+        os.kill(process.pid, blow)
+        _, told = process.communicate()
+        if blow is not signal.SIGKILL:
+            assert process.returncode == 130, told
+            assert re.search(
+                r"venus3d: stopped: \d of 7 trials are kept; the same command goes on .*\n$", told
+            )
+        kept, begun = begun[: begun.rfind("\n") + 1], journal.read_text()
+        assert begun.startswith(kept)
+        assert begun.count("\n") < 8 and not (tmp_path / "rows.csv").exists()
 
     run_figures(tmp_path / "rows.csv", views=3, repeats=1, seed=0, jobs=2)
     assert (tmp_path / "rows.csv").read_bytes() == (whole / "rows.csv").read_bytes()
