@@ -6,6 +6,9 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+# The programs that tests start would compile our modules anew each, at nearly a second.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 # Before numpy and OpenCV come: workers side by side leave each other a core.
 if "PYTEST_XDIST_WORKER" in os.environ:
     for _library in ("OMP", "OPENBLAS", "MKL"):
@@ -52,6 +55,18 @@ def paper_camera() -> Camera:
 def default_board() -> Board:
     """The paper's board: 9 x 6 squares of 28 mm."""
     return Board()
+
+
+@pytest.fixture(scope="session")
+def two_views(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The result of a simulated session, 640x360, from which others go on: a live one takes long
+    for its first views."""
+    from venus3d.cli import main
+
+    folder = tmp_path_factory.mktemp("two-views")
+    headless = ("guide", "sim", "--headless", "--camera-size", "640x360")
+    assert main([*headless, "--max-views", "2", "--no-record", "--output", str(folder)]) == 0
+    return folder / "result.json"
 
 
 @pytest.fixture
