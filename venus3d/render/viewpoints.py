@@ -12,6 +12,7 @@ equal. A view fits the given points exactly into a window of any shape.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -66,7 +67,7 @@ class SceneCamera:
         ahead = np.where(local[:, 2:] > 0, local[:, 2:], np.nan)
         return local[:, :2] / ahead / np.tan(self.fov_rad / 2) / [aspect, 1.0]
 
-    @property
+    @cached_property
     def axes(self) -> Array:
         """(3, 3) rows: right, down and forward in the window."""
         return view_axes((self.look_at - self.position)[None])[0]
@@ -157,6 +158,7 @@ def between(start: SceneCamera, end: SceneCamera, fraction: float) -> SceneCamer
 def view_axes(forward: Array) -> Array:
     """(D, 3, 3) rows right, down and forward of views along these vectors (D, 3), none vertical."""
     ahead = forward / np.linalg.norm(forward, axis=1, keepdims=True)
-    right = np.cross([0.0, 1.0, 0.0], ahead)  # down x forward
+    x, z = ahead[:, 0], ahead[:, 2]
+    right = np.stack([z, np.zeros_like(z), -x], axis=1)  # down x forward
     right = right / np.linalg.norm(right, axis=1, keepdims=True)
     return np.stack([right, np.cross(ahead, right), ahead], axis=1)

@@ -89,9 +89,19 @@ class Pose:
 
     @cached_property
     def wxyz(self) -> Array:
-        """(4,) unit quaternion, scalar first and non-negative."""
-        quaternion = Rotation.from_matrix(self.R).as_quat(canonical=True, scalar_first=True)
-        return np.asarray(quaternion, dtype=np.float64)
+        """(4,) unit quaternion, scalar first and non-negative (Shepperd 1978)."""
+        # scipy's takes thirty times as long, several times in each frame.
+        (a, b, c), (d, e, f), (g, h, i) = self.R.tolist()
+        # 4 q q^T, whose longest row is a multiple of q.
+        rows = (
+            (1 + a + e + i, h - f, c - g, d - b),
+            (h - f, 1 + a - e - i, b + d, c + g),
+            (c - g, b + d, 1 - a + e - i, f + h),
+            (d - b, c + g, f + h, 1 - a - e + i),
+        )
+        longest = max(range(4), key=lambda k: rows[k][k])
+        row = np.array(rows[longest])
+        return np.copysign(1.0, row[0]) * row / np.linalg.norm(row)
 
     @property
     def matrix(self) -> Array:

@@ -23,6 +23,7 @@ from venus3d.render.viewpoints import SceneCamera
 _PLAIN_SCALE = 1.25
 _NEARER = 0.2
 """Share of the way from the eye at which a pill is drawn, before everything else."""
+_NOWHERE = np.full(8, np.nan)
 _FINE = 2
 """Pixels of a pill's picture for one on the screen."""
 _STAYS_S, _ARRIVES_S = 0.25, 0.15
@@ -47,6 +48,8 @@ class SceneLabel:
         """Metres of a pixel of the pictures of the two, without the nodes' scale. As in the first
         view: a browser comes to a node's scale later than to its position, and a pill that is large
         without its scale fills the window until then."""
+        self._placed: dict[str, Array] = {}
+        """(8,) where the two are: quaternion, position, metres of a pixel."""
         self._sent_s: dict[str, float] = {}
         """What the pictures of the two show, and when they were sent."""
         self._changed_s = -np.inf
@@ -99,10 +102,13 @@ class SceneLabel:
         self._is_changing = False
         self._show_only(self._plain)
 
-    def put_pill(self, place: Array, view: SceneCamera, metres_per_px: float) -> None:
+    def put_pill(
+        self, place: Array, view: SceneCamera, facing: Array, metres_per_px: float
+    ) -> None:
         """Show the pill at `place` (3,), camera frame, as large in this view as on paper.
 
         Args:
+            facing: (4,) quaternion, scalar first, of what faces the view.
             metres_per_px: a pixel's size one metre before the eye.
         """
         depth = float(view.axes[2] @ (place - view.position))
@@ -114,9 +120,12 @@ class SceneLabel:
         if not said and self._shape.in_motion:
             kind = "word"
             node = self._word = self._pictured(self._word, kind, self._shape.in_motion, unit_m)
-        node.wxyz = Pose(view.axes.T, place).wxyz
-        node.position = view.position + _NEARER * (place - view.position)
-        node.scale = unit_m / self._unit_m[kind]
+        where = np.array([*facing, *(view.position + _NEARER * (place - view.position)), unit_m])
+        if not np.array_equal(self._placed.get(kind, _NOWHERE), where):
+            # Finding out that nothing has changed takes viser a hundred times as long.
+            self._placed[kind] = where
+            node.wxyz, node.position = where[:4], where[4:7]
+            node.scale = unit_m / self._unit_m[kind]
         self._show_only(node if said or self._has_come("word") else None)
 
     def _has_come(self, kind: str) -> bool:
@@ -165,6 +174,7 @@ def put_labels(
             label.put_plain()
         return
     metres_per_px = 2 * float(np.tan(view.fov_rad / 2)) / max(window_px[1], 1)
+    facing = Pose(view.axes.T, view.position).wxyz
     places = places_apart([shape for shape, _ in labels], view, window_px)
     for (_, label), place in zip(labels, places, strict=True):
-        label.put_pill(place, view, metres_per_px)
+        label.put_pill(place, view, facing, metres_per_px)
