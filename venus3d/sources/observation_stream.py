@@ -17,6 +17,8 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 
 from venus3d.engine.calibration.board_finding import FoundBoard
 from venus3d.engine.calibration.observation import Observation
@@ -74,6 +76,9 @@ class ObservationStream:
         self._running.set()
         self._failure: BaseException | None = None
         self._read_s = time.monotonic()
+        self._opener = ThreadPoolExecutor(1, thread_name_prefix="reopen")
+        self._reopened: Future[Source] | None = None
+        """The recording once more, opened before it ends: that takes some tenths of a second."""
 
     @property
     def silent_s(self) -> float:
@@ -132,7 +137,11 @@ class ObservationStream:
                 self.source.close()
             for thread in threads:
                 thread.join(timeout=2)
+            self._opener.shutdown(wait=True, cancel_futures=True)
             self.source.close()
+            if self._reopened is not None and not self._reopened.cancelled():
+                with suppress(Exception):
+                    self._reopened.result().close()
 
     def check(self) -> None:
         """Raises the exception that ended the source or the detection, if any."""
@@ -163,6 +172,9 @@ class ObservationStream:
         self._count()
         self._on_picture(frame)
         self._frames.put(frame)
+        if self._reopened is None and self._reopen is not None and isinstance(self.source, Video):
+            with suppress(RuntimeError):  # at the end no more are opened
+                self._reopened = self._opener.submit(self._reopen)
         if isinstance(self.source, Folder):
             self._stop.wait(_STILL_S)
 
@@ -179,7 +191,8 @@ class ObservationStream:
         if self._reopen is None or self._stop.is_set():
             return
         self.source.close()
-        self.source = self._reopen()
+        opened, self._reopened = self._reopened, None
+        self.source = self._reopen() if opened is None else opened.result()
         if self._stop.is_set():  # the end has closed the old one
             self.source.close()
 
