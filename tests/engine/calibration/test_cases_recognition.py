@@ -208,6 +208,16 @@ def test_a_black_border_too_thin_to_read_is_told() -> None:
     assert other.kind == "unread-markers" and "too small or blurred" in other.cause
 
 
+@pytest.mark.parametrize("square_px", [12, 16, 19])
+def test_squares_that_are_too_small_are_told_and_no_border(square_px: int) -> None:
+    """Their markers' bits can't be told: it was called a border too thin, or blur."""
+    board, camera = Board(marker=0.015), Camera(640, 480, 600, 600, 320, 240)
+    pose = Pose.from_vector([5, 8, 4, 0, 0, 600 * board.square / square_px])
+    said = told(picture_of(board, camera, pose, blur_px=0.8), board)
+    assert said.kind == "small-board" and f"squares are {square_px} px wide" in said.cause
+    assert f"{board.of_kind.legible_square_px(board):.0f} px are needed" in said.cause
+
+
 def test_markers_that_nearly_fill_their_squares_are_told() -> None:
     """Their corners are found, with ten times the error."""
     board = Board(marker=0.026)

@@ -14,8 +14,10 @@ import numpy as np
 import pytest
 
 from tests.engine.calibration.test_adjustment import observe, tilted
+from venus3d.engine.calibration import turned_pictures
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.checks import Diagnoses, diagnose
+from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.information import shared_modes
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.refusals import calibrate_or_refuse
@@ -117,6 +119,42 @@ def test_other_errors_are_not_taken_for_it(rng: np.random.Generator, kind: str) 
                 one = replace(one, corners=one.corners + late * rng.normal(0, rolling_px, 2))
             seen.append(one)
         assert turned_views(calibrate(Board(), seen)) == ()
+
+
+@pytest.mark.parametrize("which", [(0, 1, 2, 5, 6), (0, 1, 2, 4, 5, 6)])
+def test_few_pictures_must_gain_more(
+    shared_data: Path, which: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A phone moves its lens: signs gain 35 and 27 in these photographs, none of which is turned.
+    By the limit for many views it would be told of."""
+    board = Board(9, 7, 0.04, 0.02, "DICT_4X4_100")
+    files = sorted((shared_data / "cases/glare").glob("*.jpg"))
+    pictures = [np.asarray(cv2.imread(str(file), cv2.IMREAD_GRAYSCALE), np.uint8) for file in files]
+    detector = Detector(board)
+    detector.settle(pictures)
+    seen = [detector.detect(picture) for picture in pictures]
+    few = calibrate(detector.board, [seen[n] for n in which])
+    assert turned_views(few) == ()
+    monkeypatch.setattr(turned_pictures, "UNLIKELY_FEW", turned_pictures.UNLIKELY)
+    assert turned_views(few) != ()
+
+
+@pytest.mark.parametrize("seed", [7, 36, 40])
+def test_many_pictures_need_to_gain_less(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With shared errors signs gain 26 to 29 in nine views, which is enough; of fewer views it
+    would not be."""
+    rng, seen = np.random.default_rng(seed), list[Observation]()
+    for off, count in ((8, 7), (8, 9), (14, 7), (14, 9), (22, 7), (22, 9)):
+        camera = replace(TRUTH, cx=639.5 + off, cy=359.5 - off)
+        seen.clear()
+        for one in views_of(camera, tilted(rng, 5, 40, count), rng):
+            T = shared_modes(Board(), Board().points_of(one.ids))
+            shift = 0.08 * T @ rng.normal(0, 1, (T.shape[1], 2))
+            seen.append(replace(one, corners=one.corners + shift))
+    calibration = calibrate(Board(), with_turned(seen, (2, 5, 6)))
+    assert turned_views(calibration) == (2, 5, 6)
+    monkeypatch.setattr(turned_pictures, "UNLIKELY", turned_pictures.UNLIKELY_FEW)
+    assert turned_views(calibration) == ()
 
 
 def test_real_pictures(shared_data: Path) -> None:
