@@ -62,10 +62,11 @@ def annotate(
     seen = snapshot.observation if observation is None else observation
     if seen.count:
         scale = np.array([rgb.shape[1], rgb.shape[0]]) / np.asarray(seen.image_size)
-        for x, y in ((seen.corners + 0.5) * scale - 0.5).astype(np.float64):
-            centre = (round(x * 16), round(y * 16))
-            cv2.circle(rgb, centre, 56, CASING, -1, cv2.LINE_AA, _SHIFT)
-            cv2.circle(rgb, centre, 36, _CORNER_COLOUR, -1, cv2.LINE_AA, _SHIFT)
+        # A line from a point to itself is a dot. All in one call: each lets other threads in, and
+        # hundreds of circles took a third of the time that the picture has.
+        dots = list(_fixed(((seen.corners + 0.5) * scale - 0.5)[:, None].repeat(2, axis=1)))
+        for ink, width in ((CASING, 7), (_CORNER_COLOUR, 4)):
+            cv2.polylines(rgb, dots, False, ink, width, cv2.LINE_AA, _SHIFT)
     return rgb
 
 
