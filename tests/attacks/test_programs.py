@@ -341,8 +341,8 @@ def test_connections_that_say_nothing_are_counted(program: Program) -> None:
 
 
 def test_a_crowd_is_served(program: Program) -> None:
-    """More connections in a burst than the kernel queues (100), then thirty tabs that stay."""
-    for crowd, tabs in ((burst(program.port, 150), 150), (stay(program.port, 30, _TABS_S), 30)):
+    """Three hundred connections in a burst, then thirty tabs that stay."""
+    for crowd, tabs in ((burst(program.port, 300), 300), (stay(program.port, 30, _TABS_S), 30)):
         assert crowd.closed == 0
         assert crowd.complete == crowd.connected == tabs
     assert program.goes_on()
