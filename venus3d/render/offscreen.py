@@ -135,8 +135,9 @@ class Offscreen:
             # If this fails as well, the shapes are at fault: raise, and keep OpenGL.
             painted = picture(painter)
             self._release()
-            self._renderer, self.backend = painter, "painter"
+            # The note first: who sees the other renderer can say why.
             self.note = texts.OPENGL_FAILED.format(cause=_cause(error))
+            self._renderer, self.backend = painter, "painter"
             _LOG.warning("%s", self.note)
             return painted
 
