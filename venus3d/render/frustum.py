@@ -75,8 +75,9 @@ def frustum(camera: Camera) -> FrustumShape:
 
 
 def _is_wide(camera: Camera) -> bool:
-    corners = camera.unproject(camera.image_corners)
-    return not camera.lens.is_perspective and not (corners[:, 2] > _WIDE).all()
+    if camera.lens.is_perspective:
+        return False
+    return not (camera.unproject(camera.image_corners)[:, 2] > _WIDE).all()
 
 
 @lru_cache(maxsize=8)

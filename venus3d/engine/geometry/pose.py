@@ -12,6 +12,7 @@ teaching as "own".
 
 from __future__ import annotations
 
+import math
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
@@ -100,8 +101,9 @@ class Pose:
             (d - b, c + g, f + h, 1 - a - e + i),
         )
         longest = max(range(4), key=lambda k: rows[k][k])
-        row = np.array(rows[longest])
-        return np.copysign(1.0, row[0]) * row / np.linalg.norm(row)
+        row = rows[longest]
+        length = math.copysign(math.hypot(*row), row[0])
+        return np.array([value / length for value in row])
 
     @property
     def matrix(self) -> Array:

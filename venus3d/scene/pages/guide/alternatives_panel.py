@@ -26,6 +26,7 @@ class AlternativesPanel:
         """Create the buttons in the current panel."""
         self._ask = ask
         self._target = 0
+        self._shown: Target | None = None
         self._title = gui.add_html("", visible=False)
         self._buttons = [
             gui.add_button("–", visible=False, color="gray", hint=say.OTHER_HINT)
@@ -51,8 +52,11 @@ class AlternativesPanel:
         """Update the buttons to the alternatives."""
         shown = snapshot is not None and snapshot.phase in ("guiding", "captured")
         target = snapshot.target if snapshot is not None and shown else None
-        others = () if target is None else target.alternatives[:_AT_MOST]
         self._target = 0 if target is None else target.number
+        if target is self._shown:
+            return
+        self._shown = target
+        others = () if target is None else target.alternatives[:_AT_MOST]
         self._title.visible = bool(others)
         if target is not None and others:
             self._title.content = _title(target)

@@ -92,6 +92,7 @@ class ControlPanel:
         )
         self._compared.visible = False
         self._compared_shown = 50
+        self._shown: tuple[ViewState, Phase, bool] | None = None
         self._compared.on_update(self._compared_to)
         self._rows = {
             name: self._row(gui, name)
@@ -114,6 +115,9 @@ class ControlPanel:
 
     def show(self, state: ViewState, phase: Phase = "startup", *, known: bool = False) -> None:
         """Update the buttons; hide those without a use. `known`: whether the lens is."""
+        if self._shown == (state, phase, known):
+            return
+        self._shown = state, phase, known
         self._compared.visible = known and state.over
         share = round(100 * state.straight_share)
         if state.over and share != self._compared_shown:  # a person's is shown before it is here
