@@ -172,9 +172,7 @@ class ObservationStream:
         self._count()
         self._on_picture(frame)
         self._frames.put(frame)
-        if self._reopened is None and self._reopen is not None and isinstance(self.source, Video):
-            with suppress(RuntimeError):  # at the end no more are opened
-                self._reopened = self._opener.submit(self._reopen)
+        self._open_ahead()
         if isinstance(self.source, Folder):
             self._stop.wait(_STILL_S)
 
@@ -185,6 +183,12 @@ class ObservationStream:
             self._counted = self.source.received
         else:
             self._flow.note("came")
+
+    def _open_ahead(self) -> None:
+        on_disk = isinstance(self.source, Video) and not self.source.is_served
+        if on_disk and self._reopened is None and self._reopen is not None:
+            with suppress(RuntimeError):  # at the end no more are opened
+                self._reopened = self._opener.submit(self._reopen)
 
     def _begin_again(self) -> None:
         # A short video loops until the user ends it.

@@ -39,6 +39,8 @@ class Video:
         silence_opencv()
         self._path = shown(path)
         self._realtime = realtime
+        self.is_served = served is not None
+        """Whether it is read from a server, which may not wait with what was opened early."""
         self._capture = served or _opened(path)
         if not self._capture.isOpened():
             raise SourceError(
