@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.engine.board_pictures import picture_of
 from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.chessboard_reader import ChessboardReader
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.refinement import (
     local_scales,
@@ -18,7 +20,8 @@ from venus3d.engine.calibration.refinement import (
     refinement_windows,
 )
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.pose import Array
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Array, Pose
 
 Corners = tuple[NDArray[np.intp], Array]
 GLARE = Board(9, 7, 0.040, 0.020, "DICT_4X4_100")
@@ -114,6 +117,43 @@ def test_glare_moves_no_corner_away(shared_data: Path) -> None:
     calibration = calibrate(GLARE, seen)
     assert calibration.rms_px <= 0.313
     assert calibration.camera.fx == pytest.approx(790.7, abs=3 * 1.3)
+
+
+def test_a_checkerboard_is_no_worse_than_plain_opencv(shared_data: Path) -> None:
+    """`findChessboardCorners` with cornerSubPix: better by its rms, and held out alike."""
+    board = Board(10, 7, 0.025, kind="chessboard")
+    pictures = grey_of(shared_data / "checkerboard-9x6")
+    reader = ChessboardReader(board).copy()
+    ours = [reader.read(picture, (0, 0, 640, 512), 0) for picture in pictures]
+    plain = []
+    for picture, (ids, corners) in zip(pictures, ours, strict=True):
+        found = np.asarray(cv2.findChessboardCorners(picture, (9, 6))[1], np.float32)
+        found = cv2.cornerSubPix(picture, found.reshape(-1, 1, 2), (5, 5), (-1, -1), (3, 40, 1e-3))
+        one = np.asarray(found, float).reshape(-1, 2)
+        way_up = np.linalg.norm(one - corners, axis=1).max() < 2
+        plain.append((ids, one if way_up else one[::-1]))
+    assert calibrated(board, ours, (640, 512))[0] < 0.95 * calibrated(board, plain, (640, 512))[0]
+    assert held_out(board, ours, (640, 512)) < 1.05 * held_out(board, plain, (640, 512))
+
+
+@pytest.mark.parametrize("away_m", [0.5, 0.65])
+def test_a_checkerboard_of_small_squares_is_nearer_to_the_truth_than_sb(away_m: float) -> None:
+    """Squares of 20 to 26 px at an angle: SB alone is off by 0.15 to 0.3 px."""
+    board = Board(10, 7, 0.025, kind="chessboard")
+    camera = Camera(640, 512, 520, 520, 320, 256, -0.1, 0.05, 0, 0, 0)
+    rng = np.random.default_rng(3)
+    squares = {"found": 0.0, "SB": 0.0}
+    for _ in range(6):
+        angles, shifts = rng.uniform(-30, 30, 3), rng.uniform(-0.02, 0.02, 2)
+        pose = Pose.from_vector([*angles, *shifts, away_m])
+        picture = picture_of(board, camera, pose, blur_px=1.0, noise=2.0, rng=rng)
+        truth = camera.project(pose.apply(board.corners))
+        _, found = ChessboardReader(board).read(picture, (0, 0, 640, 512), 0)
+        sb = np.asarray(cv2.findChessboardCornersSB(picture, (9, 6))[1], float).reshape(-1, 2)
+        for name, corners in (("found", found), ("SB", sb)):
+            either = [((one - truth) ** 2).sum() for one in (corners, corners[::-1])]
+            squares[name] += min(either)
+    assert squares["found"] < (1 / 1.6) ** 2 * squares["SB"]
 
 
 def test_windows_come_from_measured_neighbours(default_board: Board) -> None:

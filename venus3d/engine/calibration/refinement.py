@@ -106,7 +106,7 @@ def refine_corners(
     fits its neighbours worse, and worse than is usual in this image. All stay if together they fit
     worse. Moves of less than 0.1 px are not judged.
     """
-    refined = _moved(grey, corners, windows)
+    refined = by_corner_sub_pix(grey, corners, windows)
     smoother = _smoother(board, ids.tobytes())
     judged = smoother.any(axis=1)
     far = judged & (np.linalg.norm(refined - corners, axis=1) > _TELLS_PX)
@@ -121,8 +121,9 @@ def refine_corners(
     return np.where((far & worse)[:, None], corners, refined)
 
 
-def _moved(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
-    """(N, 2) corners after cornerSubPix; those that would move too far stay."""
+def by_corner_sub_pix(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
+    """(N, 2) corners after cornerSubPix in half-windows (N,); those that would move too far stay,
+    and those whose window is too small."""
     better = corners.copy()
     for window in np.unique(windows[windows >= _SMALLEST_WINDOW]):
         members = np.flatnonzero(windows == window)

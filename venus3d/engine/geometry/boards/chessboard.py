@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _FEWEST_SQUARES = 4
 """`cv2.findChessboardCornersSB` needs three corners along each side."""
-_CLEARANCE = 0.22
+_CLEARANCE = 0.4
 _LEGIBLE_PX = 10.0
 """Sides of a square from which it is found in the simulated camera's noise and blur."""
 
@@ -60,7 +60,7 @@ class Chessboard:
         """None: there is no marker."""
 
     def clearance(self, board: Board) -> float:
-        """A fifth of a square: the edges go on, but in a larger window the lens bends them."""
+        """Less than half of a square, where the edges of the next corner begin to count."""
         return _CLEARANCE * board.square
 
     def legible_square_px(self, board: Board) -> float:
