@@ -22,7 +22,7 @@ from venus3d.scene.pages.exercise.options import TrialOptions
 from venus3d.scene.pages.exercise.run import run_trial
 from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_plan import Plan, order_of, plan_of, targets_of, times_of
-from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS
+from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Press
 from venus3d.storage.exercise import ExerciseFile, ExerciseRow
 
 FAR = Pose.from_vector([0, 0, 0, 0.1, 0.05, 0.9])
@@ -192,6 +192,13 @@ def test_a_time_to_which_the_simulated_hand_helped_is_marked(hand: Hand) -> None
     hand.hold(TARGETS[0], 4)
     hand.hold(TARGETS[1], 4)
     assert [row.moved_by for row in hand.rows] == ["autopilot", "person"]
+
+
+def test_a_hint_on_the_simulated_hand_is_gone_once_it_moves_the_board(hand: Hand) -> None:
+    hand.trial.say("drag it", 60)
+    assert hand.trial.view().note == "drag it"
+    hand.trial.handle(Press("autopilot"))
+    assert hand.trial.view().note == ""
 
 
 def test_helps_come_in_the_participants_order_and_the_trial_ends(hand: Hand) -> None:

@@ -69,7 +69,7 @@ def second_line(text: str) -> str:
     return f"<div class='v-second'>{escape(text)}</div>" if text else ""
 
 
-def hold_card(theme: Theme, remaining: RemainingSteps, shown: int, note: Note) -> str:
+def hold_card(theme: Theme, remaining: RemainingSteps, shown: int, note: Note = NO_NOTE) -> str:
     """The card for a board at its target that must be held still."""
     below = step_chips(remaining, shown, theme)
     return guide_card(theme.reached, "✓", HOLD_HEADLINE, HOLD_STILL.holder, below=below, note=note)
@@ -79,7 +79,7 @@ def step_card(
     remaining: RemainingSteps,
     number: int,
     theme: Theme,
-    note: Note,
+    note: Note = NO_NOTE,
     foot: str = "",
     wording: Wording = "holder",
 ) -> str:

@@ -21,7 +21,6 @@ from venus3d.scene.pages.exercise.view_model import PracticeViewModel, TrialView
 from venus3d.scene.web import step_texts
 from venus3d.scene.web.board_keys import board_keys_html, key_html
 from venus3d.scene.web.step_card import (
-    Note,
     guide_card,
     hold_card,
     second_line,
@@ -271,15 +270,15 @@ def _card(colour: str, badge: str, headline: str, sentence: str) -> str:
 
 def steps_html(view: TrialViewModel, theme: Theme) -> str:
     """The large text of the steps, as in a guided calibration."""
-    snapshot, remaining, note = view.snapshot, view.snapshot.remaining, Note(view.note)
+    snapshot, remaining = view.snapshot, view.snapshot.remaining
     if remaining is None or remaining.from_upright:
         sentence, chips = snapshot.instruction.holder, step_chips(remaining, view.step, theme)
         below = f"{chips}{second_line(step_texts.FROM_UPRIGHT)}" if chips else ""
-        text = guide_card(theme.info, "?", snapshot.headline, sentence, below=below, note=note)
+        text = guide_card(theme.info, "?", snapshot.headline, sentence, below=below)
     elif remaining.is_over:
-        text = hold_card(theme, remaining, view.step, note)
+        text = hold_card(theme, remaining, view.step)
     else:
-        text = step_card(remaining, view.step, theme, note)
+        text = step_card(remaining, view.step, theme)
     return f"<div class='v-wide'>{text}</div>"
 
 

@@ -91,7 +91,7 @@ class Trial(Exercise[TrialViewModel]):
                 pass
 
     def say(self, text: str, seconds: float) -> None:
-        """Show a sentence for `seconds`."""
+        """Show a sentence for `seconds`, or until the simulated hand moves the board."""
         self._note, self._note_until_s, self._changed = text, self._now_s + seconds, True
 
     def observe(self, observation: Observation, *, by_machine: bool = False) -> None:
@@ -130,7 +130,7 @@ class Trial(Exercise[TrialViewModel]):
             seconds=self._now_s - begun if running and begun is not None else 0.0,
             rows=tuple(self.rows),
             written=self._written,
-            note=self._note if self._now_s < self._note_until_s else "",
+            note=self._note if not self.autopilot and self._now_s < self._note_until_s else "",
             participant=self._plan.participant,
             order=self._plan.order,
             place=self._plan.order.index(help_) + 1,
