@@ -9,6 +9,7 @@ from __future__ import annotations
 import socket
 import typing
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, get_args, get_origin, get_type_hints
 
 import msgspec
@@ -105,8 +106,8 @@ def messages_of(raw: bytes) -> list[dict[str, Any]]:
 def every_message(uuids: list[str], names: list[str]) -> Iterator[dict[str, Any]]:
     """One of every kind of message that viser knows, for each of these entities."""
     for kind in _messages.Message.get_subclasses():
-        fields = set(get_type_hints(kind)) & set(getattr(kind, "__dataclass_fields__", {}))
-        if fields & {"uuid", "source_component_uuid"}:
+        fields = _usual(kind)
+        if fields.keys() & {"uuid", "source_component_uuid"}:
             for uuid in uuids:
                 # One upload for each, named after it.
                 known = {"uuid": uuid, "source_component_uuid": uuid, "transfer_uuid": uuid}
@@ -120,11 +121,18 @@ def every_message(uuids: list[str], names: list[str]) -> Iterator[dict[str, Any]
 
 def instance(kind: type[Any], known: dict[str, Any]) -> dict[str, Any]:
     """A message of this kind that the server can read, with these fields as they are."""
-    hints = get_type_hints(kind)
+    usual = _usual(kind)
+    return {**usual, **{name: known[name] for name in usual.keys() & known.keys()}}
+
+
+@cache
+def _usual(kind: type[Any]) -> dict[str, Any]:
+    """A message of this kind; not to be changed."""
+    hints = get_type_hints(kind)  # takes a millisecond
     usual = {"updates": {"value": True}, "owner": "", "modifier": None, "frequency": 10.0}
     out = {
-        name: (known | usual).get(name, _some(name, hints[name]))
-        for name in kind.__dataclass_fields__
+        name: usual.get(name, _some(name, hints[name]))
+        for name in getattr(kind, "__dataclass_fields__", {})
         if name in hints
     }
     return {**out, "type": kind.__name__}
