@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.stats import qmc
 
 from venus3d.engine.calibration.information import prior_information, view_information
 from venus3d.engine.calibration.observation import Observation, View
@@ -24,6 +25,7 @@ from venus3d.engine.planning.posterior import Posterior
 from venus3d.engine.planning.search import anneal, search
 from venus3d.engine.planning.search_trace import SearchResult, SearchStep
 from venus3d.engine.planning.settings import STRATEGIES, Strategy
+from venus3d.engine.planning.sobol import sobol
 
 GOAL = np.array([20.0, -30, 10, 0.05, -0.02, 0.5])
 SCALE = np.array([20.0, 20, 20, 0.05, 0.05, 0.1])
@@ -36,6 +38,12 @@ def bowl(vectors: Array) -> Array:
 @pytest.fixture
 def space(paper_camera: Camera, default_board: Board) -> Space:
     return Space(default_board, paper_camera, Limits())
+
+
+def test_sobols_sequence_is_scipys() -> None:
+    theirs = qmc.Sobol(6, scramble=False)
+    for first, count in ((0, 512), (512, 512), (1024, 1024), (2048, 30000)):
+        np.testing.assert_array_equal(sobol(first, count), theirs.random(count))
 
 
 def test_unit_cube_and_vectors(space: Space, rng: np.random.Generator) -> None:

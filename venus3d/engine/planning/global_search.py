@@ -17,6 +17,7 @@ from venus3d.engine.geometry.pose import Array
 from venus3d.engine.planning.costs import CostFunction, rough_of
 from venus3d.engine.planning.pose_space import Space, nothing_fits
 from venus3d.engine.planning.search_trace import OnSearchStep, SearchResult, SearchRun, Stop
+from venus3d.engine.planning.sobol import sobol
 
 Numbers = NDArray[np.intp]
 _SAMPLES = 0.15  # share of the budget for the first samples of the whole space
@@ -81,16 +82,13 @@ def _samples(
     run: SearchRun, cost: CostFunction, budget: int, rng: np.random.Generator
 ) -> tuple[Array, Array]:
     """Points (N, 6) of the unit cube spread over the space, and their costs (N,)."""
-    # scipy.stats is half of what starting a program takes; only a search needs it.
-    from scipy.stats import qmc
-
-    sequence, shift = qmc.Sobol(6, scramble=False), rng.random(6)
+    shift = rng.random(6)
     wanted = max(1, round(_SAMPLES * budget))
     size = min(512, 2 ** int(np.ceil(np.log2(2 * wanted))))  # Sobol needs powers of two
     points: list[Array] = []
     costs: list[Array] = []
-    for _ in range(2**15 // size):
-        unit, values, _ = _look_at(run, cost, (np.asarray(sequence.random(size)) + shift) % 1.0)
+    for first in range(0, 2**15, size):
+        unit, values, _ = _look_at(run, cost, (sobol(first, size) + shift) % 1.0)
         points.append(unit)
         costs.append(values)
         if run.evaluated >= wanted or (run.evaluated and run.is_stopped()):

@@ -17,7 +17,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from datetime import datetime, timedelta
 from functools import partial
-from importlib import import_module
 
 from venus3d.engine.errors import CalibrationError, VenusError
 from venus3d.engine.guidance.session import Session
@@ -80,8 +79,6 @@ class LiveGuide:
         self._by_keys = KeyMoves()
         self._on_camera, self._camera = on_camera, CameraSettings()
         self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
-        # The first search would import it, and nothing would move for half a second.
-        self._thinker.submit(import_module, "scipy.stats.qmc")
         self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
 
     def stop(self) -> None:
