@@ -12,8 +12,10 @@ import subprocess
 import sys
 import termios
 import threading
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from select import select
 from typing import Any
 
 from tests.waiting import wait_until
@@ -40,6 +42,7 @@ class Program:
             text=True,
             env={**os.environ, **more},
         )
+        self._complaints = ""
         # Whoever waits for a line in vain must hear of it.
         self._end = threading.Timer(PATIENCE_S, self.process.kill)
         self._end.start()
@@ -64,6 +67,24 @@ class Program:
             self.process.send_signal(blow)  # does nothing once it has ended and was waited for
             with suppress(subprocess.TimeoutExpired):
                 self.process.wait(0.1)
+
+    @contextmanager
+    def standing_still(self) -> Iterator[None]:
+        """Stopped meanwhile: on the disk is what a kill at this moment would leave there."""
+        self.process.send_signal(signal.SIGSTOP)
+        _, status = os.waitpid(self.process.pid, os.WUNTRACED)
+        assert os.WIFSTOPPED(status), status
+        yield
+        self.process.send_signal(signal.SIGCONT)
+
+    def complaints(self) -> str:
+        """What it has written to stderr until now; `ended` then gives what comes later."""
+        assert self.process.stderr is not None
+        while select([self.process.stderr], [], [], 0)[0]:
+            if not (more := os.read(self.process.stderr.fileno(), 65536)):
+                break
+            self._complaints += more.decode()
+        return self._complaints
 
     def ended(self) -> tuple[int, str, str]:
         """Exit code and the rest of both streams."""

@@ -16,6 +16,7 @@ from tests.cli.conftest import Ran
 from tests.cli.programs import PATIENCE_S, OnATerminal, Program, kept, wait_until_there
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
+from tests.waiting import wait_until
 from venus3d.storage.camera_yaml import read_camera_yaml
 
 pytestmark = pytest.mark.slow
@@ -24,7 +25,9 @@ Run = Callable[..., Ran]
 Start = Callable[..., Program]
 # Faster, and the hand mends by what it saw too long ago where a busy machine shows little.
 LIVE = ("guide", "sim", "--autopilot", "--speed", "3", "--no-tour", "--camera-size", "640x360")
+LIVE += ("--method", "pose-selection")  # what is kept does not depend on how a target is found
 HEADLESS = ("guide", "sim", "--headless", "--max-views", "12", "--camera-size", "640x360")
+HEADLESS += ("--method", "pose-selection")
 
 
 @pytest.fixture
@@ -52,29 +55,30 @@ def test_a_kill_at_any_moment_leaves_every_view_but_the_last(
     start: Start, tmp_path: Path, mode: tuple[str, ...]
 ) -> None:
     """Without any warning, at four moments: right after a view, and while the next is on its way.
+    While a program stands still its folder is what a kill would leave, so one program has several
+    such moments before it is killed; another one then goes on beside what that left.
 
     The view that was worked out a few milliseconds before the blow may still be in memory.
     """
     chance = random.Random(7)
     folder = tmp_path / "out"
-    for run, views in enumerate((3, 3, 3, 4)):
-        program = start(*mode, "--no-record")  # a recorded session is not begun twice
-        views = program.wait_for_views(views)
-        delay = (0.0, 0.002, 0.02, 1.0)[run] * chance.random()
-        if run == 0:
-            wait_until_there(folder / "result.json")
-        time.sleep(delay)
+    for run, moments in enumerate(((0.0, 0.002, 0.02), (1.0,))):
+        program, views = start(*mode, "--no-record"), 2  # a recorded session is not begun twice
+        for moment in moments:
+            views = program.wait_for_views(views + 1)
+            delay = moment * chance.random()
+            if run == 0:
+                wait_until_there(folder / "result.json")
+            time.sleep(delay)
+            with program.standing_still():
+                newest = json.loads((folder / "result.json").read_text())
+                read_camera_yaml(folder / "camera.yaml")
+                assert views - 1 <= newest["views"] <= views + 1, (run, delay)
+                assert newest["history"][-1]["views"] == newest["views"]
+                # The runs before are there as well.
+                for files in ("result*.json", "camera*.yaml"):
+                    assert len(list(folder.glob(files))) == run + 1
         program.kill()
-        for path in folder.glob(".*"):  # a file that was being written; never in a result's place
-            path.unlink()
-        newest = json.loads((folder / "result.json").read_text())
-        read_camera_yaml(folder / "camera.yaml")
-        assert views - 1 <= newest["views"] <= views + 1, (run, delay)
-        if views > 1:
-            assert newest["history"][-1]["views"] == newest["views"]
-        # The runs before are there as well.
-        for files in ("result*.json", "camera*.yaml"):
-            assert len(list(folder.glob(files))) == run + 1
 
 
 def test_files_are_whole_whenever_somebody_looks(start: Start, tmp_path: Path) -> None:
@@ -90,9 +94,10 @@ def test_files_are_whole_whenever_somebody_looks(start: Start, tmp_path: Path) -
         read_camera_yaml(folder / "camera.yaml")
         if views != seen[-1]:
             seen.append(views)
-        if views >= 4:
+        if views >= 3:
             program.send(signal.SIGTERM)
-    assert seen == sorted(seen) and seen[1] <= 2 and seen[-1] >= 4, (
+        time.sleep(0.001)  # and leave it a core
+    assert seen == sorted(seen) and seen[1] <= 2 and seen[-1] >= 3, (
         "views were written as they came"
     )
 
@@ -195,7 +200,7 @@ def test_a_second_ctrl_c_during_the_last_calibration_leaves_the_views_before(
 
 
 def test_a_second_run_keeps_the_first_ones_result(run: Run, tmp_path: Path) -> None:
-    arguments = ["guide", *HEADLESS[1:3], "--max-views", "2", "--output", tmp_path, "--no-record"]
+    arguments = [*HEADLESS, "--max-views", "2", "--output", tmp_path, "--no-record"]
     assert run(*arguments).code == 0
     first = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     ran = run(*arguments, "--seed", "1")
@@ -240,27 +245,33 @@ def test_a_session_without_a_view_leaves_the_earlier_result(start: Start, tmp_pa
     assert {path.name: path.read_text() for path in folder.iterdir()} == {"camera.yaml": "earlier"}
 
 
-@pytest.mark.parametrize("how", ["removed", "a file in its place"])
-def test_a_folder_that_goes_in_the_middle_stops_nothing(
-    start: Start, tmp_path: Path, how: str
-) -> None:
-    """It is told at each view; a folder that can be made anew is, and then holds all views."""
+def test_a_folder_that_goes_in_the_middle_stops_nothing(start: Start, tmp_path: Path) -> None:
+    """Removed, and then with a file in its place: that is told at each view; a folder that can be
+    made anew is, and then holds all views."""
     program, folder = start(*LIVE, "--no-record"), tmp_path / "out"
+    result = folder / "result.json"
+    told = f"Not saved: camera.yaml and result.json cannot be written to {folder} (not a directory)"
     views = program.wait_for_views(3)
-    wait_until_there(folder / "result.json")
+    wait_until_there(result)
     folder.rename(tmp_path / "gone")
-    if how != "removed":
-        folder.write_text("in the way")
     views = program.wait_for_views(views + 1)
-    if how != "removed":
-        folder.unlink()
+    wait_until(
+        lambda: result.exists() and json.loads(result.read_text())["views"] >= views,
+        "all views are in a new folder",
+        PATIENCE_S,
+    )
+    assert "Not saved" not in program.complaints()
+    folder.rename(tmp_path / "gone as well")
+    folder.write_text("in the way")
     views = program.wait_for_views(views + 1)
+    wait_until(lambda: told in program.complaints(), "it is told", PATIENCE_S)
+    folder.unlink()
+    views = program.wait_for_views(views + 1)
+    before = program.complaints()
     program.send(signal.SIGTERM)
     code, _, err = program.ended()
-    assert code == 0 and "Traceback" not in err, err
+    assert code == 0 and "Traceback" not in before + err, before + err
     assert kept(folder)["views"] >= views
-    told = f"Not saved: camera.yaml and result.json cannot be written to {folder} (not a directory)"
-    assert err.count(told) >= (how != "removed") and (told in err) == (how != "removed")
 
 
 def test_a_folder_that_never_comes_back_is_told_after_the_numbers(
