@@ -7,6 +7,7 @@ every program with a search would pay.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from venus3d.engine.geometry.pose import Array
 
@@ -16,7 +17,7 @@ _BITS = 30
 _JOE_KUO = ((0, (1,)), (1, (1, 3)), (1, (1, 3, 1)), (2, (1, 1, 1)), (1, (1, 1, 3, 3)))
 
 
-def _directions() -> np.ndarray:
+def _directions() -> NDArray[np.int64]:
     """(30, 6) what each bit of a point's number changes, in units of 2^-30."""
     columns = [[1] * _BITS]
     for coefficients, first in _JOE_KUO:
