@@ -6,6 +6,7 @@ Independent of the renderers in `venus3d`; numpy and OpenCV's resize and remap o
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -37,6 +38,21 @@ def _rays(camera: Camera) -> NDArray[np.float32]:
     return np.stack(list(fine)).astype(np.float32)
 
 
+def _place(board: Board, camera: Camera, pose: Pose) -> tuple[slice, slice]:
+    """The rows and columns of pixels around the board with its margin; elsewhere is wall."""
+    half = np.array([board.width, board.height]) / 2 + board.square
+    ends = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * half
+    along = np.linspace(0, 1, 30)[:, None]
+    rim = [a + along * (b - a) for a, b in pairwise(ends)]
+    points = np.pad(np.concatenate(rim), ((0, 0), (0, 1)))
+    turn, _ = cv2.Rodrigues(pose.R)
+    at, _ = cv2.projectPoints(points, turn, pose.t, camera.K, np.asarray(camera.coefficients))
+    low, high = at.min(axis=(0, 1)) - 4, at.max(axis=(0, 1)) + 5
+    left, top = np.clip(np.floor(low).astype(int), 0, camera.image_size)
+    right, bottom = np.clip(np.ceil(high).astype(int), [left, top], camera.image_size)
+    return slice(top, bottom), slice(left, right)
+
+
 def picture_of(
     board: Board,
     camera: Camera,
@@ -53,7 +69,9 @@ def picture_of(
         cv2.BORDER_CONSTANT,
         value=0 if board.inverted else 255,
     )
-    x, y = _rays(camera)
+    rows, columns = _place(board, camera, pose)
+    fine = (slice(_FINE * part.start, _FINE * part.stop) for part in (rows, columns))
+    x, y = _rays(camera)[(slice(None), *fine)]
     # Depth along the ray to the plane n . X = n . t, then into the board's frame. Plain floats: the
     # arrays stay single, which is exact to a hundredth of a pixel of the texture.
     R, o = pose.R.tolist(), (pose.R.T @ pose.t).tolist()
@@ -65,12 +83,13 @@ def picture_of(
         return along * scale + ((side / 2 - o[axis]) * scale + _SQUARE_PX - 0.5)
 
     mx, my = texture_at(0, board.width), texture_at(1, board.height)
-    picture = cv2.remap(
-        texture, mx, my, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=128
-    )
-    picture = cv2.resize(picture, camera.image_size, interpolation=cv2.INTER_AREA).astype(
-        np.float64
-    )
+    picture = np.full((camera.height, camera.width), 128.0)
+    if x.size:
+        part = cv2.remap(
+            texture, mx, my, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=128
+        )
+        small = (columns.stop - columns.start, rows.stop - rows.start)
+        picture[rows, columns] = cv2.resize(part, small, interpolation=cv2.INTER_AREA)
     if blur_px:
         picture = cv2.GaussianBlur(picture, (0, 0), blur_px)
     if noise and rng is not None:

@@ -35,14 +35,15 @@ def painted(drawing: BoardDrawing, size: tuple[float, float], scale: float) -> N
         y, down = _covered(top + middle[1], top + high + middle[1], height)
         dark[y : y + down.size, x : x + across.size] += np.outer(down, across)
     for x, y, radius in drawing.discs * scale:
-        at = middle + np.array([x, y])
-        top = max(0, int(at[1] - radius) - 1)
-        for row in range(top, min(height, int(at[1] + radius) + 2)):
-            heights = row + (np.arange(_FINE) + 0.5) / _FINE - at[1]
-            halves = np.sqrt(np.maximum(0, radius**2 - heights**2))
-            for half in halves[halves > 0]:
-                x0, across = _covered(at[0] - half, at[0] + half, width)
-                dark[row, x0 : x0 + across.size] += across / _FINE
+        x, y = middle + np.array([x, y])
+        rows, columns = (
+            _touched(y - radius, y + radius, height),
+            _touched(x - radius, x + radius, width),
+        )
+        heights = rows[:, None] + (np.arange(_FINE) + 0.5) / _FINE - y
+        halves = np.sqrt(np.maximum(0, radius**2 - heights**2))[..., None]
+        across = np.minimum(x + halves, columns + 1) - np.maximum(x - halves, columns)
+        dark[np.ix_(rows, columns)] += np.maximum(0, across).mean(axis=1)
     return np.asarray(np.rint(255 * (1 - np.clip(dark, 0, 1))), dtype=np.uint8)
 
 
@@ -52,6 +53,11 @@ def _covered(low: float, high: float, count: int) -> tuple[int, Array]:
     first, last = int(low), max(int(low), int(np.ceil(high - 1e-9)))
     edges = np.clip(np.arange(first, last + 1), low, high)
     return first, np.diff(edges)
+
+
+def _touched(low: float, high: float, count: int) -> NDArray[np.intp]:
+    """Which of `count` pixels an interval touches."""
+    return np.arange(max(0, int(np.floor(low))), min(count, int(np.ceil(high))))
 
 
 def marker_cells(
