@@ -17,6 +17,8 @@ from venus3d.engine.geometry.lenses.lens_model import Coefficients, least_positi
 from venus3d.engine.geometry.pose import Array
 
 _NEWTON = 20
+_SETTLED = 1e-15
+"""Largest last step, rad. Most settle after four or five; beyond the field none is taken."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,9 @@ class Fisheye:
                 error = angle * _series(coefficients, angle * angle) - radius
                 step = error / _series(slopes, angle * angle)
                 # Near its limit the polynomial is flat, and a step would leave the field.
-                angle = np.clip(angle - step, 0.0, limit)
+                before, angle = angle, np.clip(angle - step, 0.0, limit)
+                if not (np.abs(angle - before) > _SETTLED).any():
+                    break
             left = np.abs(angle * _series(coefficients, angle * angle) - radius)
             angle = np.where((left < 1e-9) & (angle < limit), angle, np.nan)
             over = np.where(radius > 0, np.sin(angle) / radius, 1.0)
