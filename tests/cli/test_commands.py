@@ -30,6 +30,7 @@ LIFECAM = ["--board.columns", "8", "--board.rows", "8", "--board.square-mm", "25
 LIFECAM += ["--board.marker-mm", "19.05", "--board.dictionary", "DICT_4X4_1000"]
 WPILIB = ["--board.columns", "12", "--board.rows", "8", "--board.square-mm", "18.0086"]
 WPILIB += ["--board.marker-mm", "13.9954", "--board.dictionary", "DICT_5X5_1000"]
+SMALL = ["--camera-size", "640x360"]
 KEYS = {
     "schema",
     "model",
@@ -174,7 +175,7 @@ def test_a_board_larger_than_the_paper(run: Run, tmp_path: Path) -> None:
 def test_guide_headless(run: Run, tmp_path: Path) -> None:
     """A stranger's whole run: it ends by itself, near the truth, with its files written."""
     arguments = ["guide", "sim", "--headless", "--autopilot", "--max-views", "10", "--seed", "0"]
-    ran = run(*arguments, "--json", "--output", tmp_path)
+    ran = run(*arguments, *SMALL, "--json", "--output", tmp_path)
     assert ran.code == 0, ran.err
     result = ran.json
     assert set(result) == KEYS | {"converged", "forecast", "truth", "projection_diff_px"}
@@ -198,7 +199,7 @@ def test_interrupt_without_a_screen_keeps_what_was_captured(
         return frame
 
     monkeypatch.setattr(Simulation, "read", interrupted)
-    ran = run("guide", "--headless", "--autopilot", "--json", "--output", tmp_path)
+    ran = run("guide", "--headless", "--autopilot", *SMALL, "--json", "--output", tmp_path)
     assert ran.code == 0 and ran.json["views"] >= 1 and ran.json["converged"] is False
     assert {path.name for path in tmp_path.iterdir()} >= {"camera.yaml", "result.json"}
 
@@ -207,7 +208,7 @@ def test_interrupt_without_a_screen_keeps_what_was_captured(
 def test_ctrl_c_with_the_viewer_is_no_error(tmp_path: Path) -> None:
     """Stopped before anything was captured. (With views: `browser/test_program.py`.)"""
     port = free_port()
-    arguments = ["guide", "sim", "--port", str(port), "--output", str(tmp_path)]
+    arguments = ["guide", "sim", *SMALL, "--port", str(port), "--output", str(tmp_path)]
     with subprocess.Popen(
         [sys.executable, "-m", "venus3d", *arguments],
         stdout=subprocess.PIPE,
@@ -229,8 +230,8 @@ def test_ctrl_c_with_the_viewer_is_no_error(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_headless_without_a_hand_takes_the_autopilot(run: Run) -> None:
     """Nobody could drag the board: without this it never ended."""
-    ran = run("guide", "--headless", "--max-views", "3", "--json")
-    assert ran.code == 0 and ran.json["views"] == 3
+    ran = run("guide", "--headless", "--max-views", "2", *SMALL, "--json")
+    assert ran.code == 0 and ran.json["views"] == 2
 
 
 def test_headless_cannot_wait_for_a_key(run: Run) -> None:
