@@ -89,6 +89,11 @@ def read_board(path: Path) -> dict[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
+        if not path.exists() and path.name.lower().startswith("calib.io_"):
+            raise _no_board(
+                path,
+                "it is no name of a checkerboard, a ChArUco board or a grid of circles by calib.io",
+            ) from error
         raise StorageError(
             f"The board {path} cannot be read ({reason(error)}); give a file that venus3d board "
             "--save wrote, Kalibr's YAML, or the name of a calib.io file."
