@@ -31,11 +31,12 @@ _VIEWS = r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[
 
 
 @pytest.fixture
-def guided(chromium: Any, start: Callable[..., Any], tmp_path: Path) -> Any:
-    """A tab on a session whose hand has just begun; its result goes to `tmp_path`."""
+def guided(chromium: Any, start: Callable[..., Any], two_views: Path, tmp_path: Path) -> Any:
+    """A tab on a session that goes on from two views, its hand on the way to the third; its result
+    goes to `tmp_path`."""
     program = start(
         *("guide", "sim", "--speed", "2.5", "--port", str(free_port()), "--no-tour"),
-        *("--camera-size", "640x360", "--output", str(tmp_path)),
+        *("--camera-size", "640x360", "--from", str(two_views), "--output", str(tmp_path)),
     )
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     context.grant_permissions(["clipboard-read", "clipboard-write"], origin=program.url)
@@ -98,7 +99,7 @@ def test_what_is_taken_back_stays_so_while_the_board_stands_there(
 
 
 def test_an_end_is_asked_about_told_and_taken_back(guided: Any, tmp_path: Path) -> None:
-    wait_for_views(guided, 2)
+    wait_for_views(guided, 3)
     guided.keyboard.press(pressed(KEYS["autopilot"]))
     guided.get_by_role("button", name="Finish").click()
     guided.wait_for_selector(".v-title:has-text('End now?')")

@@ -48,18 +48,18 @@ def wait_for_views(page: Any, count: int) -> None:
 
 
 def test_keys_reach_the_calibration_and_every_tab_sees_it(
-    chromium: Any, start: Start, tmp_path: Path
+    chromium: Any, start: Start, two_views: Path, tmp_path: Path
 ) -> None:
     """C takes a view and U takes it back; a reload and a second tab show the same. A tab stays open
     while the program is gone, and shows the session when it is resumed."""
     port = str(free_port())
     simulated = start(
-        *("guide", "sim", "--autopilot", "--speed", "3", "--port", port, "--no-tour"),
-        *("--output", str(tmp_path)),
+        *("guide", *SMALL, "--autopilot", "--speed", "3", "--port", port, "--no-tour"),
+        *("--from", str(two_views), "--output", str(tmp_path)),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.goto(simulated.url)
-    # The autopilot has walked the steps by itself; fewer views would be no result.
+    # The autopilot has walked the steps by itself.
     page.wait_for_function(MORE_VIEWS_THAN, arg=2, timeout=_PATIENCE_MS)
     page.keyboard.press("Shift+P")  # takes its hand off the board, which stays in sight
     page.wait_for_timeout(1500)  # it may have had the board in its place just then
@@ -207,13 +207,13 @@ def test_whoever_has_only_a_keyboard_calibrates(
 
 
 def test_the_operator_is_told_of_what_cannot_be_saved(
-    chromium: Any, start: Start, tmp_path: Path
+    chromium: Any, start: Start, two_views: Path, tmp_path: Path
 ) -> None:
     """Guidance goes on meanwhile, and at the end the page says where the result is."""
     folder = tmp_path / "out"
     program = start(
         *("guide", *SMALL, "--autopilot", "--speed", "3", "--port", str(free_port()), "--no-tour"),
-        *("--max-views", "4", "--output", str(folder), "--no-record"),
+        *("--from", str(two_views), "--max-views", "4", "--output", str(folder), "--no-record"),
     )
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.set_default_timeout(_PATIENCE_MS)
