@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from tests.browser.conftest import Program
+from tests.browser.keyboard import press_until
 from tests.browser.test_uncertainty import on_screen
 from tests.ports import free_port
 from tests.scene.guided import guided_session
@@ -113,9 +114,7 @@ def test_the_help_of_the_other_pages(
     try:
         page.goto(program.url)
         page.wait_for_selector("canvas")
-        page.wait_for_timeout(1500)  # viser's keys listen once its scene stands
-        page.keyboard.press("h")
-        page.wait_for_selector(f"{DIALOG} .v-keys")
+        press_until(page, "h", f"{DIALOG} .v-keys")
         press(page, texts.HELP_CLOSE)
         closed(page)
     finally:
