@@ -15,6 +15,7 @@ from typing import Any
 import cv2
 import pytest
 
+from tests.browser.keyboard import press_until
 from tests.ports import free_port
 from venus3d.scene.pages.guide.texts import METHOD_WORDS, TOUR
 from venus3d.scene.web.step_texts import PICTURE_LEGEND
@@ -133,8 +134,7 @@ def test_another_pose_and_another_method_are_chosen_while_running(
     page.set_default_timeout(_PATIENCE_MS)
     page.goto(program.url)
     page.wait_for_selector(".v-title:has-text('Step')")
-    page.keyboard.press("c")
-    page.get_by_text("nearly as good").wait_for()
+    press_until(page, "c", "text=nearly as good")
     # The pictures tell one pose from another; the reasons of two may be the same words.
     first = "getComputedStyle(document.querySelector('.v-shot')).backgroundImage"
     page.wait_for_selector(".v-shot")
