@@ -87,6 +87,12 @@ def test_the_engine_needs_no_screen() -> None:
     assert not {"viser", "pyrender", "trimesh"} & {*run_python(code).split()}
 
 
+def test_the_command_line_answers_before_it_loads_what_draws() -> None:
+    """`--help` and a mistake come half a second earlier; so does each command without a page."""
+    loaded = run_python("import venus3d.cli, sys; print(*sys.modules)").split()
+    assert not {"viser", "pyrender", "trimesh", "av"} & {*loaded}
+
+
 CLIENT = """
 from typing_extensions import assert_type
 

@@ -33,7 +33,7 @@ from venus3d.cli.options import (
     UndistortOptions,
     VerifyOptions,
 )
-from venus3d.cli.study import StudyOptions
+from venus3d.cli.study_options import StudyOptions
 from venus3d.engine.errors import VenusError
 from venus3d.engine.printable import printable
 from venus3d.scene.pages.exercise.options import PracticeOptions, TrialOptions

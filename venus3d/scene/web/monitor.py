@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import VenusError
-from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.render.annotated_picture import LivePicture
+
+if TYPE_CHECKING:  # the command line asks for an address only
+    from venus3d.engine.calibration.observation import Observation
+    from venus3d.engine.guidance.snapshot import Snapshot
+    from venus3d.render.annotated_picture import LivePicture
 
 
 class SecondMonitor(Protocol):
