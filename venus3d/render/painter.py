@@ -19,6 +19,7 @@ from venus3d.render.shapes import Colour, LineShape, MeshShape, line_mesh, shade
 
 _NEAR = 0.01
 _SUBPIXEL_BITS = 6
+_LARGEST_PX = 30000
 
 
 class Painter:
@@ -73,37 +74,41 @@ class _Canvas:
         on_top: bool = False,
     ) -> None:
         """Fill triangles (N, 3, 3), camera frame, with colours (N, 3) or with pixels of `layer`."""
-        lift = 1 / _NEAR if on_top else 0.0
+        lift, camera = 1 / _NEAR if on_top else 0.0, self.camera
         self.touched[:] = False
-        for corners, colour in zip(triangles, colours, strict=True):
-            if (corners[:, 2] > _NEAR).all():
-                self._fill_one(corners, colour, opacity, layer, lift)
+        ahead = (triangles[..., 2] > _NEAR).all(axis=1)
+        triangles, colours = triangles[ahead], colours[ahead]
+        focal, centre = [camera.fx, camera.fy], [camera.cx, camera.cy]
+        pixels = triangles[..., :2] / triangles[..., 2:] * focal + centre
+        first, *others = triangles.transpose(1, 0, 2)
+        normals = np.cross(*(other - first for other in others))
+        offsets = (normals * first).sum(axis=1)
+        # Not those seen exactly edge-on, nor beyond what OpenCV's fixed point holds.
+        drawn = (np.abs(offsets) > 1e-12) & (np.abs(pixels).max(axis=(1, 2)) < _LARGEST_PX)
+        for one in np.flatnonzero(drawn):
+            plane = normals[one] / offsets[one]
+            self._fill_one(pixels[one], plane, colours[one], opacity, layer, lift)
 
     def _fill_one(
         self,
-        corners: Array,
+        pixels: Array,
+        plane: Array,
         colour: Array,
         opacity: float,
         layer: NDArray[np.uint8] | None,
         lift: float,
     ) -> None:
+        """Fill a triangle with corners (3, 2), pixels, in the plane {p: plane·p = 1}."""
         camera = self.camera
-        pixels = corners[:, :2] / corners[:, 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
-        if np.abs(pixels).max() > 30000:  # beyond what OpenCV's fixed point holds
-            return
         low = np.maximum(np.floor(pixels.min(axis=0)).astype(int), 0)
         high = np.minimum(np.ceil(pixels.max(axis=0)).astype(int) + 1, camera.image_size)
         if (high <= low).any():
-            return
-        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-        offset = float(normal @ corners[0])
-        if abs(offset) < 1e-12:  # seen exactly edge-on
             return
         box = np.s_[low[1] : high[1], low[0] : high[0]]
         mask = np.zeros((high[1] - low[1], high[0] - low[0]), dtype=np.uint8)
         fixed = np.round((pixels - low) * (1 << _SUBPIXEL_BITS)).astype(np.int32)
         cv2.fillConvexPoly(mask, fixed, 1, shift=_SUBPIXEL_BITS)
-        inverse_depth = _inverse_depth(camera, normal / offset, low, high)
+        inverse_depth = _inverse_depth(camera, plane, low, high)
         nearness = (inverse_depth + lift).astype(np.float32)
         won = (mask > 0) & (nearness > self.nearness[box]) & ~self.touched[box]
         picture = self.picture[box]
@@ -111,11 +116,12 @@ class _Canvas:
             paint = np.array([*colour, 255.0])
         else:
             won &= layer[box][..., 3] > 0
-            paint = layer[box][won].astype(np.float64)
-        picture[won] = np.round(picture[won] * (1 - opacity) + paint * opacity).astype(np.uint8)
+            paint = layer[box][won]
         if opacity >= 1:
+            picture[won] = np.round(paint)
             self.nearness[box][won] = nearness[won]
         else:
+            picture[won] = np.round(picture[won] * (1 - opacity) + paint * opacity)
             self.touched[box] |= won
 
 
