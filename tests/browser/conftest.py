@@ -31,28 +31,8 @@ _GL = {
     "mesa": ("--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist"),
     "swiftshader": ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
 }
-_FLAGS = ("--no-sandbox", "--disable-gpu-compositing", "--process-per-site")
+_FLAGS = ("--no-sandbox", "--disable-gpu-compositing")
 _HAS_GL = "() => document.createElement('canvas').getContext('webgl2') !== null"
-
-
-class Chromium:
-    """A browser whose tabs share a profile and a process: each is open after three quarters of the
-    processor time of a tab by itself."""
-
-    def __init__(self, browser: Any) -> None:
-        self._browser, self._profile = browser, browser.new_context()
-        self._profile.new_page()  # keeps the process between two tabs
-
-    def new_page(self, viewport: dict[str, int] | None = None) -> Any:
-        """A tab of this size in CSS pixels."""
-        page = self._profile.new_page()
-        if viewport is not None:
-            page.set_viewport_size(viewport)
-        return page
-
-    def new_context(self, **options: Any) -> Any:
-        """A profile of its own, for what is kept in one or asked of it."""
-        return self._browser.new_context(**options)
 
 
 class Program:
@@ -100,7 +80,7 @@ def start() -> Iterator[Callable[..., Program]]:
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Chromium]:
+def chromium() -> Iterator[Any]:
     """A browser without a window."""
     names = ("chromium", "chromium-browser", "google-chrome")
     path = next((found for name in names if (found := shutil.which(name))), None)
@@ -109,7 +89,7 @@ def chromium() -> Iterator[Chromium]:
     with sync_playwright() as playwright:
         browser = _launched(playwright, path, "mesa") or _launched(playwright, path, "swiftshader")
         assert browser is not None, "Chromium draws no WebGL on this machine"
-        yield Chromium(browser)
+        yield browser
         browser.close()
 
 
