@@ -60,7 +60,8 @@ class Detector:
 
         Args:
             find_layout: detect whether the board is printed in the other layout, or inverted.
-            refine: refine the corners in windows that follow the local size of a square.
+            refine: refine a ChArUco board's corners in windows that follow the local size of a
+                square; the other kinds' readers measure their points themselves.
         """
         self._asked = board
         self._reader = reader_of(board, find_layout=find_layout)
