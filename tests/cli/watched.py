@@ -2,7 +2,8 @@
 
     python -m tests.cli.watched guide sim --headless ...
 
-With BREAK="where:views" in the environment something raises there once there are so many views.
+With BREAK="where:views" in the environment something raises there once there are so many views; a
+search, wherever it runs, never ends with more.
 """
 
 from __future__ import annotations
@@ -12,33 +13,30 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from importlib import import_module
 from typing import Any
 
-from venus3d.cli import main
-from venus3d.engine.guidance.session import Session
-from venus3d.engine.guidance.work import Work
-from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.sources.board_tracker import BoardTracker
-from venus3d.sources.sim import Simulation
-
-_PLACES: dict[str, tuple[Any, str]] = {
-    "source": (Simulation, "read"),
-    "detector": (BoardTracker, "track"),
-    "drawing": (Viewer, "show"),
-    "search": (Work, "run"),
+# Imported only where they are needed: the process that searches reads this module, too.
+_PLACES = {
+    "source": ("venus3d.sources.sim", "Simulation", "read"),
+    "detector": ("venus3d.sources.board_tracker", "BoardTracker", "track"),
+    "drawing": ("venus3d.scene.pages.guide.viewer", "Viewer", "show"),
+    "search": ("venus3d.engine.guidance.work", "Work", "run"),
 }
 _views = 0
 
 
-def _after(owner: Any, name: str, act: Callable[[], None]) -> None:
-    plain = getattr(owner, name)
+def _after(where: str, act: Callable[[Any], None]) -> None:
+    module, name, method = _PLACES[where]
+    owner = getattr(import_module(module), name)
+    plain = getattr(owner, method)
 
-    def done(*arguments: Any, **options: Any) -> Any:
-        result = plain(*arguments, **options)
-        act()
+    def done(self: Any, *arguments: Any, **options: Any) -> Any:
+        result = plain(self, *arguments, **options)
+        act(self)
         return result
 
-    setattr(owner, name, done)
+    setattr(owner, method, done)
 
 
 def _tell() -> None:
@@ -48,6 +46,8 @@ def _tell() -> None:
 
 
 def _watch() -> None:
+    from venus3d.engine.guidance.session import Session
+
     apply = Session.apply
 
     def applied(session: Session, outcome: Any) -> Any:
@@ -61,20 +61,24 @@ def _watch() -> None:
 
 
 def _break(where: str, views: int) -> None:
-    def act() -> None:
-        if _views < views:
-            return
-        if where == "search":
+    def search_on(work: Any) -> None:
+        if len(work.observations) > views:
             print("searching", flush=True)
             time.sleep(600)  # until somebody interrupts it
-        raise RuntimeError("boom")
 
-    _after(*_PLACES[where], act)
+    def fail(_: Any) -> None:
+        if _views >= views:
+            raise RuntimeError("boom")
 
+    _after(where, search_on if where == "search" else fail)
+
+
+if __name__ in ("__main__", "__mp_main__") and "BREAK" in os.environ:
+    place, _, count = os.environ["BREAK"].partition(":")
+    _break(place, int(count))
 
 if __name__ == "__main__":
+    from venus3d.cli import main
+
     _watch()
-    if "BREAK" in os.environ:
-        place, _, count = os.environ["BREAK"].partition(":")
-        _break(place, int(count))
     sys.exit(main())

@@ -1,1 +1,1 @@
-"""Shared by threads: the one-slot box, signals, latency."""
+"""Threads and processes: the one-slot box, signals, latency, a process that works."""

@@ -1,27 +1,22 @@
 """Guiding with the viewer: observations and intents go to the session, snapshots to the viewer.
 
-    think   the session's slow work: calibration and search
-    guide   (the caller's thread) observations and intents -> session -> viewer
-
-Two more threads read frames and detect boards (`sources.observation_stream`); detection never waits
-for the computations.
+The caller's thread does that. Two more read frames and detect boards
+(`sources.observation_stream`); calibration and search run in a process of their own
+(`threads.work_process`), so that nothing that moves waits for them.
 """
 
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from datetime import datetime, timedelta
-from functools import partial
 
-from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.errors import VenusError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.engine.guidance.work import Outcome, Work
+from venus3d.engine.guidance.work import Outcome
 from venus3d.languages import translated_error
 from venus3d.scene.pages.guide import intents, texts
 from venus3d.scene.pages.guide.flow_news import FlowNews
@@ -37,6 +32,7 @@ from venus3d.sources.reconnection import Outage
 from venus3d.sources.sim import Simulation
 from venus3d.sources.watched_folder import WatchedFolder
 from venus3d.threads.flow import Flow
+from venus3d.threads.work_process import WorkProcess
 
 _SILENT_S = 2.0
 """Seconds without a picture after which that is said; a folder shows each for one second."""
@@ -78,8 +74,7 @@ class LiveGuide:
         self._silent_since = self._said = ""
         self._by_keys = KeyMoves()
         self._on_camera, self._camera = on_camera, CameraSettings()
-        self._thinker = ThreadPoolExecutor(1, thread_name_prefix="think")
-        self._job: tuple[Work, Future[Outcome], threading.Event] | None = None
+        self._thinking = WorkProcess(session.note_calibrated)
 
     def stop(self) -> None:
         """Ask `run` to end; from any thread."""
@@ -149,9 +144,7 @@ class LiveGuide:
         return snapshot
 
     def _end(self) -> None:
-        if self._job is not None:
-            self._job[2].set()
-        self._thinker.shutdown(wait=True, cancel_futures=True)
+        self._thinking.close()
 
     def _show_picture(self, frame: Frame) -> None:
         self._viewer.show_picture(frame.image, came_s=frame.came_s)
@@ -198,26 +191,16 @@ class LiveGuide:
         return view is not None
 
     def _think(self) -> bool:
-        """Start pending work on its thread, collect finished work; whether there was any."""
-        pending, came = self._session.pending, False
-        if self._job is not None:
-            work, future, halt = self._job
-            if work is not pending:
-                halt.set()
-            if not future.done():
-                return False
-            self._job, came = None, True
-            try:
-                self._session.apply(future.result())
-            except CalibrationError as error:
-                self._session.fail(work, error)
-            pending = self._session.pending
-        if pending is not None:
-            halt = threading.Event()
-            told = partial(self._session.note_calibrated, pending)
-            done = self._thinker.submit(pending.run, halt.is_set, on_calibrated=told)
-            self._job = (pending, done, halt)
-        return came
+        """Collect finished work, start pending work; whether anything was finished."""
+        session, thinking = self._session, self._thinking
+        work, answer = thinking.work, thinking.take()
+        if isinstance(answer, Outcome):
+            session.apply(answer)
+        elif answer is not None and work is not None:
+            session.fail(work, answer)
+        if session.pending is not None and session.pending is not thinking.work:
+            thinking.begin(session.pending)
+        return answer is not None
 
     def _obey(self, intent: intents.Intent) -> None:
         session, source = self._session, self._stream.source
