@@ -71,6 +71,7 @@ class CharucoReader(BoardReader):
         super().__init__(board)
         self.settled = not find_layout
         self._finders: dict[tuple[Board, bool], Any] = {}
+        self._small_finders: dict[Board, Any] = {}
         self._evidence: dict[Board, int] = dict.fromkeys(_readings(board), 0)
         self._frames = 0
         self._markers: Any = None
@@ -79,7 +80,8 @@ class CharucoReader(BoardReader):
     def copy(self) -> CharucoReader:
         """Reads one image until the layout is settled, then any number."""
         other = super().copy()
-        other._finders, other._evidence = {}, dict(self._evidence)
+        other._finders, other._small_finders = {}, {}
+        other._evidence = dict(self._evidence)
         other._frames = 0
         return other
 
@@ -186,10 +188,15 @@ class CharucoReader(BoardReader):
         small = np.asarray(
             cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), np.uint8
         )
-        _, _, markers = self._detect_board(self.board, small, quick=True)
-        if markers is None:
+        board = self.board
+        if board not in self._small_finders:
+            dictionary = board.cv_board.getDictionary()
+            finder = cv2.aruco.ArucoDetector(dictionary, _parameters(quick=True))
+            self._small_finders[board] = finder
+        picture = 255 - small if board.inverted else small
+        quads, ids, _ = self._small_finders[board].detectMarkers(picture)
+        if ids is None or len(ids) == 0:
             return None
-        quads, ids = markers
         return [((quad + 0.5) * times - 0.5).astype(np.float32) for quad in quads], ids
 
     def _detect_board(
@@ -231,10 +238,15 @@ def _marker_share(
 
 
 def _finder(board: Board, quick: bool) -> Any:
-    markers = cv2.aruco.DetectorParameters()
+    charuco = cv2.aruco.CharucoParameters()
+    return cv2.aruco.CharucoDetector(board.cv_board, charuco, _parameters(quick=quick))
+
+
+def _parameters(*, quick: bool) -> cv2.aruco.DetectorParameters:
+    parameters = cv2.aruco.DetectorParameters()
     if quick:
-        markers.adaptiveThreshWinSizeMin = markers.adaptiveThreshWinSizeMax = _QUICK_WINDOW_PX
-    return cv2.aruco.CharucoDetector(board.cv_board, cv2.aruco.CharucoParameters(), markers)
+        parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = _QUICK_WINDOW_PX
+    return parameters
 
 
 def _readings(board: Board) -> list[Board]:
