@@ -18,6 +18,7 @@ import threading
 import time
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
+from typing import NamedTuple
 
 import psutil
 
@@ -39,8 +40,23 @@ from venus3d.sources.frame import Frame
 from venus3d.sources.sim import Simulation
 from venus3d.storage.session_folder import SessionFolder
 
-GROWTH_MIB, GROWTH_THREADS, GROWTH_HANDLES = 60, 2, 10
 _PARTS = 10
+
+
+class Figures(NamedTuple):
+    """What the program holds."""
+
+    memory_mib: float
+    """Memory that is free, but not given back, does not count."""
+    threads: int
+    handles: int
+    beside_mib: float
+    """Memory of the processes that it has started."""
+    beside: int
+    """The number of them."""
+
+
+MOST_GROWTH = Figures(60, 2, 10, 60, 0)
 
 
 class Counted(Simulation):
@@ -67,13 +83,18 @@ class Again(Viewer):
         return asked
 
 
-def figures(process: psutil.Process) -> tuple[float, int, int]:
-    """MiB in memory, threads, handles; memory that is free, but not given back, does not count."""
+def figures(process: psutil.Process) -> Figures:
     gc.collect()
     if sys.platform == "linux":
         ctypes.CDLL("libc.so.6").malloc_trim(0)
-    memory: int = process.memory_info().rss
-    return memory / 2**20, process.num_threads(), process.num_fds()
+    beside = process.children(recursive=True)
+    return Figures(
+        process.memory_info().rss / 2**20,
+        process.num_threads(),
+        process.num_fds(),
+        sum(one.memory_info().rss for one in beside) / 2**20,
+        len(beside),
+    )
 
 
 def soak(frames: int) -> bool:
@@ -97,7 +118,7 @@ def soak(frames: int) -> bool:
 
         tracker = BoardTracker(Detector(board, find_layout=False))
         live = LiveGuide(session, source, tracker, viewer, keep, lambda: source)
-        measured: list[tuple[float, int, int]] = []
+        measured: list[Figures] = []
         ended = threading.Event()
         watcher = threading.Thread(
             target=_watch, args=(live, source, viewer, frames, measured, ended), daemon=True
@@ -114,13 +135,12 @@ def soak(frames: int) -> bool:
         print("Ended before all frames.")
         return False
     first, last = measured[1], measured[-1]
-    grown = [after - before for before, after in zip(first, last, strict=True)]
+    grown = Figures(*(after - before for before, after in zip(first, last, strict=True)))
     print(
-        f"From the first tenth to the end: {grown[0]:+.1f} MiB, {grown[1]:+.0f} threads, "
-        f"{grown[2]:+.0f} handles."
+        f"From the first tenth to the end: {grown.memory_mib:+.1f} MiB, {grown.threads:+} threads, "
+        f"{grown.handles:+} handles; the processes beside it {grown.beside_mib:+.1f} MiB."
     )
-    limits = (GROWTH_MIB, GROWTH_THREADS, GROWTH_HANDLES)
-    return all(growth <= limit for growth, limit in zip(grown, limits, strict=True))
+    return all(growth <= most for growth, most in zip(grown, MOST_GROWTH, strict=True))
 
 
 def _read(port: int) -> None:
@@ -135,7 +155,7 @@ def _watch(
     source: Counted,
     viewer: Again,
     frames: int,
-    measured: list[tuple[float, int, int]],
+    measured: list[Figures],
     ended: threading.Event,
 ) -> None:
     process, began = psutil.Process(), time.monotonic()
@@ -144,10 +164,11 @@ def _watch(
             if ended.wait(0.2):
                 return
         measured.append(figures(process))
-        memory, threads, handles = measured[-1]
+        now = measured[-1]
         print(
             f"{source.frames:7} frames, {time.monotonic() - began:5.0f} s, {viewer.sessions:3} "
-            f"calibrations: {memory:6.1f} MiB, {threads} threads, {handles} handles",
+            f"calibrations: {now.memory_mib:6.1f} MiB, {now.threads} threads, {now.handles} handles; "
+            f"{now.beside} processes beside it, {now.beside_mib:.1f} MiB",
             flush=True,
         )
     live.stop()
