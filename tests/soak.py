@@ -167,8 +167,8 @@ def _watch(
         now = measured[-1]
         print(
             f"{source.frames:7} frames, {time.monotonic() - began:5.0f} s, {viewer.sessions:3} "
-            f"calibrations: {now.memory_mib:6.1f} MiB, {now.threads} threads, {now.handles} handles; "
-            f"{now.beside} processes beside it, {now.beside_mib:.1f} MiB",
+            f"calibrations: {now.memory_mib:6.1f} MiB, {now.threads} threads, "
+            f"{now.handles} handles, {now.beside} processes beside of {now.beside_mib:.1f} MiB",
             flush=True,
         )
     live.stop()
