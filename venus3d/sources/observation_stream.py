@@ -15,17 +15,15 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
 
-from venus3d.engine.calibration.board_finding import FoundBoard
 from venus3d.engine.calibration.observation import Observation
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.live import Live
+from venus3d.sources.looped import Looped
+from venus3d.sources.second_board_watch import SecondBoardWatch
 from venus3d.sources.video import Video
 from venus3d.sources.watched_folder import WatchedFolder
 from venus3d.threads.flow import Flow
@@ -35,10 +33,6 @@ from venus3d.threads.signals import on_stop_signal
 
 # Seconds for which each image of a folder is shown.
 _STILL_S = 1.0
-# Another board is looked for this often, and for this share of one core's time at most.
-_BESIDE_S, _BESIDE_SHARE = 3.0, 0.05
-_BESIDE_KEPT = 2
-"""Looks that count: a board that is not seen in so many is gone."""
 
 
 class ObservationStream:
@@ -64,21 +58,17 @@ class ObservationStream:
             look_beside: look for another board beside the one detected, now and then.
         """
         self.source, self.tracker = source, tracker
-        self._on_picture, self._reopen = on_picture, reopen
+        self._on_picture = on_picture
+        self._looped = None if reopen is None else Looped(reopen)
         self._flow, self._counted = flow or Flow(), 0
         self._frames: Latest[Frame] = Latest()
         self._observations: Latest[Observation] = Latest()
-        self._look_beside = look_beside
-        self._to_look_beside: Latest[Observation] = Latest()
-        self._beside: deque[FoundBoard | None] = deque(maxlen=_BESIDE_KEPT)
         self._stop = threading.Event()
+        self._beside = SecondBoardWatch(tracker.detector, self._stop) if look_beside else None
         self._running = threading.Event()  # cleared while paused
         self._running.set()
         self._failure: BaseException | None = None
         self._read_s = time.monotonic()
-        self._opener = ThreadPoolExecutor(1, thread_name_prefix="reopen")
-        self._reopened: Future[Source] | None = None
-        """The recording once more, opened before it ends: that takes some tenths of a second."""
 
     @property
     def silent_s(self) -> float:
@@ -113,8 +103,8 @@ class ObservationStream:
         Raises what `step` raised. The source's exception is kept for `check`.
         """
         loops = {"watch": self._watch, "detect": self._detect}
-        if self._look_beside:
-            loops["beside"] = self._look_for_another
+        if self._beside is not None:
+            loops["beside"] = self._beside.look
         threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
             for name, loop in loops.items()
@@ -131,17 +121,16 @@ class ObservationStream:
             self._running.set()
             self._frames.close()
             self._observations.close()
-            self._to_look_beside.close()
+            if self._beside is not None:
+                self._beside.close()
             at_end()
             if isinstance(self.source, (Live, WatchedFolder)):  # they may wait for ever
                 self.source.close()
             for thread in threads:
                 thread.join(timeout=2)
-            self._opener.shutdown(wait=True, cancel_futures=True)
             self.source.close()
-            if self._reopened is not None and not self._reopened.cancelled():
-                with suppress(Exception):
-                    self._reopened.result().close()
+            if self._looped is not None:
+                self._looped.close()
 
     def check(self) -> None:
         """Raises the exception that ended the source or the detection, if any."""
@@ -172,7 +161,8 @@ class ObservationStream:
         self._count()
         self._on_picture(frame)
         self._frames.put(frame)
-        self._open_ahead()
+        if self._looped is not None:
+            self._looped.open_ahead(self.source)
         if isinstance(self.source, Folder):
             self._stop.wait(_STILL_S)
 
@@ -184,19 +174,10 @@ class ObservationStream:
         else:
             self._flow.note("came")
 
-    def _open_ahead(self) -> None:
-        on_disk = isinstance(self.source, Video) and not self.source.is_served
-        if on_disk and self._reopened is None and self._reopen is not None:
-            with suppress(RuntimeError):  # at the end no more are opened
-                self._reopened = self._opener.submit(self._reopen)
-
     def _begin_again(self) -> None:
-        # A short video loops until the user ends it.
-        if self._reopen is None or self._stop.is_set():
+        if self._looped is None or self._stop.is_set():
             return
-        self.source.close()
-        opened, self._reopened = self._reopened, None
-        self.source = self._reopen() if opened is None else opened.result()
+        self.source = self._looped.again(self.source)
         if self._stop.is_set():  # the end has closed the old one
             self.source.close()
 
@@ -205,15 +186,6 @@ class ObservationStream:
         if frame is not None:
             observation = self.tracker.track(frame)
             self._observations.put(observation)
-            if self._look_beside and observation.count:
-                self._to_look_beside.put(observation)
+            if self._beside is not None:
+                self._beside.put(observation)
             self._flow.note("searched")
-
-    def _look_for_another(self) -> None:
-        seen = self._to_look_beside.take(timeout=0.2)
-        if seen is None:
-            return
-        began = time.thread_time()
-        self._beside.append(self.tracker.detector.look_beside(seen.image, seen))
-        self.tracker.detector.note_beside(self._beside)
-        self._stop.wait(max(_BESIDE_S, (time.thread_time() - began) / _BESIDE_SHARE))

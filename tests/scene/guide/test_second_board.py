@@ -24,7 +24,7 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
-from venus3d.sources import observation_stream
+from venus3d.sources import second_board_watch
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Frame
 from venus3d.sources.observation_stream import ObservationStream
@@ -63,8 +63,8 @@ def viewer() -> Iterator[Viewer]:
 def test_the_page_tells_of_the_second_board_until_it_is_gone(
     viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(observation_stream, "_BESIDE_S", 0.1)
-    monkeypatch.setattr(observation_stream, "_BESIDE_SHARE", 1.0)
+    monkeypatch.setattr(second_board_watch, "EVERY_S", 0.1)
+    monkeypatch.setattr(second_board_watch, "SHARE", 1.0)
     desk = Desk()
     session = Session(FIRST, desk.image_size)
     tracker = BoardTracker(Detector(FIRST, find_layout=False))
