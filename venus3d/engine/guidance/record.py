@@ -10,7 +10,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.guidance.known_camera import KnownCamera
-from venus3d.engine.guidance.views import CapturedView
+from venus3d.engine.guidance.views import CapturedView, Keeping
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.engine.planning.settings import Cost, Method
 
@@ -36,18 +36,6 @@ class SessionState:
     cost: Cost | None
     known: KnownCamera | None = None
     """The camera that it began with, if one was known."""
-
-
-class Keeping(Protocol):
-    """The keeping of one view. A `concurrent.futures.Future` is one."""
-
-    def done(self) -> bool:
-        """Whether `result` would return or raise at once."""
-        ...
-
-    def result(self) -> None:
-        """Wait until the view is kept. Raises `VenusError` if it cannot be kept."""
-        ...
 
 
 class Recorder(Protocol):

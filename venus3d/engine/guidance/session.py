@@ -20,7 +20,7 @@ from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.diagnosis import Diagnosis, joined
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.repeats import repeats
-from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.lenses import lens_chosen
@@ -34,7 +34,7 @@ from venus3d.engine.guidance.prompts import (
     refusal_headline_and_prompt,
     startup_headline_and_prompt,
 )
-from venus3d.engine.guidance.record import Keeping, NoRecorder, Recorder, SessionState
+from venus3d.engine.guidance.record import NoRecorder, Recorder, SessionState
 from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -48,10 +48,6 @@ from venus3d.engine.planning.target import Target
 from venus3d.engine.sentences import Sentence, said_by
 
 _NOT_KEPT = Sentence("The last view was not kept: {error}")
-
-_NOT_CAPTURED = Sentence("This view was not captured: {error}")
-_RETRY_FRAMES = 50
-"""Frames until a view that could not be kept is tried again by itself."""
 
 
 class Session:
@@ -70,8 +66,6 @@ class Session:
         Raises `VenusError` for settings whose method, cost and search are incompatible."""
         self.settings = settings or Settings()
         self._recorder = recorder or NoRecorder()
-        self._keeping: tuple[CapturedView, Keeping] | None = None
-        self._not_kept, self._retry_at = "", 0
         self._ending = False
         self._image_size = image_size
         self._board_diagnoses: tuple[Diagnosis, ...] = ()
@@ -129,9 +123,8 @@ class Session:
         self._watch_taken_back()
         may_capture = (
             self.settings.auto_capture
-            and self._keeping is None
             and self._taken_back is None
-            and self._number >= self._retry_at
+            and self._captured.may_keep(self._number)
         )
         if may_capture and self._phase in ("startup", "guiding"):
             best = self._tracker.best_held if self._is_held else None
@@ -147,8 +140,8 @@ class Session:
         A view that does not determine the focal length is accepted too: guidance then continues
         with a guessed camera, and says so, until tilted views come.
         """
-        if self._keeping is not None:
-            return True  # the one that is being kept
+        if self._captured.is_keeping:
+            return True  # that one
         tracker = self._tracker
         over = self._phase == "finished" or self._ending
         seen = tracker.observation if chosen is None else chosen
@@ -160,25 +153,16 @@ class Session:
         at_target = tracker.is_at_target and self._phase == "guiding"
         view = CapturedView(self._captured.next_number, seen, self._target if at_target else None)
         self._keep_going = self._keep_going or self._phase == "converged"
-        self._keeping = view, self._recorder.captured(view)
+        self._captured.keep(view, self._recorder.captured(view))
         self.count_kept()
-        return self._keeping is not None or not self._not_kept
+        return self._captured.is_keeping or not self._captured.not_kept
 
     def count_kept(self, *, wait: bool = False) -> None:
         """Count the captured view that the recorder has kept by now; `wait` for it. One that cannot
         be kept is not captured, and the snapshot's warnings say why."""
-        if self._keeping is None or not (wait or self._keeping[1].done()):
-            return
-        (view, keeping), self._keeping = self._keeping, None
-        try:
-            keeping.result()
-        except VenusError as error:
-            self._not_kept = _NOT_CAPTURED.format(error=said_by(error))
-            self._retry_at = self._number + _RETRY_FRAMES
-            return
-        self._not_kept, self._taken_back = "", None
-        self._captured.add(view)
-        self._recalibrate()
+        if self._captured.add_kept(self._number, wait=wait):
+            self._taken_back = None
+            self._recalibrate()
 
     def take_new_view(self) -> CapturedView | None:
         """The last captured view with its image, returned once; None if there is no new one."""
@@ -408,7 +392,7 @@ class Session:
             history=self._history,
             headline=headline,
             instruction=instruction,
-            warnings=(*([self._not_kept] if self._not_kept else []), *self._warnings),
+            warnings=(*filter(None, [self._captured.not_kept]), *self._warnings),
             diagnoses=joined(self._board_diagnoses, diagnoses),
             final_diagnoses=self._diagnoses.final,
             forecast=known and known.forecast,
@@ -433,7 +417,7 @@ class Session:
 
     def _use_board(self, board: Board) -> None:
         """Adopt a board with another layout; only before the first view."""
-        has_views = bool(self._captured.views) or self._keeping is not None
+        has_views = bool(self._captured.views) or self._captured.is_keeping
         if not (has_views or self._ending) and board != self.board:
             self._restart(board)
 
