@@ -30,12 +30,13 @@ def small_picture(image: LivePicture, width: int = PICTURE_WIDTH) -> NDArray[np.
     if image.dtype != np.uint8:
         # A 10 or 12 bit camera fills only the lower bits: stretch to the largest value.
         picture = np.rint(image * (255.0 / max(int(image.max()), 1))).astype(np.uint8)
+    size = (width, round(picture.shape[0] * width / picture.shape[1]))
+    # Halves first: the mean of 2 x 2 pixels is quick, of 3 x 3 it takes five times as long.
+    while picture.shape[1] >= 2 * width:
+        half = (picture.shape[1] // 2, picture.shape[0] // 2)
+        picture = cv2.resize(picture, half, interpolation=cv2.INTER_AREA)
     if picture.shape[1] > width:
-        height = round(picture.shape[0] * width / picture.shape[1])
-        # Area averaging takes ten times as long for non-integer ratios and looks no better.
-        halved = picture.shape[1] >= 2 * width
-        how = cv2.INTER_AREA if halved else cv2.INTER_LINEAR
-        picture = cv2.resize(picture, (width, height), interpolation=how)
+        picture = cv2.resize(picture, size, interpolation=cv2.INTER_LINEAR)
     code = cv2.COLOR_GRAY2RGB if picture.ndim == 2 else cv2.COLOR_BGR2RGB
     return np.asarray(cv2.cvtColor(picture, code), dtype=np.uint8)
 
