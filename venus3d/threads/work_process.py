@@ -81,6 +81,7 @@ class WorkProcess:
         theirs.close()
 
     def _start_again(self) -> None:
+        self._process.kill()  # if its end of the pipe alone is gone
         self._process.join()
         self._tries += 1
         told = f"The process that calibrates and searches ended with code {self._process.exitcode}"
