@@ -6,6 +6,8 @@ import os
 
 import cv2
 
+_SILENT = 0
+
 
 def silence_opencv() -> None:
     """Turn off OpenCV's and FFmpeg's messages for this process; cheap, call before each opening.
@@ -13,4 +15,6 @@ def silence_opencv() -> None:
     # FFmpeg reads its level from here when the first capture of the process is opened.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     if "OPENCV_LOG_LEVEL" not in os.environ:
-        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+        # OpenCV 4 has it at the top.
+        set_level = getattr(cv2, "setLogLevel", None) or cv2.utils.logging.setLogLevel
+        set_level(_SILENT)
