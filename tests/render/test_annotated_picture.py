@@ -36,3 +36,11 @@ def test_it_shows_what_the_mean_over_areas_shows(
     assert np.sqrt(((shown.astype(float) - wanted) ** 2).mean()) < 4
     grey_shown = small_picture(whole)
     assert np.array_equal(grey_shown[:, :, 0], grey_shown[:, :, 2])
+
+
+@pytest.mark.parametrize("width", [1280, 1920, 3840])
+def test_pixels_are_averaged_not_left_out(rng: np.random.Generator, width: int) -> None:
+    noise = rng.integers(0, 255, (width * 9 // 16, width), np.uint8)
+    assert small_picture(noise).std() < 0.55 * noise.std()
+    left_out = cv2.resize(noise, (640, 360), interpolation=cv2.INTER_NEAREST)
+    assert left_out.std() > 0.9 * noise.std(), "the bar tells them apart"
