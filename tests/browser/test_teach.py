@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -127,10 +128,13 @@ def test_a_slider_moves_scene_words_and_both_pictures(teaching: ServedTeaching, 
 def test_play_counts_up_and_ends_at_the_pose(teaching: ServedTeaching, page: Any) -> None:
     teaching.change(lambda state: state.opened(None))
     page.wait_for_selector(f"text={texts.THERE_HEADLINE}")
+    # In a loop: a browser that stands still for a moment sees the step in the next round.
+    teaching.change(lambda state: replace(state, loop=True))
     page.keyboard.press("Space")
     page.wait_for_selector(".v-now:has-text('Step 2 of 4')")
     page.wait_for_selector(".v-now small:has-text('of +25°')")
     page.wait_for_selector(".v-now:has-text('Step 4 of 4')")
+    teaching.change(lambda state: replace(state, loop=False))
     page.wait_for_selector(f"text={texts.THERE_HEADLINE}")
     assert teaching.state.at_rest and not teaching.state.playing
 

@@ -99,6 +99,16 @@ def test_the_class_follows_the_first_tab_on_this_machine(analyse: PoseAnalysis) 
     assert early.state.progress == teacher.state.progress < 2.0, "not played twice"
 
 
+def test_a_server_that_stood_still_plays_on_where_it_was(analyse: PoseAnalysis) -> None:
+    learner = Learner(analyse, TeachState())
+    learner.tick(1.0)
+    learner.handle(PageAction.PLAY)
+    begun = learner.state.progress
+    learner.tick(30.0)
+    assert learner.state.playing, "no step is left out"
+    assert begun < learner.state.progress < begun + 1
+
+
 def test_whoever_follows_changes_nothing_but_answer_and_brightness(analyse: PoseAnalysis) -> None:
     room = Class(analyse)
     teacher, pupil, other = room.join(1, here=True), room.join(2), room.join(3)

@@ -25,6 +25,8 @@ Look = tuple[SceneCamera, float]
 """A tab's point of view, and its window's width over height."""
 AWAY_S = 10.0
 """Seconds without the leading tab (it is being reloaded) after which the class is let go."""
+_MOST_PLAYED_S = 0.25
+"""Most that the animation moves on at once: a server that stood still leaves out no step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +140,8 @@ class Learner:
             room.lead(self._number, self._state)
         if self._state.playing and not self._follows:
             idle = self.view().taught.idle(self._state.arrangement)
-            self.change(lambda state: state.after(seconds, idle))
+            played = min(seconds, _MOST_PLAYED_S)
+            self.change(lambda state: state.after(played, idle))
         if room is not None and room.is_led(now_s):
             if room.leader == self._number:
                 room.show(self._state, self._look(), now_s)
