@@ -31,7 +31,7 @@ STILLS = {
     "sleap-charuco-8x11-top": Board(8, 11, 0.024, 0.01875, "DICT_4X4_1000"),
 }
 SAME = 1.001
-"""Halves are drawn at random: a thousandth is no difference."""
+"""Parts are drawn at random: a thousandth is no difference."""
 
 
 def by_opencv(board: Board, picture: NDArray[np.uint8]) -> Corners:
@@ -50,12 +50,13 @@ def calibrated(
 
 
 def held_out(board: Board, views: Sequence[Corners], size: tuple[int, int]) -> float:
-    """Median over halves of the rms of the other half's corners, their pose fitted; pixels."""
+    """Median over thirds of the rms of their corners, with the camera of the others and their pose
+    fitted; pixels. Halves of the smallest sets leave the third radial coefficient open."""
     rng, found = np.random.default_rng(0), []
     for _ in range(4):
         order = rng.permutation(len(views))
-        middle = len(order) // 2
-        for known, asked in ((order[:middle], order[middle:]), (order[middle:], order[:middle])):
+        for asked in np.array_split(order, 3):
+            known = np.setdiff1d(order, asked)
             _, K, distortion = calibrated(board, [views[i] for i in known], size)
             errors = []
             for ids, corners in (views[i] for i in asked):
@@ -120,7 +121,7 @@ def test_glare_moves_no_corner_away(shared_data: Path) -> None:
 
 
 def test_a_checkerboard_is_no_worse_than_plain_opencv(shared_data: Path) -> None:
-    """`findChessboardCorners` with cornerSubPix: better by its rms, and held out alike."""
+    """`findChessboardCorners` with cornerSubPix: better by its rms, and held out."""
     board = Board(10, 7, 0.025, kind="chessboard")
     pictures = grey_of(shared_data / "checkerboard-9x6")
     reader = ChessboardReader(board).copy()
@@ -133,7 +134,7 @@ def test_a_checkerboard_is_no_worse_than_plain_opencv(shared_data: Path) -> None
         way_up = np.linalg.norm(one - corners, axis=1).max() < 2
         plain.append((ids, one if way_up else one[::-1]))
     assert calibrated(board, ours, (640, 512))[0] < 0.95 * calibrated(board, plain, (640, 512))[0]
-    assert held_out(board, ours, (640, 512)) < 1.05 * held_out(board, plain, (640, 512))
+    assert held_out(board, ours, (640, 512)) < held_out(board, plain, (640, 512))
 
 
 @pytest.mark.parametrize("away_m", [0.5, 0.65])
