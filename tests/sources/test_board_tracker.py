@@ -82,7 +82,7 @@ def test_a_blurred_frame_is_looked_at_fully_and_forgotten(
     track, detector = tracker[0].track, tracker[1]
     sharp = frame(default_board, paper_camera, 0, 0, 0, 0, 0, 0.4)
     blurred = replace(sharp, image=cv2.blur(sharp.image, (9, 1)))
-    track(sharp)
+    track(frame(default_board, paper_camera, 0, 0, 0, 0.03, 0, 0.4))  # too far off to be followed
     seen = track(blurred)
     assert seen.count == Detector(default_board, find_layout=False).detect(blurred.image).count
     assert 10 < seen.count < 40

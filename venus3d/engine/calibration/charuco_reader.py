@@ -19,6 +19,7 @@ from venus3d.engine.calibration.board_diagnoses import (
 from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
 from venus3d.engine.calibration.board_recognition import OTHER_MARKER
 from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.following import Follower
 from venus3d.engine.calibration.marker_lattice import side_of
 from venus3d.engine.calibration.observation import determines_homography
 from venus3d.engine.calibration.thin_borders import thin_border_diagnosis
@@ -77,11 +78,13 @@ class CharucoReader(BoardReader):
         self._frames = 0
         self._markers: Any = None
         self._two_boards = False
+        self._follower = Follower()
 
     def copy(self) -> CharucoReader:
         """Reads one image until the layout is settled, then any number."""
         other = super().copy()
         other._finders, other._small_finders = {}, {}
+        other._follower = Follower()
         other._evidence = dict(self._evidence)
         other._frames = 0
         return other
@@ -114,16 +117,23 @@ class CharucoReader(BoardReader):
     def adopt(self, board: Board) -> None:
         """Read this board from now on, in whichever layout."""
         super().adopt(board)
+        self._follower = Follower()
         self.settled, self._frames, self.weighing = False, 0, False
         self._evidence = dict.fromkeys(_readings(board), 0)
 
     def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """The corners of the presumed board; compares readings until settled."""
+        followed = self._follower.followed(grey, region) if quick else None
+        if followed is not None:
+            return followed
         x0, y0, x1, y1 = region
         self._markers = None
         ids, corners = self._found(grey[y0:y1, x0:x1], quick)
+        corners = corners + np.array([x0, y0])
         self.confused = self._shows_two_boards()
-        return ids, corners + np.array([x0, y0])
+        if not (self.is_copy or self.confused):
+            self._follower.found(grey, ids, corners)
+        return ids, corners
 
     def _found(self, grey: Grey, quick: int) -> Read:
         if self.settled:

@@ -17,12 +17,12 @@ import numpy as np
 from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
 from venus3d.engine.calibration.corner_grids import (
     contrast_of,
-    flowed,
     is_even,
     numbered,
     row_direction,
     turned,
 )
+from venus3d.engine.calibration.following import flowed
 from venus3d.engine.calibration.refinement import (
     by_corner_sub_pix,
     local_scales,

@@ -15,8 +15,9 @@ import numpy as np
 
 from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
 from venus3d.engine.calibration.circle_grids import alike_blobs, grids_of
-from venus3d.engine.calibration.corner_grids import flowed, is_even, numbered, row_direction
+from venus3d.engine.calibration.corner_grids import is_even, numbered, row_direction
 from venus3d.engine.calibration.disc_centroids import disc_centroids
+from venus3d.engine.calibration.following import flowed
 from venus3d.engine.calibration.refinement import local_scales
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.discs import centres_of_discs
@@ -95,7 +96,7 @@ class CircleReader(BoardReader):
         steps = np.linalg.norm(np.diff(grid, axis=1), axis=2).max()
         board = self.board
         diameter = steps * board.marker / (board.square * board.of_kind.stride)
-        shrink = max(1.0, float(diameter) / _FLOWN_PX)
+        shrink = max(1, round(float(diameter) / _FLOWN_PX))
         now = flowed(before, grey, grid, region, shrink=shrink, levels=_FLOW_LEVELS)
         if now is None:
             return None

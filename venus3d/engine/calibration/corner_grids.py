@@ -1,22 +1,17 @@
-"""Grids of points in an image: evenness, a checkerboard's colours, ways to read them, and where
-they are in the next image."""
+"""Grids of points in an image: evenness, a checkerboard's colours, ways to read them."""
 
 from __future__ import annotations
 
-from typing import Any
-
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_reader import Grey, Read, Region
+from venus3d.engine.calibration.board_reader import Grey, Read
 from venus3d.engine.geometry.pose import Array
 
 _UNEVEN = 0.5
 """Largest change of a step from one corner to the next, as a share of it: less in a fisheye."""
 _LEAST_CONTRAST = 10.0
 """Grey levels between neighbouring squares."""
-_FLOW_WINDOW = (15, 15)
 
 
 def is_even(corners: Array) -> bool:
@@ -57,35 +52,6 @@ def turned(corners: Array) -> list[Array]:
         corners = corners[:, ::-1]
     square = corners.shape[0] == corners.shape[1]
     return [np.rot90(corners, k) for k in ((0, 1, 2, 3) if square else (0, 2))]
-
-
-def flowed(
-    before: Grey, grey: Grey, grid: Array, region: Region, *, shrink: float = 1.0, levels: int = 3
-) -> Array | None:
-    """Where the points (R, C, 2) of an image are in the next one, within a region; None if one of
-    them is lost.
-
-    Args:
-        shrink: by how much smaller the images are that are compared.
-        levels: how often they are halved.
-    """
-    if before.shape != grey.shape:
-        return None
-    x0, y0, x1, y1 = region
-    parts: list[Any] = [np.ascontiguousarray(g[y0:y1, x0:x1]) for g in (before, grey)]
-    scale = np.ones(2)
-    if shrink > 1:
-        size = np.maximum(np.rint(np.array([x1 - x0, y1 - y0]) / shrink), 1).astype(int)
-        scale = size / [x1 - x0, y1 - y0]
-        parts = [cv2.resize(part, size.tolist(), interpolation=cv2.INTER_AREA) for part in parts]
-    start = ((grid.reshape(-1, 1, 2) - [x0, y0] + 0.5) * scale - 0.5).astype(np.float32)
-    moved, status, _ = cv2.calcOpticalFlowPyrLK(
-        parts[0], parts[1], start, start.copy(), winSize=_FLOW_WINDOW, maxLevel=levels
-    )
-    if moved is None or not np.all(status):
-        return None
-    now = (np.asarray(moved, dtype=np.float64).reshape(grid.shape) + 0.5) / scale - 0.5
-    return now + np.array([x0, y0])
 
 
 def numbered(grid: Array) -> Read:

@@ -35,6 +35,7 @@ from venus3d.engine.calibration.small_boards import small_board
 from venus3d.engine.calibration.tag_reader import TagReader
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.pose import Array
 
 # Number of whole images without the board kept for `explain_misses`: the first and the last ones.
 _KEPT_MISSED = 3
@@ -246,17 +247,35 @@ def search_region(
         image_size: (width, height) of the next frame.
         grow: share of the corners' extent added on each side; at least `least_px`.
 
-    Returns None if nothing was seen or a region saves nothing: search the whole image.
+    Where the board is seen in part, the rest of it belongs to the region. Returns None if nothing
+    was seen or a region saves nothing: search the whole image.
     """
     if observation.count == 0 or observation.image_size != image_size:
         return None
-    low, high = observation.corners.min(axis=0), observation.corners.max(axis=0)
+    corners = _whole_board(observation)
+    low, high = corners.min(axis=0), corners.max(axis=0)
     margin = max(least_px, grow * float((high - low).max()))
     x0, y0 = np.floor(low - margin).astype(int)
     x1, y1 = np.ceil(high + margin).astype(int) + 1
     region = _clipped((int(x0), int(y0), int(x1), int(y1)), image_size)
     area = (region[2] - region[0]) * (region[3] - region[1])
     return region if area < 0.8 * image_size[0] * image_size[1] else None
+
+
+def _whole_board(observation: Observation) -> Array:
+    """(N, 2) the corners seen, and where the board's others are about, pixels."""
+    board, corners = observation.board, observation.corners
+    if board is None or observation.count >= board.corner_count:
+        return corners
+    H, _ = cv2.findHomography(board.points_of(observation.ids)[:, :2], corners)
+    if H is None:
+        return corners
+    flat = np.column_stack([board.corners[:, :2], np.ones(board.corner_count)])
+    image = flat @ np.asarray(H, dtype=np.float64).T
+    image = image[image[:, 2] * np.median(image[observation.ids, 2]) > 0]
+    width, height = observation.image_size
+    others = np.clip(image[:, :2] / image[:, 2:], 0, [width - 1, height - 1])
+    return np.concatenate([corners, others])
 
 
 def _grey(image: Any) -> Grey:

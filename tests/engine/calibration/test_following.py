@@ -1,0 +1,134 @@
+"""A board that is followed is seen as well as one that is searched anew."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.engine.board_pictures import picture_of
+from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.following import Follower
+from venus3d.engine.calibration.observation import Observation, reprojection_errors
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.frame import Frame
+
+Picture = NDArray[np.uint8]
+
+
+@pytest.fixture
+def answers(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Whether each picture was followed, as long as the test runs."""
+    given: list[bool] = []
+    follow = Follower.followed
+
+    def noted(self: Follower, *picture: object) -> object:
+        found = follow(self, *picture)  # type: ignore[arg-type]
+        given.append(found is not None)
+        return found
+
+    monkeypatch.setattr(Follower, "followed", noted)
+    return given
+
+
+def tracker_of(board: Board) -> BoardTracker:
+    return BoardTracker(Detector(board, find_layout=False))
+
+
+def tracked(tracker: BoardTracker, picture: Picture) -> Observation:
+    return tracker.track(Frame(picture, 0.0, ""))
+
+
+@pytest.mark.slow
+def test_a_real_board_is_followed_without_loss(shared_data: Path, answers: list[bool]) -> None:
+    """Each corner of a hand-held board is there, and they fit the camera as well as those found."""
+    board = Board(12, 8, 0.0180086, 0.0139954, "DICT_5X5_1000")
+    video = cv2.VideoCapture(str(shared_data / "wpilib-charuco-12x8.mp4"))
+    tracker, detector = tracker_of(board), Detector(board, find_layout=False)
+    pairs: list[tuple[Observation, Observation]] = []
+    for _ in range(60):
+        picture = np.asarray(cv2.cvtColor(video.read()[1], cv2.COLOR_BGR2GRAY), np.uint8)
+        del answers[:]
+        seen = tracked(tracker, picture)
+        if answers == [True]:
+            pairs.append((seen, detector.detect(picture)))
+    assert len(pairs) >= 40, "three of four"
+    camera = calibrate(board, [found for _, found in pairs[::4]]).camera
+    squares = np.zeros(2)
+    for pair in pairs:
+        np.testing.assert_array_equal(pair[0].ids, pair[1].ids)
+        for n, seen in enumerate(pair):
+            pose = estimate_pose(camera, board, seen)
+            assert pose is not None
+            squares[n] += (reprojection_errors(camera, board, seen, pose) ** 2).sum()
+    assert squares[0] < 1.02 * squares[1]
+
+
+def test_a_corner_that_a_hand_covers_is_not_made_up(
+    default_board: Board, paper_camera: Camera, answers: list[bool]
+) -> None:
+    board, tracker = default_board, tracker_of(default_board)
+    pose = Pose.from_vector([20, -20, 5, 0, 0, 0.42])
+    truth = paper_camera.project(pose.apply(board.corners))
+    bare = picture_of(board, paper_camera, pose, noise=2.0)
+    skin = np.random.default_rng(0).normal(150, 25, (90, 24))
+    hand = np.clip(cv2.resize(skin, (144, 540), interpolation=cv2.INTER_CUBIC), 0, 255)
+    tracked(tracker, bare)
+    followed = 0
+    for step in range(24):
+        left, top = 380 + 12 * step, 320
+        picture = bare.copy()
+        picture[top:, left : left + 144] = hand[: 720 - top]
+        del answers[:]
+        seen = tracked(tracker, picture)
+        followed += answers == [True]
+        x, y = (truth - [left, top]).T
+        deep = set(np.flatnonzero((x > 8) & (x < 136) & (y > 8)))
+        assert len(deep) >= 3 or step in (0, 1, 2)
+        assert not deep & set(seen.ids.tolist())
+        np.testing.assert_allclose(seen.corners, truth[seen.ids], atol=1.0)
+    assert followed >= 3, "where the hand covers no other corner than before"
+
+
+def test_a_board_that_jumps_by_two_squares_is_searched(
+    default_board: Board, paper_camera: Camera, answers: list[bool]
+) -> None:
+    """There its corners look alike."""
+    tracker = tracker_of(default_board)
+    for shift in (0.0, 2 * default_board.square, 0.0, -2 * default_board.square):
+        pose = Pose.from_vector([0, 0, 0, shift, 0, 0.45])
+        seen = tracked(tracker, picture_of(default_board, paper_camera, pose))
+        truth = paper_camera.project(pose.apply(default_board.corners))
+        np.testing.assert_allclose(seen.corners, truth[seen.ids], atol=0.5)
+    assert not any(answers)
+
+
+def test_what_comes_into_view_is_seen_soon(
+    default_board: Board, paper_camera: Camera, answers: list[bool]
+) -> None:
+    tracker = tracker_of(default_board)
+    whole = picture_of(default_board, paper_camera, Pose.from_vector([0, 0, 0, 0, 0, 0.42]))
+    partly = whole.copy()
+    partly[:, 700:] = 150
+    few = tracked(tracker, partly).count
+    counts = [tracked(tracker, whole).count for _ in range(4)]
+    assert answers == [True] * 3 + [False]
+    assert 12 < few < 40 and counts == [few] * 3 + [40]
+
+
+def test_a_picture_of_something_else_is_no_board(
+    default_board: Board, paper_camera: Camera
+) -> None:
+    tracker = tracker_of(default_board)
+    pose = Pose.from_vector([20, 0, 0, 0, 0, 0.45])
+    assert tracked(tracker, picture_of(default_board, paper_camera, pose)).count == 40
+    noise = np.random.default_rng(0).integers(0, 255, (720, 1280)).astype(np.uint8)
+    assert tracked(tracker, noise).count == 0
