@@ -98,6 +98,32 @@ def test_a_corner_that_a_hand_covers_is_not_made_up(
     assert followed >= 3, "where the hand covers no other corner than before"
 
 
+@pytest.mark.parametrize(
+    "board",
+    [
+        Board(6, 5, 0.028, 0.0215, "DICT_APRILTAG_36H11", kind="aprilgrid"),
+        Board(6, 4, 0.035, 0.0265, kind="aruco-grid"),
+    ],
+    ids=lambda board: board.kind,
+)
+def test_tags_are_followed_to_where_a_search_finds_them(
+    board: Board, paper_camera: Camera, answers: list[bool]
+) -> None:
+    tracker, detector = tracker_of(board), Detector(board, find_layout=False)
+    rng, followed = np.random.default_rng(0), 0
+    for step in range(12):
+        pose = Pose.from_vector([20, 10 + step, step, 0.002 * step, 0, 0.45])
+        picture = picture_of(board, paper_camera, pose, blur_px=0.6, noise=2.0, rng=rng)
+        del answers[:]
+        seen = tracked(tracker, picture)
+        if answers == [True]:
+            followed += 1
+            found = detector.detect(picture)
+            np.testing.assert_array_equal(seen.ids, found.ids)
+            np.testing.assert_allclose(seen.corners, found.corners, atol=0.15)
+    assert followed >= 6
+
+
 def test_a_board_that_jumps_by_two_squares_is_searched(
     default_board: Board, paper_camera: Camera, answers: list[bool]
 ) -> None:

@@ -27,8 +27,9 @@ _OFF_PX, _OFF = 1.0, 0.03
 class Follower:
     """Follows the points of one board from image to image. Used by one thread."""
 
-    def __init__(self) -> None:
-        """Nothing seen yet."""
+    def __init__(self, each: int = 1) -> None:
+        """Nothing seen yet. `each`: points of one tag, which come one after the other."""
+        self._each = each
         self._last: tuple[Grey, NDArray[np.intp], Array] | None = None
         self._in_a_row = 0
         self._lately = 0
@@ -51,7 +52,8 @@ class Follower:
         if self._last is None or self._in_a_row >= _IN_A_ROW:
             return None
         before, ids, points = self._last
-        apart = np.linalg.norm(points[:, None] - points, axis=2) + np.diag(np.full(len(ids), 1e9))
+        one = points[:: self._each]
+        apart = np.linalg.norm(one[:, None] - one, axis=2) + np.diag(np.full(len(one), 1e9))
         spacing = float(np.median(apart.min(axis=1)))
         shrink = 2 ** max(0, int(np.log2(spacing / _SHRUNK_PX)))
         moved = flowed(before, grey, points, region, shrink=shrink)

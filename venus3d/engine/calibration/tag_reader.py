@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from venus3d.engine.calibration.board_diagnoses import tag_size_diagnosis, two_boards_diagnosis
 from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
 from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.following import Follower
 from venus3d.engine.calibration.tag_edges import corners_by_edges
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
@@ -53,11 +54,13 @@ class TagReader(BoardReader):
         self._frames = 0
         self._finders: dict[tuple[Board, bool], Any] = {}
         self._two_boards = False
+        self._follower = Follower(each=4)
 
     def copy(self) -> TagReader:
         """With detectors of its own."""
         other = super().copy()
         other._finders, other._measured, other._frames = {}, [], 0
+        other._follower = Follower(each=4)
         return other
 
     def take_over(self, by: BoardReader) -> None:
@@ -92,6 +95,26 @@ class TagReader(BoardReader):
 
     def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """The corners of the tags that are seen once."""
+        followed = self._follower.followed(grey, region) if quick else None
+        if followed is None:
+            tags, quads = self._found(grey, region, quick)
+        else:
+            tags, quads = followed[0][::4] // 4, followed[1].reshape(-1, 4, 2)
+        if not tags.size:
+            return NOTHING
+        quads = corners_by_edges(grey, quads, self._clear_share)
+        limit = np.array(grey.shape[::-1]) - 1 - _BORDER_PX
+        inside = ((quads > _BORDER_PX) & (quads < limit)).all(axis=(1, 2))
+        if not inside.any():
+            return NOTHING
+        ids = (4 * tags[inside, None] + np.arange(4)).reshape(-1).astype(np.intp)
+        corners = self._refined(grey, quads[inside])
+        if followed is None and not (self.is_copy or self.confused):
+            self._follower.found(grey, ids, corners)
+        return ids, corners
+
+    def _found(self, grey: Grey, region: Region, quick: int) -> tuple[NDArray[np.intp], Array]:
+        """The tags (N,) ascending and their outlines' corners (N, 4, 2), pixels."""
         x0, y0, x1, y1 = region
         key = self.board, quick > 0
         if key not in self._finders:
@@ -104,22 +127,15 @@ class TagReader(BoardReader):
         quads, ids, _ = finder.detectMarkers(grey[y0:y1, x0:x1])
         self.confused = False
         if ids is None or not len(ids):
-            return NOTHING
-        numbers, first, counts = np.unique(
+            return np.zeros(0, np.intp), np.zeros((0, 4, 2))
+        tags, first, counts = np.unique(
             np.asarray(ids, dtype=np.intp).reshape(-1), return_index=True, return_counts=True
         )
         self.confused = int((counts > 1).sum()) >= _TWICE
         self._two_boards |= self.confused
         once = counts == 1
-        corners = np.asarray(quads, dtype=np.float64).reshape(-1, 4, 2)[first[once]]
-        found = corners.reshape(-1, 4, 2) + np.array([x0, y0])
-        quads = corners_by_edges(grey, found, self._clear_share)
-        limit = np.array(grey.shape[::-1]) - 1 - _BORDER_PX
-        inside = ((quads > _BORDER_PX) & (quads < limit)).all(axis=(1, 2))
-        if not inside.any():
-            return NOTHING
-        points = 4 * numbers[once][inside, None] + np.arange(4)
-        return points.reshape(-1).astype(np.intp), self._refined(grey, quads[inside])
+        found = np.asarray(quads, dtype=np.float64).reshape(-1, 4, 2)[first[once]]
+        return tags[once], found + np.array([x0, y0])
 
     @property
     def _least_outline_px(self) -> float:
