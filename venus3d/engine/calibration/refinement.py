@@ -30,7 +30,7 @@ _FARTHEST_PX = 1.5
 # Of a smaller move, which of the two places fits better says nothing.
 _TELLS_PX = 0.1
 _ENOUGH = 40
-"""Corners whose median tells the sharpness."""
+"""Corners, at most, whose median tells the sharpness."""
 _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
 # A corner is predicted from those within so many squares along both axes, if they are this many:
 # two more than a quadratic has coefficients.
@@ -170,7 +170,7 @@ def edge_sharpness(grey: Grey, corners: Array, squares: Array) -> float:
     one pixel, 1/w for one over w pixels. Median over the corners, of many every second or third.
     """
     height, width = grey.shape
-    every = max(1, len(corners) // _ENOUGH)
+    every = max(1, -(-len(corners) // _ENOUGH))
     corners, squares = corners[::every], squares[::every]
     halves = np.clip(0.3 * squares, 3, 20).astype(np.intp)
     column, row = np.rint(corners).astype(np.intp).T
