@@ -5,19 +5,21 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.cli.conftest import Ran
 from tests.engine.calibration.test_adjustment import GOOD, observe
-from venus3d.cli.kept_session import opened_session
+from venus3d.cli.kept_session import opened_session, resumed_options
+from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.views import CapturedView
+from venus3d.options import BoardOptions
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.sources.camera_settings import CameraSettings
 from venus3d.storage.session_moments import moments_of
@@ -113,13 +115,62 @@ def test_what_is_set_on_the_camera_is_set_again_when_it_goes_on(
     kept.camera_set(CameraSettings(focus="40", gain="3"))
     kept.close()
 
-    def resumed(**options: Any) -> CameraSettings:
-        again = opened_session(GuideOptions(resume=directory, **options), print)
+    def resumed(*arguments: str) -> CameraSettings:
+        given = ["--resume", str(directory), *arguments]
+        again = opened_session(resumed_options(given, directory), print)
         again.close()
         return again.options.camera
 
     assert resumed() == CameraSettings(focus="40", gain="3")
-    asked = resumed(source="0", camera=CameraSettings(gain="auto"))
+    asked = resumed("0", "--camera.gain", "auto")
     assert asked == CameraSettings(focus="40", gain="auto")
-    assert resumed(source="1") == CameraSettings()
+    assert resumed("1") == CameraSettings()
     assert [moment.kind for moment in moments_of(directory)] == ["captured"]
+
+
+def test_what_is_given_again_counts_also_where_it_is_the_usual(
+    tmp_path: Path, default_board: Board, paper_camera: Camera
+) -> None:
+    """ "sim" and 20 views are what a command without options takes; switches stay on."""
+    directory = tmp_path / "session"
+    begun = GuideOptions(
+        source="0",
+        output=directory,
+        max_views=3,
+        flip=True,
+        auto_capture=False,
+        board=BoardOptions(columns=7, legacy=True),
+    )
+    kept = opened_session(begun, print)
+    assert kept.folder is not None
+    seen = observe(paper_camera, default_board, GOOD[0], np.random.default_rng(0), 0.1)
+    kept.folder.captured(CapturedView(1, seen, None)).result()
+    kept.close()
+
+    def resumed(*arguments: str) -> GuideOptions:
+        return resumed_options(["--resume", str(directory), *arguments], directory)
+
+    before = replace(begun, output=None, resume=directory)
+    assert resumed() == before
+    assert resumed("sim", "--max-views", "20") == replace(before, source="sim", max_views=20)
+    assert resumed("--auto-capture", "--headless").auto_capture
+    assert resumed("--board.columns", "9").board == BoardOptions(columns=9, legacy=True)
+    for elsewhere in (("--output", str(tmp_path / "other")), ("--no-record",)):
+        with pytest.raises(VenusError, match="own folder"):
+            resumed(*elsewhere)
+
+
+@pytest.mark.slow
+def test_a_session_that_goes_on_keeps_its_board(run: Run, tmp_path: Path) -> None:
+    """Half of its views would be of a board of another size. What a reader of session.json needs is
+    in it: the size of the pictures, and the board as it is read."""
+    directory = tmp_path / "session"
+    guided = ("guide", "sim", "--headless", "--autopilot", "--speed", "4", "--max-views", "3")
+    run(*guided, "--camera-size", "640x360", "--output", directory)
+    header = json.loads((directory / "session.json").read_text())
+    assert header["image_size"] == [640, 360]
+    assert header["board"]["columns"] == 9 and header["board"]["marker_mm"] == pytest.approx(21)
+    again = ("guide", "--resume", directory, "--headless", "--max-views", "4")
+    ran = run(*again, "--board.square-mm", "14", "--board.marker-mm", "10.5")
+    assert "leave the board's options out" in ran.sentence
+    assert "Going on with 3 views" in run(*again, "--board.columns", "9").err

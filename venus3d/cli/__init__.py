@@ -116,6 +116,15 @@ def _run(given: list[str]) -> int:
             description=DESCRIPTION,
             args=with_board_file(given) or ["--help"],
         )
+        if isinstance(options, GuideOptions) and options.resume is not None:
+            if options.known_camera is not None:
+                raise VenusError(
+                    "--resume goes on with a session, and --from begins one; give one of them."
+                )
+            # Only now: what it reads no other command waits for.
+            from venus3d.cli.kept_session import resumed_options
+
+            options = resumed_options(with_board_file(given)[1:], options.resume)
         # On a kill or a closed terminal the captured views are kept, as with Ctrl-C.
         with on_stop_signal(_interrupt, ctrl_c=False):
             code = _command_of(options)(options)

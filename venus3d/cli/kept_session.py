@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from datetime import datetime
 from importlib.metadata import version
 from itertools import chain, count
+from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import msgspec
 import numpy as np
+import tyro
 from numpy.typing import NDArray
 
 from venus3d.cli.known_start import KnownStart, known_start
-from venus3d.engine.errors import StorageError
+from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.record import SessionState
+from venus3d.options import Switch
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.sources.camera_settings import SETTING_NAMES, CameraSettings
 from venus3d.storage.folder import prepare
 from venus3d.storage.result_folder import ResultFolder
 from venus3d.storage.session_folder import SessionFolder
-from venus3d.storage.session_reader import read_pictures
+from venus3d.storage.session_reader import camera_settings, read_header, read_pictures
 
 SESSIONS = Path("venus3d-sessions")
 """Where sessions are kept for which no folder is named."""
@@ -95,23 +98,59 @@ def _unused(directory: Path) -> Path:
     return next(path for path in chain([directory], names) if not path.exists())
 
 
+def resumed_options(arguments: Sequence[str], directory: Path) -> GuideOptions:
+    """The options of a session that is gone on with: its own, and those that are given again. The
+    camera's settings are those set last, if the source is the same. Raises `StorageError`."""
+    before = options_of(read_header(directory), directory)
+    last = camera_settings(directory)
+    if last is not None:
+        set_last = CameraSettings(**{name: last.get(name) for name in SETTING_NAMES})
+        before = replace(before, camera=set_last)
+
+    def given_again(default: GuideOptions) -> GuideOptions:
+        # A switch can only be given to be on.
+        off = _switched(default, lambda _name, _on: False)
+        given = tyro.cli(GuideOptions, prog="venus3d guide", args=arguments, default=off)
+        return _switched(given, lambda name, on: on or attrgetter(name)(default))
+
+    options = given_again(before)
+    if options.source != before.source:
+        options = given_again(replace(before, camera=CameraSettings()))
+    if not options.record or (options.output or directory).resolve() != directory.resolve():
+        raise VenusError(
+            "--resume goes on in the session's own folder; leave out --output and --no-record."
+        )
+    return options
+
+
+def _switched(options: GuideOptions, on: Callable[[str, bool], bool]) -> GuideOptions:
+    """The options with each switch, "flip" or "board.legacy", on or off."""
+
+    def changed(part: Any, prefix: str) -> Any:
+        hints = get_type_hints(type(part), include_extras=True)
+        new: dict[str, Any] = {}
+        for one in fields(part):
+            value, name = getattr(part, one.name), prefix + one.name
+            if is_dataclass(value):
+                new[one.name] = changed(value, f"{name}.")
+            elif hints[one.name] == Switch:
+                new[one.name] = on(name, value)
+        return replace(part, **new)
+
+    return changed(options, "")
+
+
 def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]) -> KeptSession:
     folder = SessionFolder.open(directory, tell)
     try:
-        before = options_of(folder.header, directory)
-        usual = GuideOptions()
-        anew = {
-            one.name: getattr(options, one.name)
-            for one in fields(options)
-            if getattr(options, one.name) != getattr(usual, one.name)
-        }
         files = ResultFolder(directory, tell)
         files.adopt()
         state = folder.state()
+        if state is not None:
+            _check_board(options, options_of(folder.header, directory), directory)
         views = 0 if state is None else len(state.views)
         where = f"Going on with {views} view{'' if views == 1 else 's'} in {directory}."
-        anew |= {"camera": _camera(before, folder, options)}
-        chosen = replace(before, **{**anew, "output": directory, "resume": directory})
+        chosen = replace(options, output=directory)
         start = known_start(chosen, tell) if state is None else KnownStart()
         return KeptSession(chosen, folder, files, state or start.state, start.camera, where)
     except BaseException:
@@ -119,18 +158,12 @@ def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]
         raise
 
 
-def _camera(before: GuideOptions, folder: SessionFolder, options: GuideOptions) -> CameraSettings:
-    """What was set on a session's camera last, and what the options set; of another source than
-    before only that."""
-    camera = CameraSettings()
-    if options.source in (GuideOptions().source, before.source):
-        last = folder.camera()
-        camera = (
-            before.camera
-            if last is None
-            else CameraSettings(**{name: last.get(name) for name in SETTING_NAMES})
+def _check_board(options: GuideOptions, before: GuideOptions, directory: Path) -> None:
+    if options.board.board() != before.board.board():
+        raise StorageError(
+            f"{directory} has views of the board that it was begun with; leave the board's options "
+            f"out to go on. With another one, venus3d calibrate {directory} works on its pictures."
         )
-    return replace(camera, **dict(options.camera.wanted()))
 
 
 def options_of(header: Mapping[str, Any], directory: Path) -> GuideOptions:

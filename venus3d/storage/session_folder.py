@@ -1,6 +1,7 @@
 """A guided session on disk: what it was started with, every view, and all that has happened.
 
-    session.json     what the session was started with
+    session.json     what the session was started with, and from the first view on the size of the
+                     camera's pictures and the board as it is read
     events.jsonl     one line for each event, in order
     views/007.png    the picture of view 7 as it was captured, lossless
     camera.yaml, result.json   after every view (`result_folder`)
@@ -29,6 +30,7 @@ from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.storage.folder import prepare, reason, replace_files, sync_folder, write_bytes
+from venus3d.storage.result import board_summary
 from venus3d.storage.session_events import captured_event, state_event, state_of
 from venus3d.storage.session_reader import (
     EVENTS,
@@ -81,7 +83,7 @@ class SessionFolder:
         prepare(directory)
         content = {"schema": SCHEMA, **header}
         folder = cls(directory, content, tell)
-        write_bytes(directory / HEADER, (json.dumps(content, indent=2) + "\n").encode())
+        write_bytes(directory / HEADER, _json(content))
         folder._is_new = True
         return folder
 
@@ -153,6 +155,7 @@ class SessionFolder:
                 replace_files({path: encoded.tobytes()})
             except OSError as error:
                 raise _unwritable(self.directory, error) from error
+        self._complete_header(view)
         self._append(captured_event(view, picture))
         self._is_new = False
         self._tell(f"View {view.number} is kept{f' as {picture}' if picture else ''}.")
@@ -167,7 +170,20 @@ class SessionFolder:
                 name = f"{VIEWS}/{view.number:03d}.png"
                 replace_files({self.directory / name: content})
                 picture = name
+            self._complete_header(view)
             self._append(captured_event(view, picture))
+
+    def _complete_header(self, view: CapturedView) -> None:
+        """Write into session.json what only a view tells, with the first one."""
+        seen = view.observation
+        if "image_size" in self.header or seen.board is None:
+            return
+        board = board_summary(seen.board)
+        self.header = {**self.header, "image_size": list(seen.image_size), "board": board}
+        try:
+            replace_files({self.directory / HEADER: _json(self.header)})
+        except OSError as error:
+            raise _unwritable(self.directory, error) from error
 
     def changed(self, state: SessionState) -> None:
         """Begin to write the state's line; a failure is told, as no view is lost by it."""
@@ -198,6 +214,10 @@ class SessionFolder:
             self._events.close()
         os.truncate(path, size)
         self._events = path.open("ab")
+
+
+def _json(content: Mapping[str, Any]) -> bytes:
+    return (json.dumps(content, indent=2) + "\n").encode()
 
 
 def _unwritable(directory: Path, error: OSError) -> StorageError:

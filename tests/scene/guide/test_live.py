@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
+import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -146,28 +149,27 @@ def test_pictures_that_stop_are_told_on_both_pages_until_they_come_again(
 
 
 def test_the_picture_goes_on_while_the_mathematics_is_at_work(
-    camera: BreakingCamera, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+    camera: BreakingCamera, viewer: Viewer
 ) -> None:
-    """The session's work waits here until we say so: frames and observations must not."""
-    from venus3d.engine.guidance.work import Outcome, Work
-
-    go_on, run = threading.Event(), Work.run
-
-    def held(work: Work, *arguments: Callable[[], bool], **more: Any) -> Outcome:
-        go_on.wait(_PATIENCE_S)
-        return run(work, *arguments, **more)
-
-    monkeypatch.setattr(Work, "run", held)
+    """The process that works is stopped until we say so: frames and observations must go on."""
+    others = set(multiprocessing.active_children())
     session, live = guide(camera, viewer, [])
+    (works,) = set(multiprocessing.active_children()) - others
+    assert works.pid is not None
     thread, raised = in_background(live)
-    wait_for(lambda: session.phase == "captured")
-    seen = session.snapshot().number
-    wait_for(lambda: session.snapshot().number >= seen + 10)
-    assert session.phase == "captured", "ten more frames were seen during the work"
-    go_on.set()
-    wait_for(lambda: session.phase == "guiding")
-    live.stop()
-    thread.join(_PATIENCE_S)
+    try:
+        wait_for(lambda: session.phase == "startup" and session.snapshot().number > 0)
+        os.kill(works.pid, signal.SIGSTOP)
+        wait_for(lambda: session.phase == "captured")
+        seen = session.snapshot().number
+        wait_for(lambda: session.snapshot().number >= seen + 10)
+        assert session.phase == "captured", "ten more frames were seen during the work"
+        os.kill(works.pid, signal.SIGCONT)
+        wait_for(lambda: session.phase == "guiding")
+    finally:
+        os.kill(works.pid, signal.SIGCONT)
+        live.stop()
+        thread.join(_PATIENCE_S)
     assert not thread.is_alive() and not raised
 
 

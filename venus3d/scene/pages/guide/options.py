@@ -131,10 +131,6 @@ class GuideOptions:
 
     def check(self) -> None:
         """Raises `VenusError` for the first option that cannot be met."""
-        if self.known_camera is not None and self.resume is not None:
-            raise VenusError(
-                "--resume goes on with a session, and --from begins one; give one of them."
-            )
         self.board.board()
         self.camera.check()
         self._check_audience()
