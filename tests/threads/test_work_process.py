@@ -176,6 +176,17 @@ def test_another_process_does_the_work_of_one_that_died_but_not_for_ever(
         wait_until(killed_again)
 
 
+def test_a_group_of_processes_that_is_asked_to_end_is_no_fault(
+    desk: Desk, paper_camera: Camera, default_board: Board, caplog: pytest.LogCaptureFixture
+) -> None:
+    work = session(paper_camera, default_board).pending
+    assert work is not None
+    desk.process.begin(work)
+    desk.child().terminate()
+    assert isinstance(desk.answer(), Outcome)
+    assert not caplog.text
+
+
 def test_it_ends_with_a_program_that_is_killed() -> None:
     program = (
         "from venus3d.threads.work_process import WorkProcess\n"

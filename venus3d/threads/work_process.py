@@ -87,7 +87,9 @@ class WorkProcess:
         told = f"The process that calibrates and searches ended with code {self._process.exitcode}"
         if self._tries > _TRIES:
             raise RuntimeError(f"{told}, {self._tries} times.")
-        _LOG.warning("%s; another one does its work.", told)
+        # A whole group of processes that is asked to end (a service that stops) is no fault.
+        if self._process.exitcode != -signal.SIGTERM:
+            _LOG.warning("%s; another one does its work.", told)
         self._pipe.close()
         self._start()
 
