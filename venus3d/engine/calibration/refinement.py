@@ -29,7 +29,7 @@ _OF_NEAREST = 0.3
 _FARTHEST_PX = 1.5
 # Of a smaller move, which of the two places fits better says nothing.
 _TELLS_PX = 0.1
-_ENOUGH = 40
+_ENOUGH = 80
 """Corners, at most, whose median tells the sharpness."""
 _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
 # A corner is predicted from those within so many squares along both axes, if they are this many:
