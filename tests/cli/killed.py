@@ -22,8 +22,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from venus3d.engine.guidance.session import Session
+from venus3d.storage.places import is_session
 from venus3d.storage.session_folder import SessionFolder
-from venus3d.storage.session_reader import is_session
 
 _REPORTED = re.compile(r"View (\d+) is kept")
 

@@ -47,9 +47,10 @@ def test_another_size(run: Run, folder: Path) -> None:
     assert ran.code == 2 and "--by crop" in ran.err and not (folder / "small.json").exists()
     assert run("export", folder, *to, "640x480", "--by", "crop", "--offset", "10,20").code == 0
     assert import_camera(folder / "small.json").camera.cx == CAMERA.cx - 10
+    to = ("--to", "json", "--output", folder / "smaller.json", "--size")
     ran = run("export", folder, *to, "640x360")
     assert ran.code == 0 and "same field of view" in ran.out + ran.err
-    small = import_camera(folder / "small.json")
+    small = import_camera(folder / "smaller.json")
     assert small.covariance is not None and small.covariance[0, 0] == 0.25
     assert small.covariance[4, 4] == 1 and small.rms_px is None
     assert small.camera == CAMERA.scaled((640, 360))

@@ -24,8 +24,9 @@ from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.views import CapturedView
+from venus3d.storage.places import EVENTS
 from venus3d.storage.session_folder import SessionFolder
-from venus3d.storage.session_reader import EVENTS, pictures_of, read_header
+from venus3d.storage.session_reader import pictures_of, read_header
 
 
 @pytest.fixture

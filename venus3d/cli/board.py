@@ -13,6 +13,7 @@ from venus3d.storage.board_sheet.files import pdf_of, picture_of_sheet, png_of, 
 from venus3d.storage.board_sheet.screen import screen_page
 from venus3d.storage.board_sheet.sheet import Sheet, lay_out, paper_size, tiles
 from venus3d.storage.folder import write_bytes
+from venus3d.storage.places import free_place
 
 _KINDS = (".pdf", ".svg", ".png")
 _TO_MEASURE = {
@@ -35,7 +36,7 @@ def board_command(options: BoardCommand) -> None:
         return
     board = options.board.board()
     if options.save is not None:
-        path = save_board(board, options.save)
+        path = save_board(board, free_place(options.save, option="--save"))
         print(f"{path}: give it to the other commands as --board {path}.")
         return
     if options.show:

@@ -16,9 +16,10 @@ from venus3d.options import BoardOptions
 from venus3d.sources.images_calibration import calibrate_recording
 from venus3d.sources.recording import Images
 from venus3d.storage.folder import prepare
+from venus3d.storage.places import is_session, refuse_session
 from venus3d.storage.result import summary_of
 from venus3d.storage.result_folder import ResultFolder
-from venus3d.storage.session_reader import is_session, picture_files, read_header
+from venus3d.storage.session_reader import picture_files, read_header
 
 
 def calibrate_command(options: CalibrateOptions) -> None:
@@ -29,6 +30,7 @@ def calibrate_command(options: CalibrateOptions) -> None:
     if options.every is not None and options.every < 1:
         raise VenusError("--every must be at least 1.")
     if options.output is not None:
+        refuse_session(options.output / "result.json")
         prepare(options.output)
     with search_progress() as on_count:
         found = calibrate_recording(

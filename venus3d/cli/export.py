@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from venus3d.cli.options import ExportOptions
@@ -18,6 +19,7 @@ from venus3d.storage.formats import (
     record_in,
 )
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
+from venus3d.storage.places import free_place
 
 
 def export_command(options: ExportOptions) -> None:
@@ -28,8 +30,7 @@ def export_command(options: ExportOptions) -> None:
     place = Path(target.file_name) if options.output is None else options.output
     if place.is_dir():
         place /= target.file_name
-    if _same(place, options.source):
-        raise VenusError(f"{place} is the source itself; choose another file with --output.")
+    free_place(place, options.source, replaces=_holds(place, encoded.content))
     for loss in encoded.losses:
         print_note(loss)
     print(f"Written: {write_bytes(place, encoded.content)}")
@@ -68,5 +69,7 @@ def _offset_of(text: str | None) -> tuple[int, int] | None:
     return int(x), int(y)
 
 
-def _same(place: Path, source: Path) -> bool:
-    return place.exists() and source.exists() and place.samefile(source)
+def _holds(place: Path, content: bytes) -> bool:
+    with suppress(OSError):
+        return place.read_bytes() == content
+    return False

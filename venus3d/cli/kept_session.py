@@ -24,6 +24,7 @@ from venus3d.options import Switch
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.sources.camera_settings import SETTING_NAMES, CameraSettings
 from venus3d.storage.folder import prepare
+from venus3d.storage.places import refuse_session
 from venus3d.storage.result_folder import ResultFolder
 from venus3d.storage.session_folder import SessionFolder
 from venus3d.storage.session_reader import camera_settings, read_header, read_pictures
@@ -74,6 +75,8 @@ def opened_session(options: GuideOptions, tell: Callable[[str], None]) -> KeptSe
     """Open the folder that the options ask for. Raises `StorageError` if that cannot be."""
     if options.resume is not None:
         return _resumed(options, options.resume, tell)
+    if not options.record and options.output is not None:
+        refuse_session(options.output / "result.json")
     start = known_start(options, tell)
     if not options.record:
         output = options.output

@@ -10,8 +10,9 @@ from venus3d.cli.options import ReportOptions
 from venus3d.engine.errors import StorageError
 from venus3d.report.calibration_report import ReportInput, calibration_report
 from venus3d.storage.folder import write_bytes
+from venus3d.storage.places import free_place, is_session
 from venus3d.storage.result_reader import read_result
-from venus3d.storage.session_reader import is_session, kept_pictures, read_header
+from venus3d.storage.session_reader import kept_pictures, read_header
 
 _RESULT = "result.json"
 # Of a session's options: what says how it was made, by its name on the command line.
@@ -27,16 +28,16 @@ def report_command(options: ReportOptions) -> None:
             "or the file itself."
         )
     result = read_result(file)
-    folder, numbers = file.parent, [view.number for view in result.calibration.views]
+    folder = file.parent
+    place = folder / "report.html" if options.output is None else options.output
+    place = free_place(place / "report.html" if place.is_dir() else place, file)
+    numbers = [view.number for view in result.calibration.views]
     told = ReportInput(
         result.calibration,
         [*result.warnings, *map(str, result.diagnoses)],
         dict(kept_pictures(folder, numbers)) if is_session(folder) else {},
         _made_with(folder),
     )
-    place = folder / "report.html" if options.output is None else options.output
-    if place.is_dir():
-        place /= "report.html"
     print(f"Written: {write_bytes(place, calibration_report(told).encode())}")
 
 

@@ -24,6 +24,7 @@ from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.video import Video
 from venus3d.storage.folder import prepare, reason, write_bytes
 from venus3d.storage.formats import OPENCV_YAML, CameraRecord, encode, record_in
+from venus3d.storage.places import free_place
 
 _CLOCK = 90_000
 """Ticks per second of the written video."""
@@ -42,6 +43,7 @@ def undistort_command(options: UndistortOptions) -> None:
                 f"The results would lie among their sources in {options.output}; choose another "
                 "folder with --output."
             )
+        free_place(options.output / "camera.yaml", options.camera, options.camera / "camera.yaml")
         folder = prepare(options.output)
         if isinstance(source, Folder):
             count = _write_pictures(source, undistortion, folder)

@@ -11,11 +11,13 @@ from pathlib import Path
 from uuid import uuid4
 
 from venus3d.engine.errors import StorageError
+from venus3d.storage.places import refuse_session
 
 
 def prepare(directory: Path, option: str = "--output") -> Path:
     """Create `directory` with its parents, and make sure that files can be written into it.
     Raises `StorageError`, which names the option to change, before rather than after the work."""
+    refuse_session(directory, f"name another with {option}")
     try:
         directory.mkdir(parents=True, exist_ok=True)
         # Only writing tells: permission bits do not stop root, and disks may be full or read-only.
@@ -30,7 +32,9 @@ def prepare(directory: Path, option: str = "--output") -> Path:
 
 
 def write_bytes(path: Path, content: bytes) -> Path:
-    """Write a file atomically, even if the power fails. Raises `StorageError`."""
+    """Write a file atomically, even if the power fails. Raises `StorageError`, also for a file of a
+    session, which only the session writes."""
+    refuse_session(path, "choose another place")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         replace_files({path: content})

@@ -30,16 +30,13 @@ from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.storage.folder import prepare, reason, replace_files, sync_folder, write_bytes
+from venus3d.storage.places import EVENTS, HEADER, VIEWS, is_session
 from venus3d.storage.result import board_summary
 from venus3d.storage.session_events import captured_event, state_event, state_of
 from venus3d.storage.session_reader import (
-    EVENTS,
-    HEADER,
     SCHEMA,
-    VIEWS,
     camera_settings,
     damaged,
-    is_session,
     kept_pictures,
     read_header,
     read_journal,

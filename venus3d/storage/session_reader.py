@@ -15,17 +15,12 @@ from numpy.typing import NDArray
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.storage.folder import reason
+from venus3d.storage.places import EVENTS, HEADER, VIEWS
 
 SCHEMA = 1
 """Version of session.json and events.jsonl."""
-HEADER, EVENTS, VIEWS = "session.json", "events.jsonl", "views"
 
 Event = dict[str, Any]
-
-
-def is_session(directory: Path) -> bool:
-    """Whether a folder holds a session."""
-    return (directory / HEADER).is_file()
 
 
 def read_header(directory: Path) -> Event:

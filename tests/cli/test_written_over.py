@@ -1,0 +1,143 @@
+"""No command writes over what a session or another result holds."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Ran
+from venus3d.engine.geometry.camera import PAPER_CAMERA
+from venus3d.storage.formats import export_camera, import_camera
+
+Run = Callable[..., Ran]
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture
+def session(kept_session: Path, tmp_path: Path) -> Path:
+    return shutil.copytree(kept_session, tmp_path / "s1")
+
+
+@pytest.fixture
+def calibrated(run: Run, tilted_pictures: Path, tmp_path: Path) -> Path:
+    """A folder with the result of `calibrate`, which is no session."""
+    assert run("calibrate", tilted_pictures, "--output", tmp_path / "n4").code == 0
+    return tmp_path / "n4"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "report s1 --output s1/events.jsonl",
+        "report s1 --output s1/result.json",
+        "report s1 --output s1/views",
+        "export s1 --to json --output s1/session.json",
+        "export s1 --to json --output s1/result.json",
+        "export s1 --to ros --output s1/camera.yaml",
+        "export s1 --to opencv-yaml --output s1",
+        "import s1/camera.yaml --output s1/views/001.png",
+        "undistort PICTURES --camera s1 --output s1",
+        "undistort PICTURES --camera s1 --output s1/views",
+        "calibrate PICTURES --output s1",
+        "calibrate s1 --output s1",
+        "calibrate PICTURES --output s1/views",
+        "verify s1 PICTURES --output s1/views",
+        "guide sim --no-record --headless --autopilot --max-views 3 --speed 5 --output s1",
+        "guide sim --no-record --headless --autopilot --from s1/result.json --output s1",
+        "decompose 10 0 0 0 0 400 --output s1/views",
+        "board --output s1/views/001.png",
+        "board --save s1/session.json",
+        "teach --export s1/views/001.png",
+        "replay s1 --export s1/views/001.mp4",
+        "study flatness --output s1/views",
+    ],
+)
+def test_a_session_is_written_by_itself_alone(
+    run: Run, session: Path, tilted_pictures: Path, command: str
+) -> None:
+    before = contents(session)
+    asked = command.replace("s1", str(session)).replace("PICTURES", str(tilted_pictures))
+    sentence = run(*asked.split()).sentence
+    assert "s1 is the folder of a session" in sentence
+    option = next(one for one in ("--export", "--save", "--output") if one in command)
+    assert f"name another with {option}" in sentence or "choose another place" in sentence
+    assert contents(session) == before
+
+
+def test_other_names_in_a_sessions_folder_are_free(run: Run, session: Path) -> None:
+    """A report also again; what the session holds stays as it is."""
+    before = contents(session)
+    for _ in range(2):
+        assert run("report", session).code == 0
+        assert run("export", session, "--to", "ros", "--output", session / "ros.yaml").code == 0
+    new = {session / "report.html", session / "ros.yaml"}
+    assert {path: kept for path, kept in contents(session).items() if path not in new} == before
+    ran = run("guide", "--resume", session, "--headless", "--json")
+    assert ran.json["views"] == json.loads(before[session / "result.json"])["views"]
+
+
+def test_a_calibration_is_kept_from_other_commands(
+    run: Run, calibrated: Path, tilted_pictures: Path, tmp_path: Path
+) -> None:
+    export_camera(PAPER_CAMERA, tmp_path / "other.json", "json")
+    before = contents(calibrated)
+    camera, result = calibrated / "camera.yaml", calibrated / "result.json"
+    for command in (
+        ("undistort", tilted_pictures, "--camera", calibrated, "--output", calibrated),
+        ("undistort", tilted_pictures, "--camera", tmp_path / "other.json", "--output", calibrated),
+        ("report", calibrated, "--output", camera),
+        ("report", calibrated, "--output", result),
+        ("export", calibrated, "--to", "json", "--output", result),
+        ("import", tmp_path / "other.json", "--output", result),
+        ("board", "--save", camera),
+    ):
+        sentence = run(*command).sentence
+        assert "belongs to the calibration" in sentence and "name another with --" in sentence
+    assert contents(calibrated) == before
+    # The same kind of product again is no mistake: the earlier one is kept.
+    assert run("calibrate", tilted_pictures, "--output", calibrated).code == 0
+    assert set(before.values()) <= set(contents(calibrated).values())
+
+
+def test_import_and_export_replace_no_other_file(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the usual name, too. The same content again is no loss."""
+    monkeypatch.chdir(tmp_path)
+    export_camera(PAPER_CAMERA, "other.json", "json")
+    assert run("import", "other.json").code == 0
+    assert run("import", "other.json").code == 0
+    before = Path("camera.yaml").read_bytes()
+    export_camera(PAPER_CAMERA.scaled((640, 360)), "small.json", "json")
+    for command in (
+        ("import", "small.json"),
+        ("export", "small.json", "--to", "opencv-yaml"),
+        ("export", "small.json", "--to", "ros", "--output", "camera.yaml"),
+    ):
+        ran = run(*command)
+        assert ran.code == 2 and len(ran.err.splitlines()) == 1
+        assert "camera.yaml exists already" in ran.err and "name another with --output" in ran.err
+    assert Path("camera.yaml").read_bytes() == before
+    assert run("import", "small.json", "--output", "small.yaml").code == 0
+    assert import_camera("small.yaml").camera.image_size == (640, 360)
+
+
+def test_undistort_keeps_the_camera_that_it_reads(
+    run: Run, tilted_pictures: Path, tmp_path: Path
+) -> None:
+    """Without a result.json beside it; named or by its folder. Elsewhere it is written again."""
+    camera = export_camera(PAPER_CAMERA, tmp_path / "one" / "camera.yaml")
+    before = contents(camera.parent)
+    for given in (camera, camera.parent):
+        asked = ("undistort", tilted_pictures, "--camera", given, "--output")
+        assert "is the source itself" in run(*asked, camera.parent).sentence
+    assert contents(camera.parent) == before
+    assert run(*asked, tmp_path / "out").code == 0
+    assert run(*asked, tmp_path / "out", "--alpha", 1).code == 0
