@@ -47,3 +47,8 @@ def test_what_is_missing_is_told_with_its_cure(run: Run, monkeypatch: pytest.Mon
     assert found["port"].startswith("without") and found["cameras"].startswith("without")
     assert "more than one" in found["OpenCV"]
     assert ran.out.count("->") == 5
+
+
+def test_a_port_that_there_is_not_is_refused(run: Run) -> None:
+    for port in (0, 65536):
+        assert run("doctor", "--port", port).sentence.startswith(f"There is no port {port};")

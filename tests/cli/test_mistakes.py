@@ -5,7 +5,10 @@ The texts are pinned: a sentence that names cause and cure is part of the progra
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -242,3 +245,28 @@ def test_ways_to_the_next_pose_that_make_no_sense(
     run: Run, options: list[str], sentence: str
 ) -> None:
     assert run("guide", "sim", "--headless", *options).sentence == sentence
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("teach", "{pipe}.toml", "--export", "{folder}/lesson.html"),
+        ("board", "--board", "{pipe}.toml", "--output", "{folder}/board.pdf"),
+        ("export", "{pipe}.yaml", "--to", "ros", "--output", "{folder}/camera.ros.yaml"),
+        ("undistort", "{folder}", "--camera", "{pipe}.json", "--output", "{folder}/u"),
+        ("calibrate", "{folder}"),
+        ("report", "{pipe}.json"),
+    ],
+)
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
+def test_a_pipe_in_place_of_a_file_is_not_waited_for(
+    tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    for suffix in (".toml", ".yaml", ".json", ".png"):
+        os.mkfifo(tmp_path / f"pipe{suffix}")
+    asked = [one.format(pipe=tmp_path / "pipe", folder=tmp_path) for one in arguments]
+    ran = subprocess.run(
+        [sys.executable, "-m", "venus3d", *asked], capture_output=True, text=True, timeout=60
+    )
+    assert ran.returncode == 2 and "not a regular file" in ran.stderr.lower(), ran.stderr
+    assert "Traceback" not in ran.stderr

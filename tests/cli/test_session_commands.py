@@ -174,3 +174,36 @@ def test_a_session_that_goes_on_keeps_its_board(run: Run, tmp_path: Path) -> Non
     ran = run(*again, "--board.square-mm", "14", "--board.marker-mm", "10.5")
     assert "leave the board's options out" in ran.sentence
     assert "Going on with 3 views" in run(*again, "--board.columns", "9").err
+
+
+def test_a_session_that_cannot_be_gone_on_with_names_the_way_out(
+    run: Run, kept_session: Path, tmp_path: Path
+) -> None:
+    folder = Path(shutil.copytree(kept_session, tmp_path / "session"))
+    header = folder / "session.json"
+    newer = {**json.loads(header.read_text()), "schema": 99}
+    wrong = {**newer, "schema": 1, "options": {"source": 5}}
+    told = {
+        "{": "is damaged (Expecting property name",
+        "[]": "is damaged (no schema)",
+        json.dumps(newer): "has schema 99, and this version reads schema 1: a newer venus3d",
+        json.dumps(wrong): "is not of this version",
+    }
+    for content, cause in told.items():
+        header.write_text(content)
+        sentence = run("guide", "--resume", folder, "--headless").sentence
+        assert cause in sentence and f"venus3d calibrate {folder / 'views'}," in sentence
+    assert run("calibrate", folder / "views").code == 0
+
+
+def test_a_missing_picture_is_told_and_its_corners_count(
+    run: Run, kept_session: Path, tmp_path: Path
+) -> None:
+    folder = Path(shutil.copytree(kept_session, tmp_path / "session"))
+    asked = ("guide", "--resume", folder, "--headless", "--method", "random", "--json")
+    before = run(*asked)
+    assert "is missing" not in before.err
+    (folder / "views" / "002.png").unlink()
+    after = run(*asked)
+    assert f"The picture of view 2 is missing ({folder}/views/002.png)" in after.err
+    assert after.json["views"] == before.json["views"] > 1

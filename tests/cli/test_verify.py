@@ -76,7 +76,7 @@ def test_a_file_without_uncertainty_and_a_changed_camera(
     ran = run("verify", tmp_path / "camera.yaml", tilted_pictures)
     assert ran.code == 1, ran.err
     assert "Not this camera as it was calibrated" in ran.out
-    assert "camera.yaml does not say how well the camera was known" in ran.out
+    assert "camera.yaml does not hold the covariance of its camera" in ran.out
     assert re.search(r"fx +1281\.60 px +10\d\d\.\d\d px +−\d+\.\d σ  changed", ran.out), ran.out
 
 

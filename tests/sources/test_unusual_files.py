@@ -147,7 +147,7 @@ def test_a_file_that_may_not_be_read_is_told_from_a_damaged_one(
     def refused(_: Path) -> bytes:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", refused)
+    monkeypatch.setattr("venus3d.sources.images.read_regular", refused)
     with pytest.raises(Exception, match="may not be read by you"):
         all_frames(source)
 

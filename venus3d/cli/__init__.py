@@ -11,9 +11,10 @@ import pkgutil
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import redirect_stdout, suppress
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO, cast
 
 import tyro
 from tyro.conf import subcommand
@@ -33,6 +34,7 @@ from venus3d.cli.options import (
     UndistortOptions,
     VerifyOptions,
 )
+from venus3d.cli.printed import Printed
 from venus3d.cli.study_options import StudyOptions
 from venus3d.engine.errors import VenusError
 from venus3d.engine.printable import printable
@@ -77,30 +79,44 @@ OK, MISTAKE, INTERRUPTED = 0, 2, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Reads `sys.argv` by default."""
     given = sys.argv[1:] if arguments is None else list(arguments)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by whoever called
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
     for stream in (sys.stdout, sys.stderr):
         # A file's name may hold what the terminal cannot show: that ends no command.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    output = Printed(sys.stdout)
     try:
         try:
-            code = _run(given)
+            code = _run(given, output)
             if code == INTERRUPTED and arguments is None:
                 # Everything is saved. A second Ctrl-C while a thread still computes ends the
                 # process without Python's traceback.
                 signal.signal(signal.SIGINT, signal.SIG_DFL)
             return code
         finally:
-            sys.stdout.flush()
+            output.end()
     except OSError as error:
-        # The reader of our output (head, less) has closed it, or the terminal is gone.
-        unread = _silenced()
-        # A failing disk gives EIO as well.
+        unread = _silenced() or error is output.failure
+        # The reader of our output (head, less) has closed it, or the terminal is gone. A failing
+        # disk gives EIO as well.
         if error.errno == errno.EPIPE or (error.errno == errno.EIO and unread):
             return OK
-        raise
+        if not unread:
+            raise
+        reason = error.strerror or str(error)
+        with suppress(OSError):  # stderr may be the same full disk
+            print(
+                f"venus3d: What the command prints could not be written: {reason}; make room "
+                "there, or print to another place.",
+                file=sys.stderr,
+            )
+        _silenced()
+        return MISTAKE
 
 
-def _run(given: list[str]) -> int:
+def _run(given: list[str], output: Printed) -> int:
     if given == ["--version"]:
         print(f"venus3d {__version__}")
         return OK
@@ -126,7 +142,7 @@ def _run(given: list[str]) -> int:
 
             options = resumed_options(with_board_file(given)[1:], options.resume)
         # On a kill or a closed terminal the captured views are kept, as with Ctrl-C.
-        with on_stop_signal(_interrupt, ctrl_c=False):
+        with on_stop_signal(_interrupt, ctrl_c=False), redirect_stdout(cast(TextIO, output)):
             code = _command_of(options)(options)
     except VenusError as error:
         print(printable(f"venus3d: {error}"), file=sys.stderr)

@@ -11,7 +11,6 @@ import cv2
 from venus3d.cli.options import CamerasOptions
 from venus3d.cli.report import print_note
 from venus3d.engine.errors import SourceError, VenusError
-from venus3d.engine.printable import printable
 from venus3d.sources.camera_list import list_cameras, sample_picture
 from venus3d.sources.v4l2 import CameraControl, CameraFound, CameraMode
 from venus3d.storage.folder import prepare, write_bytes
@@ -27,7 +26,7 @@ def cameras(options: CamerasOptions) -> None:
             "video as the source."
         )
     for camera in found:
-        print(printable(described(camera)))
+        print(described(camera))
     if options.output is not None:
         _write_pictures(found, prepare(options.output))
     if options.json:

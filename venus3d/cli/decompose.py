@@ -20,7 +20,6 @@ from venus3d.engine.geometry.decomposition import HOME_DISTANCE, Step, Steps, de
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.planning.limits import Limits, refusals
-from venus3d.engine.printable import printable
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.storage.camera_yaml import read_camera_yaml
@@ -41,7 +40,7 @@ def decompose_command(options: DecomposeOptions) -> None:
     for step in steps:
         print(_step_text(step))
     for path in _write_pictures(folder, steps, camera, board):
-        print(printable(f"Written: {path}"))
+        print(f"Written: {path}")
 
 
 def _target(options: DecomposeOptions, board: Board, camera: Camera) -> Pose:

@@ -18,9 +18,8 @@ from av.codec import codecs_available
 
 from venus3d import __version__
 from venus3d.cli.options import DoctorOptions
-from venus3d.engine.printable import printable
 from venus3d.render.offscreen import Offscreen
-from venus3d.scene.web.addresses import is_free
+from venus3d.scene.web.addresses import check_port, is_free
 from venus3d.sources.camera_list import list_cameras
 
 _PACKAGES = ("numpy", "scipy", "viser", "websockets", "pyrender", "trimesh", "av")
@@ -49,10 +48,12 @@ class Finding:
 
 
 def doctor(options: DoctorOptions) -> None:
-    """Print a line for each thing that is looked at; exit code 1 if one that matters is missing."""
+    """Print a line for each thing that is looked at; exit code 1 if one that matters is missing.
+    Raises `VenusError` for a port that there is not."""
+    check_port(options.port)
     missing: list[str] = []
     for finding in findings(options.port):
-        print(printable(line_of(finding)), flush=True)
+        print(line_of(finding), flush=True)
         if finding.state == "missing":
             missing.append(finding.what)
     if missing:

@@ -27,7 +27,13 @@ from venus3d.storage.folder import prepare
 from venus3d.storage.places import refuse_session
 from venus3d.storage.result_folder import ResultFolder
 from venus3d.storage.session_folder import SessionFolder
-from venus3d.storage.session_reader import camera_settings, read_header, read_pictures
+from venus3d.storage.session_reader import (
+    camera_settings,
+    missing_pictures,
+    read_header,
+    read_pictures,
+    way_out,
+)
 
 SESSIONS = Path("venus3d-sessions")
 """Where sessions are kept for which no folder is named."""
@@ -151,7 +157,13 @@ def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]
         state = folder.state()
         if state is not None:
             _check_board(options, options_of(folder.header, directory), directory)
-        views = 0 if state is None else len(state.views)
+        numbers = [] if state is None else [view.number for view in state.views]
+        for number, name in missing_pictures(directory, numbers).items():
+            tell(
+                f"The picture of view {number} is missing ({directory / name}); its corners count "
+                "all the same."
+            )
+        views = len(numbers)
         where = f"Going on with {views} view{'' if views == 1 else 's'} in {directory}."
         chosen = replace(options, output=directory)
         start = known_start(chosen, tell) if state is None else KnownStart()
@@ -175,7 +187,8 @@ def options_of(header: Mapping[str, Any], directory: Path) -> GuideOptions:
         return msgspec.convert(header["options"], GuideOptions, dec_hook=_decoded)
     except (KeyError, msgspec.ValidationError) as error:
         raise StorageError(
-            f"{directory}/session.json is not of this version of venus3d ({error})."
+            f"{directory}/session.json is not of this version of venus3d ({error}); "
+            f"{way_out(directory)}"
         ) from error
 
 

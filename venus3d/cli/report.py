@@ -37,7 +37,7 @@ def parameter_table(calibration: Calibration, truth: Camera | None = None) -> st
 
 
 def view_table(calibration: Calibration) -> str:
-    names = [view.observation.name or str(view.number) for view in calibration.views]
+    names = [printable(view.observation.name) or str(view.number) for view in calibration.views]
     width = max(len("view"), *(len(name) for name in names))
     rows = [f"{'view':{width}}  corners   rms"]
     for name, view in zip(names, calibration.views, strict=True):
@@ -76,11 +76,11 @@ def print_result(
         f"of {width} x {height} px{_left_out(calibration)}"
     )
     if calibration.lens_reason:
-        print(printable(calibration.lens_reason))
+        print(calibration.lens_reason)
     for warning in warnings:
-        print(printable(f"Mind: {warning}"))
+        print(f"Mind: {warning}")
     for diagnosis in diagnoses:
-        print(printable(f"Diagnosis: {diagnosis.cause}\n     Cure: {diagnosis.cure}"))
+        print(f"Diagnosis: {diagnosis.cause}\n     Cure: {diagnosis.cure}")
 
 
 Written = tuple[Path, ...] | StorageError
@@ -108,7 +108,7 @@ def deliver(summary: Mapping[str, Any], written: Written, *, as_json: bool) -> N
     """Print where the files are, and the JSON line if requested.
     Raises the `StorageError` of unwritten files after printing."""
     for path in () if isinstance(written, StorageError) else written:
-        print(printable(f"Written: {path}"))
+        print(f"Written: {path}")
     if as_json:
         print(to_json(summary))
     if isinstance(written, StorageError):

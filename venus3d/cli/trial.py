@@ -14,6 +14,7 @@ from venus3d.scene.pages.exercise.run import run_trial
 from venus3d.scene.pages.exercise.trial_plan import times_of
 from venus3d.scene.pages.exercise.view_model import TRIAL_HELPS, Help
 from venus3d.storage.exercise import ExerciseRow
+from venus3d.storage.result import to_json
 
 
 def trial(options: TrialOptions) -> None:
@@ -44,7 +45,7 @@ def trial(options: TrialOptions) -> None:
             "file": str(result.path),
             "helps": times,
         }
-        print(json.dumps(summary, ensure_ascii=False))
+        print(to_json(summary))
 
 
 def times_table(rows: Sequence[ExerciseRow]) -> str:

@@ -11,7 +11,6 @@ from venus3d.cli.report import print_note
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.verification import CHANCE, Verdict, Verification, verify
 from venus3d.engine.errors import CalibrationError, VenusError
-from venus3d.engine.printable import printable
 from venus3d.options import LensName
 from venus3d.report.verification_report import (
     CHANGES_HEAD,
@@ -64,8 +63,8 @@ def verify_command(options: VerifyOptions) -> int:
 
 
 _UNCERTAIN = (
-    "{name} does not say how well the camera was known, so all of its uncertainty is missing in "
-    "the test; a result.json has it."
+    "{name} does not hold the covariance of its camera, so the test takes the camera as exactly "
+    "known; a result.json holds it."
 )
 
 
@@ -101,21 +100,21 @@ def _guided(options: VerifyOptions, lens: str) -> Calibration:
 
 
 def _print(found: Verification, notes: list[str]) -> None:
-    print(printable(verdict_sentence(found)))
+    print(verdict_sentence(found))
     if cure(found):
-        print(printable(cure(found)))
+        print(cure(found))
     print()
     rows = figures_of(found)
     width = max(len(name) for name, _ in rows)
     for name, value in rows:
-        print(printable(f"{name:{width}}  {value}"))
+        print(f"{name:{width}}  {value}")
     print()
     for cells in [CHANGES_HEAD, *changes_of(found)]:
         name, before, now, change, mark = cells
         print(f"{name:4}{before:>14}{now:>14}{change:>12}  {mark}".rstrip())
     print(f"\n{method_sentence(found)}")
     for note in notes:
-        print(printable(f"Mind: {note}"))
+        print(f"Mind: {note}")
 
 
 def _json(found: Verification) -> dict[str, Any]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 
 _UNSEEN = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
 """Unicode's categories of what a terminal obeys, or what nobody sees."""
+
+_IN_DOUBT = re.compile(r"[^\n\t -~]")
 
 
 def is_seen(character: str) -> bool:
@@ -15,7 +18,8 @@ def is_seen(character: str) -> bool:
 
 def printable(text: str) -> str:
     """The text with control characters, all but line ends and tabs, written as \\x1b is."""
-    return "".join(
-        one if is_seen(one) or one in "\n\t" else one.encode("unicode_escape").decode()
-        for one in text
-    )
+    return _IN_DOUBT.sub(lambda found: _as_text(found[0]), text)
+
+
+def _as_text(one: str) -> str:
+    return one if is_seen(one) else one.encode("unicode_escape").decode()

@@ -19,6 +19,7 @@ from venus3d.languages import Language
 from venus3d.lessons.lesson import Lesson, LessonFile
 from venus3d.lessons.line_numbers import lines_of
 from venus3d.lessons.mistakes import LessonError, syntax_mistake, value_mistake
+from venus3d.regular_file import read_regular
 
 _LARGEST_BYTES = 200_000
 """A hundred times a lesson that ships; beyond that, reading and drawing take minutes."""
@@ -101,12 +102,14 @@ def _shipped_folder() -> Path:
 
 def _text_of(file: Path) -> str:
     try:
-        content = file.read_bytes()
+        content = read_regular(file)
     except FileNotFoundError:
         raise VenusError(f"There is no lesson file {file}; check the name.") from None
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise VenusError(f"The lesson {file} cannot be read ({reason}).") from None
+        raise VenusError(
+            f"The lesson {file} cannot be read ({reason}); give another file."
+        ) from None
     if len(content) > _LARGEST_BYTES:
         raise VenusError(
             f"The lesson {file} has {len(content)} bytes; one has at most {_LARGEST_BYTES}, so "

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from venus3d.engine.errors import SourceError
+from venus3d.regular_file import read_regular
 from venus3d.sources.opencv_log import silence_opencv
 
 SUFFIXES: tuple[str, ...] = (
@@ -71,8 +72,7 @@ def is_image(path: Path) -> bool:
     if suffix in (*SUFFIXES, *UNREAD_PICTURES, *VIDEOS):
         return suffix in SUFFIXES
     try:
-        with path.open("rb") as file:
-            start = file.read(12)
+        start = read_regular(path, 12)
     except OSError:
         return False
     return start.startswith(_SURE) or (start[:4], start[8:]) == (b"RIFF", b"WEBP")
@@ -82,15 +82,14 @@ def read_header(path: Path) -> ImageHeader:
     """The file's header, if possible without decoding the pixels.
     Raises `SourceError` if the file cannot be read, is no image, or is too large."""
     try:
-        with path.open("rb") as file:
-            start = file.read(12)
-            if not start:
-                raise SourceError(f"The file {shown(path)} is empty; record or copy it again.")
-            if not _is_likely(start):
-                raise _no_image(path)
-            with Image.open(file) as head:
-                _check_size(path, head.width, head.height)
-                return ImageHeader(head.size, _pictures(head), _orientation(head))
+        start = read_regular(path, 12)
+        if not start:
+            raise SourceError(f"The file {shown(path)} is empty; record or copy it again.")
+        if not _is_likely(start):
+            raise _no_image(path)
+        with Image.open(path) as head:
+            _check_size(path, head.width, head.height)
+            return ImageHeader(head.size, _pictures(head), _orientation(head))
     except Image.DecompressionBombError as error:
         raise _too_large(path) from error
     except SourceError:
@@ -109,7 +108,7 @@ def read_image(path: Path, *, grey: bool = False) -> NDArray[np.uint8]:
     With `grey`, a JPEG's brightness alone, which takes a third of the time.
     Raises `SourceError` if the file is no image, is truncated, or has other pixel types."""
     try:
-        content = path.read_bytes()
+        content = read_regular(path)
     except OSError as error:
         raise _unreadable(path, error) from error
     if not _is_likely(content[:12]):

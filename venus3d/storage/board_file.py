@@ -15,6 +15,7 @@ import yaml
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import DICTIONARIES, Board
 from venus3d.engine.sentences import listed
+from venus3d.regular_file import read_regular
 from venus3d.storage.folder import reason, write_bytes
 
 _OPTIONS: Mapping[str, type] = {
@@ -87,7 +88,7 @@ def read_board(path: Path) -> dict[str, Any]:
     if named is not None:
         return _of_calib_io(named, path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_regular(path).decode()
     except OSError as error:
         if not path.exists() and path.name.lower().startswith("calib.io_"):
             raise _no_board(

@@ -14,6 +14,7 @@ from pathlib import Path
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.geometry.camera import Camera
+from venus3d.regular_file import read_regular
 from venus3d.storage.folder import write_bytes
 from venus3d.storage.formats.opencv import opencv_text, read_opencv
 from venus3d.storage.formats.record import CameraRecord
@@ -33,7 +34,7 @@ def read_camera_yaml(path: Path | str) -> Camera:
     """The camera of a camera.yaml, ours or that of OpenCV's calibration sample.
     Raises `StorageError` if there is no such file or no camera in it."""
     try:
-        content = Path(path).read_bytes()
+        content = read_regular(Path(path))
         content.decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise StorageError(

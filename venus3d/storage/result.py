@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from venus3d.engine.geometry.image_circle import ImageCircle
 from venus3d.engine.geometry.pose import Array
 from venus3d.engine.guidance.convergence import Progress
 from venus3d.engine.planning.forecast import Forecast
+from venus3d.engine.printable import is_seen
 from venus3d.storage.folder import write_bytes
 
 SCHEMA = 2
@@ -156,7 +158,13 @@ def write_result(
 
 def to_json(content: Mapping[str, Any], indent: int | None = None) -> str:
     """Strict JSON: numbers that are not finite become null."""
-    return json.dumps(_finite(content), indent=indent, allow_nan=False, ensure_ascii=False)
+    text = json.dumps(_finite(content), indent=indent, allow_nan=False, ensure_ascii=False)
+    # JSON leaves some of what a terminal obeys as it is.
+    return re.sub(r"[^\n -~]", lambda found: _as_json(found[0]), text)
+
+
+def _as_json(one: str) -> str:
+    return one if is_seen(one) else json.dumps(one)[1:-1]
 
 
 def _diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:

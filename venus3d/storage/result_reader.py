@@ -20,6 +20,7 @@ from venus3d.engine.geometry.camera import PINHOLE_PARAMETERS, Camera
 from venus3d.engine.geometry.image_circle import ImageCircle
 from venus3d.engine.geometry.lenses import BROWN5, lens_called
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.regular_file import read_regular
 from venus3d.storage.folder import reason
 from venus3d.storage.result import SCHEMA
 
@@ -62,7 +63,7 @@ def read_result(path: Path | str) -> Result:
     """Read a result.json written by `calibrate`, `guide` or `write_result`. Raises `StorageError`,
     with cause and cure, if the file cannot be read, is no result, or has another schema."""
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = json.loads(read_regular(Path(path)).decode())
     except OSError as error:
         raise StorageError(
             f"The result {path} cannot be read ({reason(error)}); give a result.json that venus3d "

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.views import CapturedView
+from venus3d.regular_file import read_regular
 from venus3d.storage.folder import reason
 from venus3d.storage.places import EVENTS, HEADER, VIEWS
 
@@ -27,17 +28,31 @@ def read_header(directory: Path) -> Event:
     """session.json of a folder. Raises `StorageError`."""
     path = directory / HEADER
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(read_regular(path).decode())
     except OSError as error:
         raise StorageError(
             f"{directory} holds no session ({HEADER}: {reason(error)}); give the folder that "
             "venus3d guide has written."
         ) from error
     except (ValueError, RecursionError) as error:
-        raise StorageError(f"{path} is damaged: {error}.") from error
-    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        raise StorageError(f"{path} is not of this version of venus3d (schema {SCHEMA}).")
+        raise StorageError(f"{path} is damaged ({error}); {way_out(directory)}") from error
+    schema: Any = content.get("schema") if isinstance(content, dict) else None
+    if type(schema) is int and schema > SCHEMA:
+        raise StorageError(
+            f"{path} has schema {schema}, and this version reads schema {SCHEMA}: a newer venus3d "
+            f"wrote it. Update venus3d; or {way_out(directory)}"
+        )
+    if schema != SCHEMA:
+        raise StorageError(f"{path} is damaged (no schema); {way_out(directory)}")
     return dict(content)
+
+
+def way_out(directory: Path) -> str:
+    """What can be done with a session that cannot be gone on with; the end of a sentence."""
+    return (
+        f"calibrate from its pictures: venus3d calibrate {directory / VIEWS}, with --board.* for "
+        "another board than the usual one."
+    )
 
 
 def read_journal(directory: Path) -> tuple[list[Event], int]:
@@ -45,7 +60,7 @@ def read_journal(directory: Path) -> tuple[list[Event], int]:
     cut off. Raises `StorageError` for a journal that cannot be read."""
     path = directory / EVENTS
     try:
-        content = path.read_bytes()
+        content = read_regular(path)
     except OSError as error:
         raise StorageError(f"{path} cannot be read ({reason(error)}).") from error
     whole = content[: content.rfind(b"\n") + 1]
@@ -108,6 +123,16 @@ def pictures_of(directory: Path, views: Sequence[CapturedView]) -> dict[int, Pat
         }
     except (StorageError, LookupError, TypeError, ValueError):
         return {}
+
+
+def missing_pictures(directory: Path, numbers: Sequence[int]) -> dict[int, str]:
+    """Of these views, the pictures that were kept and are not there: paths within the folder."""
+    names = pictures_by_number(read_journal(directory)[0])
+    return {
+        number: names[number]
+        for number in numbers
+        if number in names and not (directory / names[number]).is_file()
+    }
 
 
 def _has_corners(event: Event, view: CapturedView) -> bool:

@@ -15,6 +15,7 @@ from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.lenses import BROWN5, LENSES
 from venus3d.engine.geometry.nearest_camera import nearest_without_k3
+from venus3d.regular_file import read_regular
 from venus3d.storage.folder import reason, write_bytes
 from venus3d.storage.formats.blender import BLENDER
 from venus3d.storage.formats.colmap import COLMAP
@@ -195,8 +196,7 @@ def record_in(path: Path | str, format: str | None = None, name: str | None = No
 
 def _content_of(path: Path) -> bytes:
     try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
+        content = read_regular(path, LARGEST_FILE + 1)
     except OSError as error:
         raise StorageError(
             f"The camera file {path} cannot be read ({reason(error)}); give another."

@@ -2,6 +2,6 @@
 
 TITLE = "Measure"
 UNCERTAIN = (
-    "{name} does not say how well the camera is known; the ± of a length leaves that out. A "
-    "result.json has it."
+    "{name} does not hold the covariance of its camera, so the ± of a length takes the camera as "
+    "exactly known; a result.json holds it."
 )
