@@ -128,6 +128,7 @@ def _json(found: Verification) -> dict[str, Any]:
         "distance_mm": 1000 * found.distance_m,
         "chance_px": found.chance_px,
         "chance": CHANCE,
+        "changed_px": found.changed_px,
         "projection_diff_map_px": found.diff_map.tolist(),
         "rms_px": found.rms_px,
         "fresh_rms_px": fresh.rms_px,

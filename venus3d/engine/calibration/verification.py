@@ -7,6 +7,11 @@ Gaussian with the sum C of both covariances and W is `projection_weight`: a sum 
 eigenvalues of W C as weights, whose quantiles are those of a scaled chi-square with the same mean
 and variance (Satterthwaite 1946). So `chance_px`, exceeded by chance once in a hundred checks, is
 what separates a change from the uncertainty of the check itself.
+
+Views that leave one thing open (how long the focus is) still show the others (how the lens bends).
+So each direction is tested too: in the p eigenvectors common to W and C the parts of D^2 are
+independent, l_i z_i^2 with z_i of variance 1 by chance. Those beyond Student's t of as many views,
+once in a hundred checks for any of them (Bonferroni), have changed; `changed_px` is their sum.
 """
 
 from __future__ import annotations
@@ -16,7 +21,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.special import chdtri
+from scipy.special import chdtri, stdtrit
 
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.calibration import Calibration
@@ -57,6 +62,9 @@ class Verification:
     """Projection difference of the two, pixels: rms over the picture."""
     chance_px: float
     """The difference that two calibrations of one camera exceed in `CHANCE` of checks, pixels."""
+    changed_px: float
+    """The part of the difference that chance does not explain, pixels: all of it if it is more than
+    `chance_px`, else in the directions that have changed."""
     diff_map: Array
     """(rows, columns) the difference at the centres of equal cells, pixels; NaN where no ray is."""
     rms_px: float
@@ -107,13 +115,17 @@ def verify(
     diff_px, chance_px = projection_diff_px(camera, fresh.camera), _chance_px(fresh.camera, joint)
     sigma = np.sqrt(np.diag(joint))
     moved = fresh.camera.parameters - camera.parameters
+    changed_px = diff_px
+    if diff_px <= chance_px:
+        changed_px = min(_changed_px(fresh.camera, joint, moved, len(fresh.views)), diff_px)
     return Verification(
         camera=camera,
         fresh=fresh,
-        verdict=_verdict(camera, fresh.camera, diff_px, chance_px, limit_px),
+        verdict=_verdict(camera, fresh.camera, changed_px, chance_px, limit_px),
         limit_px=limit_px,
         diff_px=diff_px,
         chance_px=chance_px,
+        changed_px=changed_px,
         diff_map=projection_diff_map(camera, fresh.camera, MAP),
         rms_px=_rms_px(camera, fresh, fresh.views),
         distance_m=float(np.median([np.linalg.norm(view.pose.t) for view in fresh.views])),
@@ -128,15 +140,23 @@ def _chance_px(camera: Camera, covariance: Array) -> float:
     return float(np.sqrt(scale * chdtri(freedom, CHANCE)))
 
 
+def _changed_px(camera: Camera, covariance: Array, moved: Array, views: int) -> float:
+    """The part of the difference `moved` (p,) in the directions that have changed."""
+    L = np.linalg.cholesky(covariance)
+    shares, directions = np.linalg.eigh(L.T @ projection_weight(camera) @ L)
+    z = directions.T @ np.linalg.solve(L, moved)
+    limit = stdtrit(views - 1, 1 - CHANCE / (2 * len(z)))
+    return float(np.sqrt(np.maximum(shares, 0.0) @ np.where(np.abs(z) > limit, z, 0.0) ** 2))
+
+
 def _verdict(
-    camera: Camera, fresh: Camera, diff_px: float, chance_px: float, limit_px: float
+    camera: Camera, fresh: Camera, changed_px: float, chance_px: float, limit_px: float
 ) -> Verdict:
-    changed = diff_px > chance_px
-    if changed and _is_another(camera, fresh):
+    if changed_px > 0 and _is_another(camera, fresh):
         return "other-camera"
-    if changed:
-        return "degraded" if diff_px > limit_px else "good"
-    return "good" if chance_px <= limit_px else "unclear"
+    if changed_px > limit_px:
+        return "degraded"
+    return "good" if changed_px > chance_px or chance_px <= limit_px else "unclear"
 
 
 def _is_another(camera: Camera, fresh: Camera) -> bool:
