@@ -207,3 +207,5 @@ def test_a_missing_picture_is_told_and_its_corners_count(
     after = run(*asked)
     assert f"The picture of view 2 is missing ({folder}/views/002.png)" in after.err
     assert after.json["views"] == before.json["views"] > 1
+    calibrated = run("calibrate", folder, "--json")
+    assert f"{folder}/views/002.png is missing and left out" in calibrated.err

@@ -57,7 +57,7 @@ def _images(options: CalibrateOptions) -> tuple[Images, Board]:
     directory = Path(options.source)
     if not is_session(directory):
         return options.source, options.board.board()
-    board, files = options.board, picture_files(directory)
+    board, files = options.board, picture_files(directory, print_note)
     if board == BoardOptions():
         try:
             board = msgspec.convert(read_header(directory)["options"]["board"], BoardOptions)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -154,14 +154,17 @@ def read_pictures(files: Mapping[int, Path]) -> Iterator[tuple[int, NDArray[np.u
                 yield number, np.asarray(picture, dtype=np.uint8)
 
 
-def picture_files(directory: Path) -> list[Path]:
+def picture_files(directory: Path, tell: Callable[[str], None]) -> list[Path]:
     """The pictures of the views that count; if the journal does not tell, all that are there.
-    Raises `StorageError` if there is none."""
+    `tell` receives a sentence for each that is missing. Raises `StorageError` if there is none."""
     try:
         files = _counted(directory)
     except (StorageError, LookupError, TypeError, ValueError):
         files = sorted((directory / VIEWS).glob("*.png"))
     there = [path for path in files if path.is_file()]
+    for path in files:
+        if path not in there:
+            tell(f"{path} is missing and left out.")
     if not there:
         raise StorageError(f"{directory} is a session without a picture; there is nothing to read.")
     return there
