@@ -10,11 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.engine.board_pictures import picture_of
-from venus3d.engine.calibration.adjustment import calibrate
-from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.following import Follower
-from venus3d.engine.calibration.observation import Observation, reprojection_errors
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
@@ -49,7 +47,7 @@ def tracked(tracker: BoardTracker, picture: Picture) -> Observation:
 
 @pytest.mark.slow
 def test_a_real_board_is_followed_without_loss(shared_data: Path, answers: list[bool]) -> None:
-    """Each corner of a hand-held board is there, and they fit the camera as well as those found."""
+    """Each corner of a hand-held board is there, and where a search finds it."""
     board = Board(12, 8, 0.0180086, 0.0139954, "DICT_5X5_1000")
     video = cv2.VideoCapture(str(shared_data / "wpilib-charuco-12x8.mp4"))
     tracker, detector = tracker_of(board), Detector(board, find_layout=False)
@@ -61,15 +59,11 @@ def test_a_real_board_is_followed_without_loss(shared_data: Path, answers: list[
         if answers == [True]:
             pairs.append((seen, detector.detect(picture)))
     assert len(pairs) >= 40, "three of four"
-    camera = calibrate(board, [found for _, found in pairs[::4]]).camera
-    squares = np.zeros(2)
-    for pair in pairs:
-        np.testing.assert_array_equal(pair[0].ids, pair[1].ids)
-        for n, seen in enumerate(pair):
-            pose = estimate_pose(camera, board, seen)
-            assert pose is not None
-            squares[n] += (reprojection_errors(camera, board, seen, pose) ** 2).sum()
-    assert squares[0] < 1.02 * squares[1]
+    apart: list[float] = []
+    for seen, found in pairs:
+        np.testing.assert_array_equal(seen.ids, found.ids)
+        apart += np.linalg.norm(seen.corners - found.corners, axis=1).tolist()
+    assert np.percentile(apart, 99) < 0.01 and max(apart) < 0.3
 
 
 def test_a_corner_that_a_hand_covers_is_not_made_up(

@@ -196,4 +196,4 @@ def test_the_picture_kept_of_a_view_is_the_one_it_was_measured_in(
         assert len(ids) >= 15
         # It may have been followed, not searched: a corner in doubt is then another one.
         apart = np.linalg.norm(seen.corners[here] - view.observation.corners[there], axis=1)
-        assert np.median(apart) < 0.1 and apart.max() < 0.6
+        assert np.median(apart) < 0.05 and apart.max() < 0.6

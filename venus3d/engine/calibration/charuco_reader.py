@@ -22,6 +22,11 @@ from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.following import Follower
 from venus3d.engine.calibration.marker_lattice import side_of
 from venus3d.engine.calibration.observation import determines_homography
+from venus3d.engine.calibration.refinement import (
+    by_corner_sub_pix,
+    local_scales,
+    refinement_windows,
+)
 from venus3d.engine.calibration.thin_borders import thin_border_diagnosis
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
@@ -38,6 +43,8 @@ _LEAD = 2.0
 QUICK_FROM_PX = 40.0
 _QUICK_WINDOW_PX = 7
 _FEWEST_MEASURED = 8
+_NEAR_PX = 1.0
+"""Farthest that a corner may be from where it was carried to, pixels."""
 # Different markers seen twice in one image: two boards.
 _TWICE = 4
 
@@ -123,7 +130,8 @@ class CharucoReader(BoardReader):
 
     def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """The corners of the presumed board; compares readings until settled."""
-        followed = self._follower.followed(grey, region) if quick else None
+        followed = self._followed(grey, region) if quick else None
+        self.exact = followed is not None
         if followed is not None:
             return followed
         x0, y0, x1, y1 = region
@@ -133,6 +141,21 @@ class CharucoReader(BoardReader):
         self.confused = self._shows_two_boards()
         if not (self.is_copy or self.confused):
             self._follower.found(grey, ids, corners)
+        return ids, corners
+
+    def _followed(self, grey: Grey, region: Region) -> Read | None:
+        """The last image's corners, by cornerSubPix alone: where they were carried to is too smooth
+        to be a first opinion. None if one of them is not near there."""
+        followed = self._follower.followed(grey, region)
+        if followed is None:
+            return None
+        ids, near = followed
+        windows = refinement_windows(self.board, local_scales(self.board, ids, near), near)
+        corners = by_corner_sub_pix(grey, near, windows)
+        moved = np.linalg.norm(corners - near, axis=1)
+        if not ((moved > 0) & (moved < _NEAR_PX)).all():  # one that is not measured stays
+            return None
+        self._follower.measured(grey, ids, corners)
         return ids, corners
 
     def _found(self, grey: Grey, quick: int) -> Read:

@@ -20,8 +20,8 @@ _SHRUNK_PX = 25.0
 _FARTHEST = 0.3
 """Largest median motion, as a share of that distance; a board moved farther may be mistaken for
 itself, one square on."""
-_OFF_PX, _OFF = 1.0, 0.03
-"""Largest distance of a point from where all together went, pixels or a share of that distance."""
+_OFF_PX = 1.0
+"""Largest distance of a point from where all together went, pixels."""
 
 
 class Follower:
@@ -47,7 +47,8 @@ class Follower:
         is lost, hidden or has left the region, all have moved far, or it is time.
 
         Between two images a board's points move as a quadratic of their place, whatever the lens.
-        That smooth motion is what is given: it is steadier than each point's own.
+        That smooth motion is what is given: it is steadier than each point's own, but only near to
+        where each point is. Measure it there, and tell by `measured`.
         """
         if self._last is None or self._in_a_row >= _IN_A_ROW:
             return None
@@ -68,11 +69,14 @@ class Follower:
         off = float(np.linalg.norm(motion - smooth, axis=1).max())
         x0, y0, x1, y1 = region
         inside = ((now > [x0, y0]) & (now < [x1 - 1, y1 - 1])).all()
-        if far or off > max(_OFF_PX, _OFF * spacing) or not inside:
+        if far or off > _OFF_PX or not inside:
             return None
-        self._last = (grey, ids, now)
-        self._in_a_row += 1
         return ids, now
+
+    def measured(self, grey: Grey, ids: NDArray[np.intp], points: Array) -> None:
+        """Where the points that were followed are, pixels."""
+        self._last = (grey, ids, points)
+        self._in_a_row += 1
 
 
 def flowed(

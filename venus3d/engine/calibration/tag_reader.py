@@ -109,7 +109,9 @@ class TagReader(BoardReader):
             return NOTHING
         ids = (4 * tags[inside, None] + np.arange(4)).reshape(-1).astype(np.intp)
         corners = self._refined(grey, quads[inside])
-        if followed is None and not (self.is_copy or self.confused):
+        if followed is not None:
+            self._follower.measured(grey, ids, corners)
+        elif not (self.is_copy or self.confused):
             self._follower.found(grey, ids, corners)
         return ids, corners
 
