@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -28,18 +27,18 @@ Picture = NDArray[np.uint8]
 def answers(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     """Whether each picture was followed, or what a search found taken instead."""
     given: list[bool] = []
-    for name, followed in (("measured", True), ("found", False)):
 
-        def noted(
-            self: Follower,
-            *seen: Any,
-            call: Callable[..., None] = getattr(Follower, name),
-            followed: bool = followed,
-        ) -> None:
+    def noting(name: str, followed: bool) -> None:
+        call = getattr(Follower, name)
+
+        def noted(self: Follower, *seen: Any) -> None:
             given.append(followed)
             call(self, *seen)
 
         monkeypatch.setattr(Follower, name, noted)
+
+    noting("measured", True)
+    noting("found", False)
     return given
 
 
