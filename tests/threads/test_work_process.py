@@ -60,6 +60,14 @@ class Desk:
         return found
 
 
+def begun(desk: Desk, camera: Camera, board: Board) -> Work:
+    """The first work of a session, which the process has been given."""
+    work = session(camera, board).pending
+    assert work is not None
+    desk.process.begin(work)
+    return work
+
+
 @pytest.fixture
 def desk() -> Iterator[Desk]:
     made = Desk()
@@ -146,9 +154,7 @@ def test_what_is_typed_at_the_terminal_is_not_for_it(
 ) -> None:
     for number in (signal.SIGINT, signal.SIGHUP):
         os.kill(desk.child().pid, number)  # while it starts, too
-    work = session(paper_camera, default_board).pending
-    assert work is not None
-    desk.process.begin(work)
+    begun(desk, paper_camera, default_board)
     assert isinstance(desk.answer(), Outcome)
     # This process hears them as before.
     with pytest.raises(KeyboardInterrupt):
@@ -159,9 +165,7 @@ def test_what_is_typed_at_the_terminal_is_not_for_it(
 def test_another_process_does_the_work_of_one_that_died_but_not_for_ever(
     desk: Desk, paper_camera: Camera, default_board: Board, caplog: pytest.LogCaptureFixture
 ) -> None:
-    work = session(paper_camera, default_board).pending
-    assert work is not None
-    desk.process.begin(work)
+    work = begun(desk, paper_camera, default_board)
     desk.child().kill()
     answer = desk.answer()
     assert isinstance(answer, Outcome) and answer.work is work
@@ -179,12 +183,10 @@ def test_another_process_does_the_work_of_one_that_died_but_not_for_ever(
 def test_a_group_of_processes_that_is_asked_to_end_is_no_fault(
     desk: Desk, paper_camera: Camera, default_board: Board, caplog: pytest.LogCaptureFixture
 ) -> None:
-    work = session(paper_camera, default_board).pending
-    assert work is not None
-    desk.process.begin(work)
+    work = begun(desk, paper_camera, default_board)
     desk.child().terminate()
-    assert isinstance(desk.answer(), Outcome)
-    assert not caplog.text
+    answer = desk.answer()
+    assert isinstance(answer, Outcome) and answer.work is work and not caplog.text
 
 
 def test_it_ends_with_a_program_that_is_killed() -> None:
