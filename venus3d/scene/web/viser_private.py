@@ -6,6 +6,7 @@
       ._live_connections                    a client's connection: its number, its socket's buffer
       get_message_buffer().message_event    wakes the loop; replaced, since any thread sets it
       ...._sanctioned_dead_writes           messages to a closed tab, which are no mistake
+      ....message_counter, .generator_cursors   what is drawn, and what of it has been sent
     gui._gui_input_handle_from_uuid         the widget of a name that a browser sends
     panel._placement_uuid                   the panel, to set its width in a single tab
     server._thread_executor                 runs all callbacks; they speak their page's language
@@ -35,13 +36,15 @@ __all__ = [
     "loop_of",
     "messages",
     "missing",
+    "newest_message",
+    "newest_sent",
     "panel_in",
     "sockets_of",
     "widget_of",
 ]
 
 _SOCKETS = ("_server_thread", "_background_event_loop", "_live_connections", "get_message_buffer")
-_BUFFER = ("message_event", "_sanctioned_dead_writes")
+_BUFFER = ("message_event", "_sanctioned_dead_writes", "message_counter", "generator_cursors")
 _MESSAGES = (
     "ViewerCameraMessage",
     "GuiUpdateMessage",
@@ -102,6 +105,17 @@ def server_of(client: viser.ClientHandle) -> viser.ViserServer:
 def allow_late_message(buffer: Any) -> None:
     """Let one message be pushed to a closed tab without viser's warning."""
     buffer._sanctioned_dead_writes += 1
+
+
+def newest_message(sockets: Any) -> int:
+    """The number of the newest message to all tabs."""
+    return int(sockets.get_message_buffer().message_counter) - 1
+
+
+def newest_sent(sockets: Any, unwatched: int) -> int:
+    """The newest of these messages that has been sent to a tab; `unwatched` if there is no tab."""
+    # A copy: tabs come and go meanwhile.
+    return max(tuple(sockets.get_message_buffer().generator_cursors.values()), default=unwatched)
 
 
 def call_within(

@@ -28,6 +28,7 @@ from venus3d.scene.pages.audience.view_model import (
     achieved,
     view_model_of,
 )
+from venus3d.scene.web.delivery import deliver
 from venus3d.scene.web.page import Page
 from venus3d.scene.web.picture_feed import PICTURE_PERIOD_S, PictureFeed, SeenPicture
 from venus3d.scene.web.scene_view import SceneView
@@ -148,6 +149,7 @@ class Audience(Page[AudienceState]):
                 self._view.play("alarm")
             if sentence := self._speaker.due(self._shown, time.monotonic()):
                 self._view.speak(sentence)
+        deliver(self.server)
         self._view.fit()
 
     def _draw_picture(self, newest: SeenPicture) -> None:

@@ -40,6 +40,7 @@ from venus3d.scene.pages.guide.subject import subject_of
 from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
 from venus3d.scene.pages.guide.view import GuideView
 from venus3d.scene.web.camera_rig import CameraRig
+from venus3d.scene.web.delivery import deliver
 from venus3d.scene.web.gizmo import BoardGizmo
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.layer import Layer
@@ -309,7 +310,7 @@ class Viewer(Page[ViewState]):
                 for layer in self.layers:
                     layer.show(snapshot, theme)
                 self._film.show(snapshot.captured, self._uncertainty.state.view)
-        self.server.flush()
+        deliver(self.server)
         if snapshot is not None:
             # Only now: the moved board comes before maps and pictures of a target.
             for layer in self.layers:

@@ -28,6 +28,7 @@ from venus3d.scene.pages.measure.shapes import measure_shapes
 from venus3d.scene.pages.measure.state import MeasureState
 from venus3d.scene.pages.measure.texts import Tool
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
+from venus3d.scene.web.delivery import deliver
 from venus3d.scene.web.help import Command, HelpOverlay, add_commands
 from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.lens_view import LensView
@@ -187,7 +188,7 @@ class MeasurePage(Page[MeasureState]):
                 self._scene.draw(measure_shapes(state, seen[1], label), dark=state.dark)
         self._lens.fit()
         self._scene.refresh()
-        self.server.flush()
+        deliver(self.server)
 
     def _draw_picture(self, observation: Observation) -> None:
         if observation.image is None:
