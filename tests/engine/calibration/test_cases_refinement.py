@@ -15,12 +15,13 @@ from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.chessboard_reader import ChessboardReader
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.refinement import (
+    by_corner_sub_pix,
     local_scales,
     refine_corners,
     refinement_windows,
 )
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.pose import Array, Pose
 
 Corners = tuple[NDArray[np.intp], Array]
@@ -186,3 +187,25 @@ def test_a_corner_drawn_aside_stays_where_it_was(default_board: Board) -> None:
     np.testing.assert_array_equal(found[19], start[19])
     others = np.delete(found - truth, 19, axis=0)
     assert np.sqrt((others**2).mean()) < 0.05
+
+
+def test_a_near_tilted_board_keeps_its_refined_corners() -> None:
+    """Perspective and the lens bend it by a pixel between neighbours, which is no glare: where all
+    stayed as OpenCV finds them, they were off by 0.036 px instead of 0.032."""
+    board, rng = Board(), np.random.default_rng(5)
+    squares = {"found": 0.0, "cornerSubPix": 0.0}
+    for _ in range(8):
+        across, along, around = rng.uniform(-35, 35, 3)
+        pose = Pose.from_vector([across, along, around / 3.5, *rng.uniform(-0.01, 0.01, 2), 0.27])
+        picture = picture_of(board, PAPER_CAMERA, pose, blur_px=0.8, noise=4.0, rng=rng)
+        found = Detector(board, find_layout=False).detect(picture)
+        ids, plain = by_opencv(board, picture)
+        plain = plain[np.argsort(ids)]
+        windows = refinement_windows(board, local_scales(board, found.ids, plain), plain)
+        truth = PAPER_CAMERA.project(pose.apply(board.points_of(found.ids)))
+        for name, corners in (
+            ("found", found.corners),
+            ("cornerSubPix", by_corner_sub_pix(picture, plain, windows)),
+        ):
+            squares[name] += float(((corners - truth) ** 2).sum(axis=1).mean())
+    assert squares["found"] < 1.1 * squares["cornerSubPix"]

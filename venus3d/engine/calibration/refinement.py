@@ -29,6 +29,9 @@ _OF_NEAREST = 0.3
 _FARTHEST_PX = 1.5
 # Of a smaller move, which of the two places fits better says nothing.
 _TELLS_PX = 0.1
+# All corners of a picture stay if together they fit their neighbours worse by this. Glare: 1.03 to
+# 1.13 in six pictures of seven; simulated pictures, whose refined corners are the truer: 1.01.
+_GLARE = 1.02
 _ENOUGH = 80
 """Corners, at most, whose median tells the sharpness."""
 _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
@@ -114,13 +117,28 @@ def refine_corners(
     far = judged & (np.linalg.norm(refined - corners, axis=1) > _TELLS_PX)
     if not far.any():
         return refined
-    predicted = smoother @ refined
-    after = np.linalg.norm(refined - predicted, axis=1)
+    # Perspective bends a near board more than a quadratic does, by a pixel: without it, what
+    # remains is the lens and the errors that are to be compared.
+    flat = _as_seen(board.points_of(ids)[:, :2], corners)
+    plain, better = corners - flat, refined - flat
+    predicted = smoother @ better
+    after = np.linalg.norm(better - predicted, axis=1)
     usual = np.sqrt((after[judged] ** 2).mean())
-    if usual > np.sqrt(((corners - smoother @ corners)[judged] ** 2).sum(axis=1).mean()):
+    before = np.sqrt(((plain - smoother @ plain)[judged] ** 2).sum(axis=1).mean())
+    if usual > _GLARE * before:
         return corners
-    worse = after > np.maximum(usual, np.linalg.norm(corners - predicted, axis=1))
+    worse = after > np.maximum(usual, np.linalg.norm(plain - predicted, axis=1))
     return np.where((far & worse)[:, None], corners, refined)
+
+
+def _as_seen(points: Array, corners: Array) -> Array:
+    """(N, 2) where a homography between all puts these points; zeros if there is none."""
+    H, _ = cv2.findHomography(points, corners)
+    if H is None:
+        return np.zeros_like(corners)
+    image = np.column_stack([points, np.ones(len(points))]) @ np.asarray(H, dtype=np.float64).T
+    with np.errstate(all="ignore"):
+        return np.nan_to_num(image[:, :2] / image[:, 2:])
 
 
 def by_corner_sub_pix(grey: Grey, corners: Array, windows: NDArray[np.intp]) -> Array:
