@@ -141,3 +141,30 @@ def test_undistort_keeps_the_camera_that_it_reads(
     assert contents(camera.parent) == before
     assert run(*asked, tmp_path / "out").code == 0
     assert run(*asked, tmp_path / "out", "--alpha", 1).code == 0
+
+
+def test_a_report_a_board_and_pictures_replace_only_their_own(
+    run: Run, calibrated: Path, tilted_pictures: Path, tmp_path: Path
+) -> None:
+    letter, shots = tmp_path / "letter.html", tmp_path / "shots"
+    letter.write_text("<!doctype html><p>Dear Ada, venus3d</p>")
+    shutil.copytree(tilted_pictures, shots)
+    notes = tmp_path / "notes.toml"
+    notes.write_text('colour = "blue"\n')
+    before = contents(tmp_path)
+    undistort = ("undistort", tilted_pictures, "--camera", calibrated / "camera.yaml", "--output")
+    for command in (
+        ("report", calibrated, "--output", letter),
+        ("board", "--save", notes),
+        ("board", "--save", letter),
+        (*undistort, shots),
+    ):
+        assert "exists already and holds something else" in run(*command).sentence
+    assert contents(tmp_path) == before
+    for command in (
+        ("report", calibrated, "--output", tmp_path / "report.html"),
+        ("board", "--save", tmp_path / "board.toml"),
+        (*undistort, tmp_path / "straight"),
+    ):
+        assert run(*command).code == 0 and run(*command).code == 0
+    assert run("board", "--board.columns", 7, "--save", tmp_path / "board.toml").code == 0

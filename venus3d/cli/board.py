@@ -8,7 +8,7 @@ from pathlib import Path
 from venus3d.cli.options import BoardCommand
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
-from venus3d.storage.board_file import board_text, save_board
+from venus3d.storage.board_file import board_text, is_board_file, save_board
 from venus3d.storage.board_sheet.files import pdf_of, picture_of_sheet, png_of, svg_of
 from venus3d.storage.board_sheet.screen import screen_page
 from venus3d.storage.board_sheet.sheet import Sheet, lay_out, paper_size, tiles
@@ -36,7 +36,8 @@ def board_command(options: BoardCommand) -> None:
         return
     board = options.board.board()
     if options.save is not None:
-        path = save_board(board, free_place(options.save, option="--save"))
+        again = is_board_file(options.save)
+        path = save_board(board, free_place(options.save, replaces=again, option="--save"))
         print(f"{path}: give it to the other commands as --board {path}.")
         return
     if options.show:

@@ -9,6 +9,7 @@ from typing import Any
 from venus3d.cli.options import ReportOptions
 from venus3d.engine.errors import StorageError
 from venus3d.report.calibration_report import ReportInput, calibration_report
+from venus3d.report.document import is_document
 from venus3d.storage.folder import write_bytes
 from venus3d.storage.places import free_place, is_session
 from venus3d.storage.result_reader import read_result
@@ -30,7 +31,8 @@ def report_command(options: ReportOptions) -> None:
     result = read_result(file)
     folder = file.parent
     place = folder / "report.html" if options.output is None else options.output
-    place = free_place(place / "report.html" if place.is_dir() else place, file)
+    place = place / "report.html" if place.is_dir() else place
+    free_place(place, file, replaces=is_document(place))
     numbers = [view.number for view in result.calibration.views]
     told = ReportInput(
         result.calibration,

@@ -44,19 +44,22 @@ def undistort_command(options: UndistortOptions) -> None:
                 "folder with --output."
             )
         free_place(options.output / "camera.yaml", options.camera, options.camera / "camera.yaml")
+        # What it wrote before has its camera beside it.
+        again = (options.output / "camera.yaml").exists()
         folder = prepare(options.output)
         if isinstance(source, Folder):
-            count = _write_pictures(source, undistortion, folder)
+            count = _write_pictures(source, undistortion, folder, again)
             print(f"Written: {count} pictures in {folder}")
         else:
-            print(f"Written: {_write_video(source, undistortion, folder / f'{place.stem}.mp4')}")
+            video = free_place(folder / f"{place.stem}.mp4", replaces=again)
+            print(f"Written: {_write_video(source, undistortion, video)}")
         for note in source.notes:
             print_note(note)
     camera = encode(CameraRecord(undistortion.camera), OPENCV_YAML).content
     print(f"Written: {write_bytes(folder / 'camera.yaml', camera)}")
 
 
-def _write_pictures(source: Folder, undistortion: Undistortion, folder: Path) -> int:
+def _write_pictures(source: Folder, undistortion: Undistortion, folder: Path, again: bool) -> int:
     used: set[str] = set()
     for frame in _frames(source):
         # a.jpg and a.tif both become PNG files.
@@ -64,7 +67,7 @@ def _write_pictures(source: Folder, undistortion: Undistortion, folder: Path) ->
         name = f"{frame.name}.png" if name in used else name
         used.add(name)
         _, content = cv2.imencode(".png", undistortion(frame.image))
-        write_bytes(folder / name, content.tobytes())
+        write_bytes(free_place(folder / name, replaces=again), content.tobytes())
     return len(used)
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +76,14 @@ def board_text(board: Board) -> str:
 def save_board(board: Board, path: Path) -> Path:
     """Write a board's file. Raises `StorageError` if it cannot be written."""
     return write_bytes(path, board_text(board).encode())
+
+
+def is_board_file(path: Path) -> bool:
+    """Whether a file is one that `save_board` wrote."""
+    with suppress(OSError, ValueError, StorageError):
+        _of_toml(path, read_regular(path).decode())
+        return True
+    return False
 
 
 def read_board(path: Path) -> dict[str, Any]:
