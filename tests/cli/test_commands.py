@@ -103,7 +103,8 @@ def test_picture_without_board_is_named(run: Run, tmp_path: Path, tilted_picture
     Image.new("RGB", (1280, 720), (90, 90, 90)).save(tmp_path / "empty.png")
     ran = run("calibrate", tmp_path, "--json")
     assert ran.json["views"] == 6
-    assert "The board was not found in empty.png." in ran.json["warnings"]
+    told = "The board was not found in empty.png, or no more than one row of its corners"
+    assert any(warning.startswith(told) for warning in ran.json["warnings"])
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -168,3 +169,30 @@ def test_a_report_a_board_and_pictures_replace_only_their_own(
     ):
         assert run(*command).code == 0 and run(*command).code == 0
     assert run("board", "--board.columns", 7, "--save", tmp_path / "board.toml").code == 0
+
+
+def test_no_file_takes_the_place_of_a_device_or_a_pipe(
+    run: Run, calibrated: Path, tmp_path: Path
+) -> None:
+    """`/dev/full` became a file, and a link to a device too."""
+    pipe, link = tmp_path / "pipe.html", tmp_path / "link.html"
+    os.mkfifo(pipe)
+    link.symlink_to("/dev/null")
+    for place in (pipe, link):
+        for command in (
+            ("report", calibrated, "--output", place),
+            ("export", calibrated, "--to", "json", "--output", place),
+            ("board", "--save", place),
+        ):
+            assert "is a device or a pipe, no file" in run(*command).sentence
+    assert pipe.is_fifo() and link.is_symlink() and Path("/dev/null").is_char_device()
+
+
+def test_undistort_keeps_another_cameras_file(
+    run: Run, calibrated: Path, tilted_pictures: Path, tmp_path: Path
+) -> None:
+    other = export_camera(PAPER_CAMERA, tmp_path / "other" / "camera.yaml")
+    before = contents(other.parent)
+    asked = ("undistort", tilted_pictures, "--camera", calibrated / "camera.yaml", "--output")
+    assert "exists already and holds something else" in run(*asked, other.parent).sentence
+    assert contents(other.parent) == before

@@ -371,6 +371,13 @@ def test_a_bad_file_ends_in_one_sentence(case: str, tmp_path: Path) -> None:
     assert "\n" not in str(caught.value)
 
 
+def test_an_empty_mat_file_ends_in_one_sentence(tmp_path: Path) -> None:
+    place = tmp_path / "camera.mat"
+    place.write_bytes(bytes(500))
+    with pytest.raises(StorageError, match="no camera"):
+        import_camera(place)
+
+
 def test_a_mat_file_unpacks_only_small_arrays(tmp_path: Path) -> None:
     place = tmp_path / "camera.mat"
     savemat(place, {"intrinsicMatrix": np.zeros((1500, 1500))}, do_compression=True)

@@ -26,7 +26,7 @@ from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.storage.places import EVENTS
 from venus3d.storage.session_folder import SessionFolder
-from venus3d.storage.session_reader import pictures_of, read_header
+from venus3d.storage.session_reader import kept_pictures, pictures_of, read_header
 
 
 @pytest.fixture
@@ -133,12 +133,17 @@ def test_a_journal_that_is_none_is_refused(
 ) -> None:
     run(session, paper_camera, rng, GOOD[:1])
     path = folder.directory / EVENTS
-    for content in (b"{}\n", b"[1]\n", b"nonsense\n", path.read_bytes().replace(b'"ids"', b'"x"')):
+    good = path.read_bytes()
+    no_picture = b'{"event":"captured","number":1}\n'
+    for content in (b"{}\n", b"[1]\n", b"nonsense\n", no_picture, good.replace(b'"ids"', b'"x"')):
         path.write_bytes(content)
         again = reopened(folder)
         with pytest.raises(StorageError, match="damaged"):
             again.state()
         again.close()
+    path.write_bytes(no_picture)
+    with pytest.raises(StorageError, match="damaged"):
+        list(kept_pictures(folder.directory, [1]))
 
 
 def test_a_session_is_never_overwritten(folder: SessionFolder) -> None:

@@ -10,6 +10,7 @@ from venus3d.cli.report import print_note
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.resize import resize_to
 from venus3d.options import image_size_of
+from venus3d.regular_file import read_regular
 from venus3d.storage.folder import write_bytes
 from venus3d.storage.formats import (
     FORMATS,
@@ -71,5 +72,5 @@ def _offset_of(text: str | None) -> tuple[int, int] | None:
 
 def _holds(place: Path, content: bytes) -> bool:
     with suppress(OSError):
-        return place.read_bytes() == content
+        return read_regular(place) == content
     return False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -43,9 +43,9 @@ def undistort_command(options: UndistortOptions) -> None:
                 f"The results would lie among their sources in {options.output}; choose another "
                 "folder with --output."
             )
-        free_place(options.output / "camera.yaml", options.camera, options.camera / "camera.yaml")
-        # What it wrote before has its camera beside it.
-        again = (options.output / "camera.yaml").exists()
+        again = _wrote_before(options.output)
+        read = (options.camera, options.camera / "camera.yaml")
+        free_place(options.output / "camera.yaml", *read, replaces=again)
         folder = prepare(options.output)
         if isinstance(source, Folder):
             count = _write_pictures(source, undistortion, folder, again)
@@ -57,6 +57,13 @@ def undistort_command(options: UndistortOptions) -> None:
             print_note(note)
     camera = encode(CameraRecord(undistortion.camera), OPENCV_YAML).content
     print(f"Written: {write_bytes(folder / 'camera.yaml', camera)}")
+
+
+def _wrote_before(folder: Path) -> bool:
+    """Whether a folder is one of earlier results: a camera without distortion lies there."""
+    with suppress(VenusError):
+        return not record_in(folder / "camera.yaml").camera.distortion.any()
+    return False
 
 
 def _write_pictures(source: Folder, undistortion: Undistortion, folder: Path, again: bool) -> int:

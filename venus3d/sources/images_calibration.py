@@ -105,7 +105,10 @@ def calibrate_recording(
     else:
         missed = [o.name for o in recording.observations if not o.count]
         if missed and seen:
-            warnings.append(f"The board was not found in {listed(missed, most=5)}.")
+            warnings.append(
+                f"The board was not found in {listed(missed, most=5)}, or no more than one row of "
+                "its corners, which fixes no pose."
+            )
     diagnoses = _board_diagnoses(detector, recording)
     # How small the board is, the pictures that show it tell as well, with how many there are.
     another = [d for d in diagnoses if not (seen and d.kind == "small-board")]

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import cv2
 import numpy as np
@@ -65,9 +65,22 @@ def read_journal(directory: Path) -> tuple[list[Event], int]:
         raise StorageError(f"{path} cannot be read ({reason(error)}).") from error
     whole = content[: content.rfind(b"\n") + 1]
     try:
-        return [json.loads(line) for line in whole.splitlines()], len(whole)
+        events = [json.loads(line) for line in whole.splitlines()]
     except (ValueError, RecursionError) as error:
         raise damaged(directory) from error
+    if not all(map(_is_event, events)):
+        raise damaged(directory)
+    return events, len(whole)
+
+
+def _is_event(line: Any) -> bool:
+    """Whether a line of a journal has what every reader takes for granted."""
+    if not isinstance(line, dict):
+        return False
+    event = cast(Event, line)
+    if event.get("event") != "captured":
+        return isinstance(event.get("event"), str)
+    return isinstance(event.get("number"), int) and isinstance(event.get("picture", 0), str | None)
 
 
 def damaged(directory: Path) -> StorageError:

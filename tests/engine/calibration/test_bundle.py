@@ -61,6 +61,24 @@ def test_the_optimum_is_opencvs(
     assert (abs(found.parameters.camera.parameters - theirs) < 1e-6 * sigma).all()
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_the_optimum_of_a_crop_is_far_along_a_valley(default_board: Board, seed: int) -> None:
+    """cx, p2 and the radial terms trade for each other: sixty steps end half-way."""
+    camera = Camera(900, 700, 1000, 1000, -60, 300, -0.25)
+    rng, views = np.random.default_rng(seed), list[Observation]()
+    while len(views) < 8:
+        turns = [*rng.uniform(-40, 40, 2), rng.uniform(-20, 20)]
+        place = [rng.uniform(0.15, 0.3), rng.uniform(-0.05, 0.1), rng.uniform(0.35, 0.6)]
+        seen = observe(camera, default_board, [*turns, *place], rng, noise=0.05)
+        if seen.count >= 20:
+            views.append(seen)
+    problem = Problem(corners_of(default_board, views), np.eye(9))
+    for start in initial_parameters(problem.corners, camera.image_size):
+        found = adjust(problem, start)
+        assert found.converged
+        assert found.parameters.camera.cx == pytest.approx(-60, abs=4)
+
+
 def bent_problem(
     camera: Camera, board: Board, rng: np.random.Generator, **settings: object
 ) -> tuple[Problem, Parameters]:

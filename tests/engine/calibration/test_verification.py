@@ -139,3 +139,16 @@ def test_what_cannot_be_compared_is_refused() -> None:
     start = calibrate(BOARD, [view.observation for view in fresh.views], model="startup")
     with pytest.raises(CalibrationError, match="all parameters"):
         verify(PAPER_CAMERA, None, start)
+
+
+def test_a_camera_that_does_not_reach_the_corners_is_refused(
+    calibrations: list[Calibration],
+) -> None:
+    """It folds back near the middle: only what it reaches would be compared, which is nothing."""
+    fresh = calibrations[0]
+    for wrong in (
+        replace(PAPER_CAMERA, coefficients=(-50.0, 0.0, 0.0, 0.0, 0.0)),
+        replace(PAPER_CAMERA, cx=-1e5, fx=1.0),
+    ):
+        with pytest.raises(CalibrationError, match="reaches only"):
+            verify(wrong, None, fresh)

@@ -162,6 +162,9 @@ def _calibrated(
         fit = _fitted(board, _checked_count(corners, basis), size, lens, model, basis, start)
         calibration = _calibration(board, [usable[i] for i in fit.kept], fit, model)
         _check_result(calibration)
+    except np.linalg.LinAlgError as error:
+        # Far along a direction that they leave open, which only their uncertainty tells.
+        raise CalibrationError("The views do not determine the camera.") from error
     except CalibrationError as error:
         unread = [one for one in left_out if one.reason != "repeat"]
         if not unread:

@@ -23,7 +23,7 @@ from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
 
-_ITERATIONS = 60
+_ITERATIONS = 400
 _CONVERGED, _ROUNDING = 1e-12, 4e-15
 """A step ends the search if its squared length, in standard deviations, is smaller (1e-6 sigma, and
 what is left after it is far less), or its share of the cost, which is then rounding."""

@@ -200,7 +200,9 @@ def shape(calibration: Calibration) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "stretched-print",
             (_LONG_ROWS if board.stretch > 0 else _LONG_COLUMNS).format(
-                share=_measured(100 * abs(board.stretch), 100 * stretch)
+                share=_measured(
+                    100 * abs(board.stretch) / (1 - abs(board.stretch) / 2), 100 * stretch
+                )
             ),
             Sentence(
                 "Measure squares both ways, and print the board again at 100 %, without fitting it "

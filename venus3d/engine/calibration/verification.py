@@ -46,6 +46,8 @@ LIMIT_PX = 1.0
 ANOTHER = 0.05
 """A focal length that differs by more than this share, or a principal point by more than this share
 of the picture's width, is no drift."""
+_SEES = 0.9
+"""Share of the fresh corners that an existing camera of these pictures sees at least."""
 MAP = (36, 24)
 """Cells of `Verification.diff_map` across and down."""
 
@@ -95,8 +97,8 @@ def verify(
         limit_px: the largest projection difference that does no harm, pixels.
 
     Raises:
-        CalibrationError: different picture sizes or lens models, or the fresh views leave
-            parameters open.
+        CalibrationError: different picture sizes or lens models, the existing lens does not reach
+            the fresh corners, or the fresh views leave parameters open.
     """
     if not all(fresh.free):
         raise CalibrationError("The fresh views do not determine all parameters; take more.")
@@ -110,6 +112,14 @@ def verify(
         raise CalibrationError(
             f"The camera file has a lens of the model {camera.lens.name}, the fresh views were "
             f"calibrated with {fresh.camera.lens.name}; calibrate them with the same model."
+        )
+    seen = np.concatenate([view.observation.corners for view in fresh.views])
+    sees = int(np.count_nonzero(np.isfinite(camera.unproject(seen)[:, 2])))
+    if sees < _SEES * len(seen):
+        raise CalibrationError(
+            f"The camera file is not of this camera: its lens reaches only {sees} of the "
+            f"{len(seen)} corners seen, and folds back before the others; check which file it is, "
+            "and its distortion."
         )
     joint = fresh.covariance if covariance is None else fresh.covariance + covariance
     diff_px, chance_px = projection_diff_px(camera, fresh.camera), _chance_px(fresh.camera, joint)

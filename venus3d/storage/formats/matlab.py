@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from scipy.io import loadmat, savemat, whosmat
+from scipy.io.matlab import MatReadError
 
 from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
@@ -48,7 +49,7 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
         if any(math.prod(shape) > 100 for shape in shapes.values()):
             raise ValueError("too large")
         found = loadmat(io.BytesIO(content), variable_names=[*shapes])
-    except (OSError, NotImplementedError, AttributeError) as error:
+    except (OSError, NotImplementedError, AttributeError, MatReadError) as error:
         raise ValueError("no .mat file") from error
     K, distortion, size = (np.asarray(found[name], dtype=np.float64) for name in _NEEDED)
     rows, columns = values.numbers(size.ravel(), 2)
