@@ -241,7 +241,7 @@ def test_what_is_no_pattern_is_not_named(shared_data: Path) -> None:
         assert recognise_board(Board(), grey_of(shared_data / name)) is None, "it is this board"
 
 
-@pytest.mark.parametrize("given_mm", [5, 12])
+@pytest.mark.parametrize("given_mm", [5, 12, 18, 23, 24, 26])
 def test_markers_of_another_size_than_given_are_measured(given_mm: float) -> None:
     """With 5 mm for 21 mm OpenCV finds all corners, up to 26 px from their places."""
     picture = picture_of(Board(), CAMERA, POSE)
