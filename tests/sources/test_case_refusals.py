@@ -11,14 +11,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.engine.calibration.test_adjustment import observe
 from venus3d.cli import main
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.other_cameras import explained
+from venus3d.engine.calibration.refusals import calibrate_or_refuse
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.field_of_view import fields_of_view_deg
 from venus3d.engine.geometry.lenses import FISHEYE
 from venus3d.sources.images_calibration import calibrate_images, calibrate_recording
@@ -121,3 +123,30 @@ def test_guide_writes_no_camera_of_it(
     assert main(["guide", source, "--headless", "--output", str(tmp_path)]) == 2
     assert told in capsys.readouterr().err
     assert not [*tmp_path.glob("camera*"), *tmp_path.glob("result*")]
+
+
+def seen_from(away_m: float, camera: Camera, aside: float) -> list[Observation]:
+    rng = np.random.default_rng(2)
+    turns = [[*rng.uniform(-40, 40, 2), rng.uniform(-20, 20)] for _ in range(10)]
+    places = [[(aside + rng.uniform(-0.2, 0.2)) * away_m, 0.05 * away_m, away_m] for _ in turns]
+    return [
+        observe(camera, Board(), [*turn, *place], rng, noise=0.2)
+        for turn, place in zip(turns, places, strict=True)
+    ]
+
+
+def test_a_result_of_a_small_board_says_that_it_is_small() -> None:
+    near, far = (calibrate_or_refuse(Board(), seen_from(z, PAPER_CAMERA, 0)) for z in (0.6, 1.6))
+    assert "small-board" not in [diagnosis.kind for diagnosis in diagnose(near)]
+    (told,) = [one for one in diagnose(far) if one.kind == "small-board"]
+    assert "squares are 17 px wide, where 22 px are needed" in told.cause
+
+
+def test_no_other_camera_is_told_from_a_small_board() -> None:
+    """A few corners, off by tenths of a pixel: a crop or a fisheye fits them better than what they
+    are of, so it was told of lenses with neither."""
+    crop = Camera(900, 700, 1000, 1000, -200, 300, -0.25)
+    with pytest.raises(CalibrationError, match="principal point lies outside"):
+        calibrate_or_refuse(Board(), seen_from(0.6, crop, 0.5))
+    with pytest.raises(CalibrationError, match=r"1\d px wide there, where 22 px are needed"):
+        calibrate_or_refuse(Board(), seen_from(0.6, crop.scaled((360, 280)), 0.5))

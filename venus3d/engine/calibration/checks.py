@@ -18,6 +18,7 @@ from venus3d.engine.calibration import fit_checks
 from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
 from venus3d.engine.calibration.calibration import Calibration, largest_angle_deg
 from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
+from venus3d.engine.calibration.legibility import legible_square_px, too_small_px
 from venus3d.engine.calibration.other_cameras import other_cameras
 from venus3d.engine.geometry.camera import planning_camera
 from venus3d.engine.geometry.pose import Array
@@ -108,6 +109,20 @@ def _parallel_or_weak(calibration: Calibration) -> Iterator[Diagnosis]:
             "weak-focal-length",
             Sentence("The focal length is known to {share} % only.").format(share=figure(share)),
             Sentence("Add views that are tilted by 20-45° and fill the picture."),
+        )
+
+
+def _small(calibration: Calibration) -> Iterator[Diagnosis]:
+    board = calibration.board
+    width = too_small_px(board, [view.observation for view in calibration.views])
+    if width is not None:
+        yield Diagnosis(
+            "small-board",
+            Sentence(
+                "The board is small in the pictures: its squares are {width} px wide, where "
+                "{needed} px are needed to read it reliably; corners are few and less exact."
+            ).format(width=whole(width), needed=whole(legible_square_px(board))),
+            Sentence("Bring it nearer, take pictures with more pixels, or print larger squares."),
         )
 
 
@@ -346,6 +361,7 @@ def _depths(calibration: Calibration) -> Array:
 
 _CHECKS = (
     _Check(1, 1, _impossible, needs_full=False),
+    _Check(3, 3, _small),
     _Check(5, 2, _parallel_or_weak),
     _Check(5, 3, _folding),
     _Check(2, 2, other_cameras),

@@ -10,14 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.calibration import Calibration
+from venus3d.engine.calibration.legibility import legible_square_px, squares_px, too_small_px
 from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens
-from venus3d.engine.calibration.observation import Observation, determines_homography
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.other_cameras import explained, other_cameras
-from venus3d.engine.calibration.refinement import local_scales
 from venus3d.engine.calibration.repeats import repeated
 from venus3d.engine.calibration.turned_pictures import without_turned
 from venus3d.engine.errors import CalibrationError
@@ -104,46 +102,45 @@ def calibrate_or_refuse(
     kept = _Kept(looked, seen, len(seen) - len(repeated(seen)))
     if seen and kept.different < FEWEST_VIEWS:
         raise CalibrationError(_too_few(board, kept))
+    small_px = too_small_px(board, seen)
     try:
         if lens is None:
             calibration = calibrate_with_any_lens(board, seen)
         else:
             calibration = calibrate(board, seen, lens=lens)
     except CalibrationError as error:
+        if small_px is not None:
+            raise CalibrationError(_too_small(board, _counted(kept), small_px)) from error
         cause = explained(board, seen, float("inf"))
         raise error if cause is None else OtherCameraError(str(cause)) from error
     calibration = without_turned(board, calibration)
     for cause in other_cameras(calibration):
+        if small_px is not None:
+            raise CalibrationError(_too_small(board, _counted(kept), small_px))
         raise OtherCameraError(str(cause))
     return calibration
-
-
-def legible_square_px(board: Board) -> float:
-    """The least side of a square in the picture for the board to be read, pixels."""
-    return board.of_kind.legible_square_px(board)
-
-
-def square_px(board: Board, seen: Observation) -> float:
-    """The narrow side of an observation's squares, pixels: the median over its corners."""
-    scales = local_scales(board, seen.ids, seen.corners)
-    return float(np.median(np.linalg.norm(scales, axis=1).min(axis=1)) * board.square)
 
 
 def _too_few(board: Board, kept: _Kept) -> Sentence:
     count, looked = len(kept.seen), kept.looked
     if count > kept.different:
-        counted = (_VIEWS if looked is None else _SHOW).format(count=count, looked=looked)
+        counted = _counted(kept)
         if kept.different == 1:
             return _ALL_ALIKE.format(counted=counted, needed=_NEEDED)
         return _MOST_ALIKE.format(counted=counted, needed=_NEEDED, count=kept.different)
     said = _ONLY_VIEWS if looked is None else _ONLY_SHOW if looked == count else _ONLY_SHOW_OF
     counted = said[count > 1].format(count=count, looked=looked)
-    small, legible = _smallest(board, kept.seen), legible_square_px(board)
-    if small < legible:
-        return _SMALL.format(counted=counted, width=f"{small:.0f}", legible=f"{legible:.0f}")
+    small = min(squares_px(board, kept.seen), default=float("inf"))
+    if small < legible_square_px(board):
+        return _too_small(board, counted, small)
     return _FEW.format(counted=counted, needed=_NEEDED)
 
 
-def _smallest(board: Board, seen: Sequence[Observation]) -> float:
-    fixed = [o for o in seen if determines_homography(board.points_of(o.ids))]
-    return min((square_px(board, o) for o in fixed), default=float("inf"))
+def _counted(kept: _Kept) -> Sentence:
+    said = _VIEWS if kept.looked is None else _SHOW
+    return said.format(count=len(kept.seen), looked=kept.looked)
+
+
+def _too_small(board: Board, counted: Sentence, width_px: float) -> Sentence:
+    legible = f"{legible_square_px(board):.0f}"
+    return _SMALL.format(counted=counted, width=f"{width_px:.0f}", legible=legible)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from venus3d.engine.calibration.board_diagnoses import small_board_diagnosis
 from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.legibility import legible_square_px, square_px
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.refusals import legible_square_px, square_px
 from venus3d.engine.geometry.board import Board
 
 _TIMES = 3

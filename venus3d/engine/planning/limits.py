@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.amounts import whole
-from venus3d.engine.calibration.refusals import legible_square_px
+from venus3d.engine.calibration.legibility import legible_square_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import AXES, Array, rotations_of
