@@ -25,6 +25,11 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.offscreen import Offscreen
+from venus3d.sources.opencv_log import silence_opencv
+
+# FFmpeg reads how much it may say when a process opens its first video, which some tests do by
+# OpenCV alone.
+silence_opencv()
 
 # A busy machine is no failure.
 settings.register_profile("venus3d", deadline=None)
