@@ -196,3 +196,9 @@ def test_undistort_keeps_another_cameras_file(
     asked = ("undistort", tilted_pictures, "--camera", calibrated / "camera.yaml", "--output")
     assert "exists already and holds something else" in run(*asked, other.parent).sentence
     assert contents(other.parent) == before
+
+
+def test_a_name_that_is_too_long_ends_in_one_sentence(run: Run, tmp_path: Path) -> None:
+    long = tmp_path / ("x" * 300)
+    for command in (("board", "--save", long), ("board", "--output", f"{long}.pdf")):
+        assert "cannot be written (file name too long)" in run(*command).sentence

@@ -21,7 +21,7 @@ def refuse_session(path: Path, cure: str = _ANOTHER) -> None:
     """Raise `StorageError` if a file or folder is a session's own, there already or not, or if it
     is a device or a pipe: a file would take its place."""
     # A link to one as well, such as /dev/stdout.
-    if path.exists() and not (path.is_file() or path.is_dir()):
+    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
         raise StorageError(f"{path} is a device or a pipe, no file; {cure}.")
     # A link is replaced itself, not what it leads to; a folder's link leads into the folder.
     for place in (Path(os.path.abspath(path)), Path(os.path.realpath(path))):
