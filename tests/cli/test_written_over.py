@@ -198,7 +198,16 @@ def test_undistort_keeps_another_cameras_file(
     assert contents(other.parent) == before
 
 
-def test_a_name_that_is_too_long_ends_in_one_sentence(run: Run, tmp_path: Path) -> None:
+def test_a_name_that_is_too_long_ends_in_one_sentence(
+    run: Run, calibrated: Path, tilted_pictures: Path, tmp_path: Path
+) -> None:
     long = tmp_path / ("x" * 300)
-    for command in (("board", "--save", long), ("board", "--output", f"{long}.pdf")):
-        assert "cannot be written (file name too long)" in run(*command).sentence
+    for command in (
+        ("board", "--save", long),
+        ("board", "--output", f"{long}.pdf"),
+        ("report", calibrated, "--output", f"{long}.html"),
+        ("export", calibrated, "--to", "ros", "--output", long),
+        ("undistort", tilted_pictures, "--camera", calibrated, "--output", long),
+        ("calibrate", tilted_pictures, "--output", long),
+    ):
+        assert "(file name too long)" in run(*command).sentence

@@ -42,6 +42,7 @@ from venus3d.scene.pages.exercise.options import PracticeOptions, TrialOptions
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.scene.pages.measure.options import MeasureOptions
 from venus3d.scene.pages.teach.options import TeachOptions
+from venus3d.storage.folder import reason
 from venus3d.threads.signals import on_stop_signal
 
 DESCRIPTION = """Camera calibration that a person can see.
@@ -146,6 +147,13 @@ def _run(given: list[str], output: Printed) -> int:
             code = _command_of(options)(options)
     except VenusError as error:
         print(printable(f"venus3d: {error}"), file=sys.stderr)
+        return MISTAKE
+    except OSError as error:
+        # Whether a place is there is asked in many places; these two the system refuses to say.
+        if error.errno not in (errno.ENAMETOOLONG, errno.EACCES) or error.filename is None:
+            raise
+        told = f"venus3d: {error.filename} cannot be used ({reason(error)}); give another place."
+        print(printable(told), file=sys.stderr)
         return MISTAKE
     except KeyboardInterrupt as stop:
         # A study says where it stopped; Ctrl-C itself has no message.
