@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -114,6 +115,10 @@ def test_import_and_export_replace_no_other_file(
     monkeypatch.chdir(tmp_path)
     export_camera(PAPER_CAMERA, "other.json", "json")
     assert run("import", "other.json").code == 0
+    written = Path("camera.yaml").read_text()
+    another_day = re.sub(r'(calibration_time: )"[^"]+"', r'\1"2020-01-01T00:00:00+00:00"', written)
+    assert another_day != written
+    Path("camera.yaml").write_text(another_day)
     assert run("import", "other.json").code == 0
     before = Path("camera.yaml").read_bytes()
     export_camera(PAPER_CAMERA.scaled((640, 360)), "small.json", "json")
