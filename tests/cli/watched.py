@@ -2,18 +2,20 @@
 
     python -m tests.cli.watched guide sim --headless ...
 
-With BREAK="where:views" in the environment something raises there once there are so many views; a
-search, wherever it runs, never ends with more.
+With BREAK="where:views" in the environment something raises there once there are so many views, in
+whatever process that is; a search never ends with more.
 """
 
 from __future__ import annotations
 
 import os
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 # Imported only where they are needed: the process that searches reads this module, too.
@@ -23,6 +25,7 @@ _PLACES = {
     "drawing": ("venus3d.scene.pages.guide.viewer", "Viewer", "show"),
     "search": ("venus3d.engine.guidance.work", "Work", "run"),
 }
+_REACHED = "BREAK_REACHED"
 _views = 0
 
 
@@ -54,6 +57,7 @@ def _watch() -> None:
         global _views
         snapshot = apply(session, outcome)
         _views = len(snapshot.views)
+        _reach(_views)
         _tell()
         return snapshot
 
@@ -67,10 +71,19 @@ def _break(where: str, views: int) -> None:
             time.sleep(600)  # until somebody interrupts it
 
     def fail(_: Any) -> None:
-        if _views >= views:
+        # The process that detects does not know the session's views: a file tells it.
+        if _views >= views or Path(os.environ[_REACHED]).exists():
             raise RuntimeError("boom")
 
+    if __name__ == "__main__":
+        os.environ[_REACHED] = str(Path(tempfile.mkdtemp()) / "reached")
     _after(where, search_on if where == "search" else fail)
+
+
+def _reach(views: int) -> None:
+    _, _, count = os.environ.get("BREAK", "").partition(":")
+    if count and views >= int(count):
+        Path(os.environ[_REACHED]).touch()
 
 
 if __name__ in ("__main__", "__mp_main__") and "BREAK" in os.environ:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import Protocol
 
 from venus3d.engine.calibration.board_reader import Region
 from venus3d.engine.calibration.detection import Detector, search_region
+from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
 from venus3d.sources.frame import Frame
+from venus3d.sources.second_board_watch import SecondBoardWatch
 
 # Fewer corners than this share of the last frame's: the board has left the search region.
 _LOST = 0.9
@@ -17,13 +20,61 @@ _LOST = 0.9
 _LEARNT, _FADING = 1.25, 0.99
 
 
+class Tracker(Protocol):
+    """Finds the board in frame after frame."""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """As the detector's."""
+        ...
+
+    @property
+    def diagnoses(self) -> tuple[Diagnosis, ...]:
+        """As the detector's."""
+        ...
+
+    def track(self, frame: Frame) -> Observation:
+        """The board in this frame, with its image and how long it took to find it."""
+        ...
+
+    def explain_misses(self) -> tuple[Diagnosis, ...]:
+        """As the detector's."""
+        ...
+
+    def close(self) -> None:
+        """Release all resources."""
+        ...
+
+
 class BoardTracker:
     """Detector with a memory of the board's position. Used by one thread."""
 
-    def __init__(self, detector: Detector) -> None:
+    def __init__(self, detector: Detector, *, look_beside: bool = False) -> None:
+        """`look_beside`: look for another board beside the one detected, now and then; close it
+        then."""
         self.detector = detector
+        self._beside = SecondBoardWatch(detector) if look_beside else None
         self._last: Observation | None = None
         self._quick_from_px = detector.quick_from_px
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """As the detector's."""
+        return self.detector.notes
+
+    @property
+    def diagnoses(self) -> tuple[Diagnosis, ...]:
+        """As the detector's."""
+        return self.detector.diagnoses
+
+    def explain_misses(self) -> tuple[Diagnosis, ...]:
+        """As the detector's."""
+        return self.detector.explain_misses()
+
+    def close(self) -> None:
+        """End the looks beside the board."""
+        if self._beside is not None:
+            self._beside.close()
 
     def track(self, frame: Frame) -> Observation:
         """The board in this frame, with its image and how long it took to find it.
@@ -53,7 +104,10 @@ class BoardTracker:
             learnt_px = _LEARNT * self.detector.square_px / quick
             self._quick_from_px = max(self._quick_from_px, learnt_px)
         self._last = full if full.count else None
-        return replace(full, image=frame.image, detect_s=time.perf_counter() - began)
+        seen = replace(full, image=frame.image, detect_s=time.perf_counter() - began)
+        if self._beside is not None:
+            self._beside.put(seen)
+        return seen
 
     def _detect(self, frame: Frame, region: Region | None, quick: int) -> Observation:
         return self.detector.detect(

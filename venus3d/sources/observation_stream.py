@@ -2,13 +2,12 @@
 
     watch   source -> `on_picture` at once, and the frame box
     detect  frame box -> detection -> observation box
-    beside  every few seconds, if wanted: another board beside the one detected
 
     stream = ObservationStream(source, BoardTracker(Detector(board)), on_picture=show)
     stream.run(lambda: use(stream.take(timeout=0.05)))   # until stop() or a signal
 
 All boxes hold the newest value only: the image never waits for detection, nor detection for the
-user of its observations, nor for the look beside the board.
+user of its observations.
 """
 
 from __future__ import annotations
@@ -18,12 +17,11 @@ import time
 from collections.abc import Callable
 
 from venus3d.engine.calibration.observation import Observation
-from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.board_tracker import Tracker
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.live import Live
 from venus3d.sources.looped import Looped
-from venus3d.sources.second_board_watch import SecondBoardWatch
 from venus3d.sources.video import Video
 from venus3d.sources.watched_folder import WatchedFolder
 from venus3d.threads.flow import Flow
@@ -41,12 +39,11 @@ class ObservationStream:
     def __init__(
         self,
         source: Source,
-        tracker: BoardTracker,
+        tracker: Tracker,
         *,
         on_picture: Callable[[Frame], None],
         reopen: Callable[[], Source] | None = None,
         flow: Flow | None = None,
-        look_beside: bool = False,
     ) -> None:
         """Nothing is read until `run`.
 
@@ -55,7 +52,6 @@ class ObservationStream:
             on_picture: called with every frame, on the watching thread; must not block.
             reopen: reopens a recording when it has ended; None: `source` continues by itself.
             flow: counts the frames that come and that are searched.
-            look_beside: look for another board beside the one detected, now and then.
         """
         self.source, self.tracker = source, tracker
         self._on_picture = on_picture
@@ -64,7 +60,6 @@ class ObservationStream:
         self._frames: Latest[Frame] = Latest()
         self._observations: Latest[Observation] = Latest()
         self._stop = threading.Event()
-        self._beside = SecondBoardWatch(tracker.detector, self._stop) if look_beside else None
         self._running = threading.Event()  # cleared while paused
         self._running.set()
         self._failure: BaseException | None = None
@@ -103,8 +98,6 @@ class ObservationStream:
         Raises what `step` raised. The source's exception is kept for `check`.
         """
         loops = {"watch": self._watch, "detect": self._detect}
-        if self._beside is not None:
-            loops["beside"] = self._beside.look
         threads = [
             threading.Thread(target=self._guarded, args=(loop,), name=name, daemon=True)
             for name, loop in loops.items()
@@ -121,8 +114,6 @@ class ObservationStream:
             self._running.set()
             self._frames.close()
             self._observations.close()
-            if self._beside is not None:
-                self._beside.close()
             at_end()
             if isinstance(self.source, (Live, WatchedFolder)):  # they may wait for ever
                 self.source.close()
@@ -184,8 +175,5 @@ class ObservationStream:
     def _detect(self) -> None:
         frame = self._frames.take(timeout=0.2)
         if frame is not None:
-            observation = self.tracker.track(frame)
-            self._observations.put(observation)
-            if self._beside is not None:
-                self._beside.put(observation)
+            self._observations.put(self.tracker.track(frame))
             self._flow.note("searched")

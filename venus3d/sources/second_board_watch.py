@@ -18,29 +18,38 @@ _LOOKS = 2
 
 
 class SecondBoardWatch:
-    """Tells the detector of another board beside its own; a thread calls `look` again and again."""
+    """Tells the detector of another board beside its own, on a thread of its own."""
 
-    def __init__(self, detector: Detector, stop: threading.Event) -> None:
-        """`stop`: set when it shall end."""
-        self._detector, self._stop = detector, stop
+    def __init__(self, detector: Detector) -> None:
+        """Starts the thread."""
+        self._detector = detector
         self._seen: Latest[Observation] = Latest()
         self._looks: deque[FoundBoard | None] = deque(maxlen=_LOOKS)
+        self._failure: Exception | None = None
+        self._end = threading.Event()
+        threading.Thread(target=self._look, name="beside", daemon=True).start()
 
     def put(self, observation: Observation) -> None:
-        """The newest image with the board; never waits."""
+        """The newest image with the board; never waits. Raises what the last look raised."""
+        if self._failure is not None:
+            raise self._failure
         if observation.count:
             self._seen.put(observation)
 
-    def look(self) -> None:
-        """Look at the newest image, and wait until the next look is due."""
-        seen = self._seen.take(timeout=0.2)
-        if seen is None:
-            return
-        began = time.thread_time()
-        self._looks.append(self._detector.look_beside(seen.image, seen))
-        self._detector.note_beside(self._looks)
-        self._stop.wait(max(EVERY_S, (time.thread_time() - began) / SHARE))
-
     def close(self) -> None:
-        """Wake `look`."""
+        """End the thread, once its look is over."""
+        self._end.set()
         self._seen.close()
+
+    def _look(self) -> None:
+        try:
+            while not self._end.is_set():
+                seen = self._seen.take()
+                if seen is None:
+                    continue
+                began = time.thread_time()
+                self._looks.append(self._detector.look_beside(seen.image, seen))
+                self._detector.note_beside(self._looks)
+                self._end.wait(max(EVERY_S, (time.thread_time() - began) / SHARE))
+        except Exception as error:
+            self._failure = error

@@ -3,22 +3,17 @@ that draw, and the picture would wait for it."""
 
 from __future__ import annotations
 
-import logging
-import multiprocessing
 import os
-import signal
-from collections.abc import Callable, Generator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.guidance.loop import Calibrated
 from venus3d.engine.guidance.work import Outcome, Work
+from venus3d.threads.child_process import ChildProcess
 
-_LOG = logging.getLogger(__name__)
-_TRIES = 2
 _READY = "ready"
 _STOP = "stop"
 
@@ -34,8 +29,9 @@ class WorkProcess:
         `on_calibrated` is called by `take` when a work has calibrated and begins to search."""
         self._on_calibrated = on_calibrated
         self._wanted: Work | None = None
-        self._tries = 0
-        self._start()
+        self._doing: Work | None = None
+        self._idle = False
+        self._child = ChildProcess("calibrates and searches", "think", _serve)
 
     @property
     def work(self) -> Work | None:
@@ -54,44 +50,18 @@ class WorkProcess:
         """The outcome of `work`, once, or why it has none; None while there is none.
         Raises `RuntimeError` if the process dies again and again."""
         try:
-            while self._pipe.poll():
-                answer = self._receive(self._pipe.recv())
+            while self._child.pipe.poll():
+                answer = self._receive(self._child.pipe.recv())
                 if answer is not None:
                     return answer
         except (EOFError, OSError):
-            self._start_again()
+            self._child.start_again()
+            self._idle, self._doing = False, None
         return None
 
     def close(self) -> None:
         """End the process; what it was doing is lost."""
-        self._pipe.close()
-        self._process.kill()
-        self._process.join()
-        self._process.close()
-
-    def _start(self) -> None:
-        # A copy ("fork") of a process that has threads and OpenGL may hang.
-        context = multiprocessing.get_context("spawn")
-        self._pipe, theirs = context.Pipe()
-        self._doing: Work | None = None
-        self._process = context.Process(target=_serve, args=(theirs,), name="think", daemon=True)
-        self._idle = False
-        with _deaf_to_the_terminal():
-            self._process.start()
-        theirs.close()
-
-    def _start_again(self) -> None:
-        self._process.kill()  # if its end of the pipe alone is gone
-        self._process.join()
-        self._tries += 1
-        told = f"The process that calibrates and searches ended with code {self._process.exitcode}"
-        if self._tries > _TRIES:
-            raise RuntimeError(f"{told}, {self._tries} times.")
-        # A whole group of processes that is asked to end (a service that stops) is no fault.
-        if self._process.exitcode != -signal.SIGTERM:
-            _LOG.warning("%s; another one does its work.", told)
-        self._pipe.close()
-        self._start()
+        self._child.close()
 
     def _receive(self, answer: object) -> Outcome | CalibrationError | None:
         work = self._doing if self._doing is self._wanted else None
@@ -103,7 +73,8 @@ class WorkProcess:
         if work is None:
             self._hand_over()
             return None
-        self._wanted, self._tries = None, 0
+        self._wanted = None
+        self._child.works()
         if isinstance(answer, Outcome):
             return replace(answer, work=work)  # the very object, not its copy
         assert isinstance(answer, CalibrationError)
@@ -117,22 +88,7 @@ class WorkProcess:
 
     def _send(self, message: object) -> None:
         with suppress(OSError):  # the process is gone: `take` starts another one
-            self._pipe.send(message)
-
-
-@contextmanager
-def _deaf_to_the_terminal() -> Generator[None, None, None]:
-    """Context in which processes are started that hear neither Ctrl-C nor that the terminal is
-    closed, which go to all processes of a terminal: the one that starts them decides."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
-        yield
-        return
-    resource_tracker.ensure_running()  # starting it would undo the mask
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            self._child.pipe.send(message)
 
 
 def _serve(pipe: Connection) -> None:

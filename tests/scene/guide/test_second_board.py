@@ -6,6 +6,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,7 @@ def test_the_page_tells_of_the_second_board_until_it_is_gone(
     monkeypatch.setattr(second_board_watch, "SHARE", 1.0)
     desk = Desk()
     session = Session(FIRST, desk.image_size)
-    tracker = BoardTracker(Detector(FIRST, find_layout=False))
+    tracker = BoardTracker(Detector(FIRST, find_layout=False), look_beside=True)
     live = LiveGuide(session, desk, tracker, viewer, lambda _: None, lambda: desk)
     running = threading.Thread(target=live.run, daemon=True)
     running.start()
@@ -79,6 +80,7 @@ def test_the_page_tells_of_the_second_board_until_it_is_gone(
     finally:
         live.stop()
         running.join(20)
+        tracker.close()
 
 
 def test_nothing_waits_for_the_look_beside_the_board() -> None:
@@ -91,8 +93,8 @@ def test_nothing_waits_for_the_look_beside_the_board() -> None:
             return super().look_beside(image, seen)
 
     shown: list[Frame] = []
-    tracker = BoardTracker(Slow(FIRST, find_layout=False))
-    stream = ObservationStream(Desk(), tracker, on_picture=shown.append, look_beside=True)
+    tracker = BoardTracker(Slow(FIRST, find_layout=False), look_beside=True)
+    stream = ObservationStream(Desk(), tracker, on_picture=shown.append)
     seen: list[Observation] = []
 
     def step() -> None:
@@ -103,6 +105,26 @@ def test_nothing_waits_for_the_look_beside_the_board() -> None:
             may_end.set()
             stream.stop()
 
-    stream.run(step)
+    with closing(tracker):
+        stream.run(step)
     stream.check()
     assert len(seen) == 5 and all(one.count for one in seen) and len(shown) >= 5
+
+
+def test_what_a_look_beside_raises_is_told_with_the_next_frame() -> None:
+    class Broken(Detector):
+        def look_beside(self, image: Any, seen: Observation) -> FoundBoard | None:
+            raise RuntimeError("boom")
+
+    frame = Desk().read()
+    assert frame is not None
+
+    def told() -> bool:
+        try:
+            tracker.track(frame)
+        except RuntimeError as error:
+            return error.args == ("boom",)
+        return False
+
+    with closing(BoardTracker(Broken(FIRST, find_layout=False), look_beside=True)) as tracker:
+        wait_until(told)

@@ -8,7 +8,7 @@ from venus3d.engine.errors import SourceError
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import terminal_texts
-from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.board_tracker import Tracker
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
 
@@ -17,7 +17,7 @@ _PATIENCE_FRAMES = 400
 
 
 def run_headless(
-    session: Session, source: Source, tracker: BoardTracker, keep: Callable[[Snapshot], None]
+    session: Session, source: Source, tracker: Tracker, keep: Callable[[Snapshot], None]
 ) -> str:
     """Guide without a viewer until convergence, enough views, or the recording's end; `keep` is
     called after every view.

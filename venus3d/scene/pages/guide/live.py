@@ -23,7 +23,7 @@ from venus3d.scene.pages.guide.flow_news import FlowNews
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.board_keys import KeyMoves
 from venus3d.scene.web.monitor import SecondMonitor
-from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.board_tracker import Tracker
 from venus3d.sources.camera_settings import CameraSetting, CameraSettings, SettingName
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.live import Live, OtherSize, Trouble
@@ -47,7 +47,7 @@ class LiveGuide:
         self,
         session: Session,
         source: Source,
-        tracker: BoardTracker,
+        tracker: Tracker,
         viewer: Viewer,
         keep: Callable[[Snapshot], None],
         again: Callable[[], Source],
@@ -68,7 +68,6 @@ class LiveGuide:
             on_picture=self._show_picture,
             reopen=again,
             flow=self._flow,
-            look_beside=not isinstance(source, Simulation),
         )
         self._stats = FlowNews(self._flow, viewer) if stats else None
         self._silent_since = self._said = ""

@@ -30,8 +30,9 @@ from venus3d.scene.pages.guide.result_saver import ResultSaver
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.web.monitor import SecondMonitor
 from venus3d.scene.web.page import announce_page
-from venus3d.sources.board_tracker import BoardTracker
+from venus3d.sources.board_tracker import BoardTracker, Tracker
 from venus3d.sources.camera_settings import CameraSettings
+from venus3d.sources.detection_process import DetectionProcess
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
@@ -91,7 +92,13 @@ def run_guide(
         source = stack.enter_context(closing(_opened(options, board)))
         tell_of_trouble(source)
         truth = source.truth if isinstance(source, Simulation) else None
-        tracker = BoardTracker(Detector(board, find_layout=truth is None))
+        detector = Detector(board, find_layout=truth is None)
+        tracker: Tracker = (
+            BoardTracker(detector)
+            if options.headless
+            else DetectionProcess(detector, source.image_size, look_beside=truth is None)
+        )
+        stack.enter_context(closing(tracker))
         if known is not None:
             _check_known(known, source)
         settings = _settings(options, source)
@@ -104,14 +111,14 @@ def run_guide(
         on_open()
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
-            said = (*source.notes, *tracker.detector.notes, *snapshot.warnings, *notes)
+            said = (*source.notes, *tracker.notes, *snapshot.warnings, *notes)
             # No more views come: judge the set as it is.
             found = (
-                tracker.detector.explain_misses()
+                tracker.explain_misses()
                 if snapshot.calibration is None
                 else snapshot.final_diagnoses
             )
-            final = replace(snapshot, diagnoses=joined(tracker.detector.diagnoses, found))
+            final = replace(snapshot, diagnoses=joined(tracker.diagnoses, found))
             return GuideResult(final, tuple(dict.fromkeys(said)), truth)
 
         def kept(snapshot: Snapshot) -> str:
