@@ -205,6 +205,14 @@ def test_interrupt_without_a_screen_keeps_what_was_captured(
     assert {path.name for path in tmp_path.iterdir()} >= {"camera.yaml", "result.json"}
 
 
+def test_a_camera_of_another_shape_is_guided(run: Run, tmp_path: Path) -> None:
+    ran = run(
+        *("guide", "sim", "--headless", "--camera-size", "480x360", "--max-views", "3"),
+        *("--no-record", "--json", "--output", tmp_path),
+    )
+    assert ran.json["views"] == 3 and ran.json["image_size"] == [480, 360]
+
+
 @pytest.mark.slow
 def test_ctrl_c_with_the_viewer_is_no_error(tmp_path: Path) -> None:
     """Stopped before anything was captured. (With views: `browser/test_program.py`.)"""

@@ -17,7 +17,7 @@ from venus3d.engine.guidance.capture_gate import refusal
 from venus3d.render.offscreen import Offscreen
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.sim import Simulation
-from venus3d.sources.sim_cameras import FIELD_DEG, SIM_CAMERAS, SimCamera
+from venus3d.sources.sim_cameras import FIELD_DEG, SIM_CAMERAS, SimCamera, simulated_camera
 
 
 def facing(away_deg: float, around_deg: float, distance: float) -> Pose:
@@ -107,3 +107,21 @@ def test_a_board_on_the_rim_of_the_image_circle_is_no_glare() -> None:
     quality = picture_quality(frame.image, Board(), seen)
     assert quality is not None and quality.washed_out == 0
     assert refusal(replace(seen, image=frame.image), Board()) is None
+
+
+@pytest.mark.parametrize("name", SIM_CAMERAS)
+@pytest.mark.parametrize(
+    ("size", "first", "scale"),
+    [((640, 480), (160, 0), 2 / 3), ((1280, 1024), (190, 0), 64 / 45), ((640, 320), (0, 40), 0.5)],
+)
+def test_a_picture_of_another_shape_is_the_middle_of_the_cameras_own(
+    name: SimCamera, size: tuple[int, int], first: tuple[int, int], scale: float
+) -> None:
+    """As OpenCV projects, cut and then resized; squeezed pixels would be no camera's, and no guess
+    would bring the board to its first place."""
+    whole, part = SIM_CAMERAS[name], simulated_camera(name, size)
+    points = np.array([[0.0, 0, 1], [0.02, -0.05, 1], [-0.06, 0.03, 1]])
+    cut = (opencv_pixels(whole, points) + 0.5 - first) * scale - 0.5
+    assert part.image_size == size and np.allclose(part.project(points), cut, atol=1e-9)
+    assert part.fx / part.fy == pytest.approx(whole.fx / whole.fy, rel=1e-12)
+    assert simulated_camera(name) == simulated_camera(name, whole.image_size) == whole

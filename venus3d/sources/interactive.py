@@ -11,7 +11,7 @@ from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.frame import Source
 from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.sim import Simulation
-from venus3d.sources.sim_cameras import FIELD_DEG, SIM_CAMERAS, SimCamera
+from venus3d.sources.sim_cameras import FIELD_DEG, SimCamera, simulated_camera
 from venus3d.threads.latency import limit_gl_threads
 
 SIMULATED = "sim"
@@ -60,9 +60,8 @@ def open_interactive(
         raise SourceError("The simulated camera has nothing to set; leave out --camera.")
     if flip:
         raise SourceError("The simulated pictures are not mirrored; leave out --flip.")
-    truth = SIM_CAMERAS[camera]
     return Simulation(
-        truth if size is None else truth.scaled(size),
+        simulated_camera(camera, size),
         replace(board, bow=(bow, 0.0)),
         field_deg=FIELD_DEG.get(camera),
         seed=seed,

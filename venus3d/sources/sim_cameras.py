@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
@@ -22,3 +23,22 @@ SIM_CAMERAS: dict[SimCamera, Camera] = {
 
 FIELD_DEG: dict[SimCamera, float] = {"fisheye": 190.0}
 """Diameter of the image circle of those that have one."""
+
+
+def simulated_camera(name: SimCamera, image_size: tuple[int, int] | None = None) -> Camera:
+    """The camera of this name, for its own pictures or for those of `image_size` (width, height).
+    Pixels stay as square as they are: of another shape, the picture's middle is what is seen."""
+    camera = SIM_CAMERAS[name]
+    if image_size is None:
+        return camera
+    width, height = image_size
+    scale = max(width / camera.width, height / camera.height)
+    return replace(
+        camera,
+        width=width,
+        height=height,
+        fx=camera.fx * scale,
+        fy=camera.fy * scale,
+        cx=(camera.cx + 0.5 - camera.width / 2) * scale + width / 2 - 0.5,
+        cy=(camera.cy + 0.5 - camera.height / 2) * scale + height / 2 - 0.5,
+    )
