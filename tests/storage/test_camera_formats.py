@@ -351,6 +351,18 @@ BAD: dict[str, tuple[bytes, str]] = {
                       "no camera"),
     "laughs": (LAUGHS.encode() + b"camera_matrix: 1\ndistortion_model: plumb_bob\n", "no camera"),
     "large YAML": (b"camera_matrix: 1\ndistortion_model: a\n" + b"#" * 2_000_000, "no camera"),
+    "OpenCV without a size": (opencv_yaml(a=("image_width: 1280", "")), "width and the height"),
+    "Kalibr without a size": (b"cam0: {camera_model: pinhole, distortion_model: radtan, "
+                              b"intrinsics: [500, 500, 320, 240], "
+                              b"distortion_coeffs: [0, 0, 0, 0]}", "width and the height"),
+    "ROS without a size": (b"distortion_model: plumb_bob\nk: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n"
+                           b"d: [0, 0, 0, 0, 0]\n", "width and the height"),
+    "ROS's file without a size": (b"distortion_model: plumb_bob\n"
+                                  b"camera_matrix: {data: [500, 0, 320, 0, 500, 240, 0, 0, 1]}\n"
+                                  b"distortion_coefficients: {data: [0, 0, 0, 0, 0]}\n",
+                                  "width and the height"),
+    "one id twice": (b"1 PINHOLE 10 10 5 5 5 5\n1 PINHOLE 10 10 6 6 5 5\n", "of one id"),
+    "no camera's number": (b"1 PINHOLE 10 10 1e200 5 5 5\n", "1e.200 is no number of a camera"),
     "another fisheye": (b"1 THIN_PRISM_FISHEYE 10 10 5 5 5 5 0 0 0 0\n", "OPENCV"),
     "omni": (b"cam0: {camera_model: omni, distortion_model: radtan, resolution: "
                     b"[10, 10], intrinsics: [1, 1, 1, 1]}", "pinhole-radtan"),
@@ -374,6 +386,15 @@ def test_a_bad_file_ends_in_one_sentence(case: str, tmp_path: Path) -> None:
 def test_an_empty_mat_file_ends_in_one_sentence(tmp_path: Path) -> None:
     place = tmp_path / "camera.mat"
     place.write_bytes(bytes(500))
+    with pytest.raises(StorageError, match="no camera"):
+        import_camera(place)
+
+
+def test_a_mat_file_of_complex_numbers_ends_in_one_sentence(tmp_path: Path) -> None:
+    place = tmp_path / "camera.mat"
+    K = np.array([[500 + 1j, 0, 320], [0, 500, 240], [0, 0, 1]])
+    size, none = np.array([[480, 640]]), np.zeros((1, 5))
+    savemat(place, {"intrinsicMatrix": K, "imageSize": size, "distortionCoefficients": none})
     with pytest.raises(StorageError, match="no camera"):
         import_camera(place)
 

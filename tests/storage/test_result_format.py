@@ -87,8 +87,19 @@ def test_a_result_is_read_back(tmp_path: Path, calibration: Calibration) -> None
 
 @pytest.mark.parametrize(
     "text",
-    ["", "hello", "[]", "3", "{}", '{"schema": 2}', '{"schema": true}', "\x00\x01", "[" * 100_000],
-    ids=range(9),
+    [
+        "",
+        "hello",
+        "[]",
+        "3",
+        "{}",
+        '{"schema": 2}',
+        '{"schema": 1}',
+        '{"schema": true}',
+        "\x00\x01",
+        "[" * 100_000,
+    ],
+    ids=range(10),
 )
 def test_a_file_that_is_no_result(tmp_path: Path, text: str) -> None:
     path = tmp_path / "result.json"

@@ -73,8 +73,10 @@ def read_result(path: Path | str) -> Result:
         raise _no_result(path) from error
     if not isinstance(content, dict):
         raise _no_result(path)
-    schema: Any = content.get("schema", 1 if {"intrinsics", "captured"} <= content.keys() else None)
-    if schema != SCHEMA and type(schema) is int:
+    schema: Any = content.get("schema", 1)
+    # Older results are told from other files, such as session.json, by what all of them have.
+    older = {"intrinsics", "captured"} <= content.keys()
+    if type(schema) is int and (schema > SCHEMA or (schema < SCHEMA and older)):
         cure = (
             "read the camera.yaml beside it, or calibrate again"
             if schema < SCHEMA

@@ -62,7 +62,9 @@ def read_journal(directory: Path) -> tuple[list[Event], int]:
     try:
         content = read_regular(path)
     except OSError as error:
-        raise StorageError(f"{path} cannot be read ({reason(error)}).") from error
+        raise StorageError(
+            f"{path} cannot be read ({reason(error)}); {way_out(directory)}"
+        ) from error
     whole = content[: content.rfind(b"\n") + 1]
     try:
         events = [json.loads(line) for line in whole.splitlines()]

@@ -47,7 +47,10 @@ def write(record: CameraRecord) -> bytes:
 def read(content: bytes, name: str | None = None) -> CameraRecord:
     """The camera of this id, or the only one."""
     lines = [line.split() for line in values.text_of(content).splitlines()]
-    cameras = {words[0]: words for words in lines if words and not words[0].startswith("#")}
+    found = [words for words in lines if words and not words[0].startswith("#")]
+    cameras = {words[0]: words for words in found}
+    if len(cameras) < len(found):
+        raise StorageError("cameras.txt has several cameras of one id; remove all but one.")
     _, model, width, height, *parameters = values.chosen(cameras, name, "cameras.txt")
     if model not in _PARAMETERS:
         raise StorageError(

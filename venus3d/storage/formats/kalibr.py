@@ -41,7 +41,7 @@ def read(content: bytes, name: str | None = None) -> CameraRecord:
             "pinhole-equi."
         )
     coefficients = [] if distortion == "none" else values.numbers(one["distortion_coeffs"], 4)
-    size = values.size(*values.numbers(one["resolution"], 2))
+    size = values.size(*one.get("resolution", (None, None)))
     fx, fy, cx, cy = values.numbers(one["intrinsics"], 4)
     K = [fx, 0, cx, 0, fy, cy, 0, 0, 1]
     fisheye = distortion == "equidistant"
@@ -55,8 +55,7 @@ KALIBR = CameraFormat(
     ("*camchain*.yaml", "*camchain*.yml"),
     write=write,
     read=read,
-    recognises=lambda content: b"camera_model" in content and b"intrinsics" in content
-    and b"resolution" in content,
+    recognises=lambda content: b"camera_model" in content and b"intrinsics" in content,
     coefficients=4,
     lenses=("brown5", "fisheye"),
 )  # fmt: skip

@@ -51,6 +51,8 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
         found = loadmat(io.BytesIO(content), variable_names=[*shapes])
     except (OSError, NotImplementedError, AttributeError, MatReadError) as error:
         raise ValueError("no .mat file") from error
+    if any(np.iscomplexobj(found[name]) for name in shapes):
+        raise ValueError("complex numbers")
     K, distortion, size = (np.asarray(found[name], dtype=np.float64) for name in _NEEDED)
     rows, columns = values.numbers(size.ravel(), 2)
     rms = found.get("rms")

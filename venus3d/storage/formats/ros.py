@@ -47,11 +47,11 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
             f"The distortion model {str(model)[:40]!r} is not one of "
             f"{', '.join(_MODELS.values())}; calibrate with one of these."
         )
-    if "image_width" in found:
-        size = values.size(found["image_width"], found["image_height"])
+    if "camera_matrix" in found:
+        size = values.size(found.get("image_width"), found.get("image_height"))
         K, D = (found[key]["data"] for key in ("camera_matrix", "distortion_coefficients"))
     else:
-        size = values.size(found["width"], found["height"])
+        size = values.size(found.get("width"), found.get("height"))
         # ROS 2 writes small letters.
         K, D = (found[key if key in found else key.upper()] for key in ("k", "d"))
     matrix = values.numbers(K, 9)

@@ -15,6 +15,8 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 
 LARGEST_SIDE = 100_000
+_LARGEST = 1e9
+"""No number of a camera is larger."""
 DEEPEST = 50
 LARGEST_YAML = 2**20
 """Bytes. PyYAML takes seconds for that, and no camera file needs more."""
@@ -45,7 +47,12 @@ def numbers(values: Iterable[Any], count: int) -> list[float]:
 
 
 def size(width: Any, height: Any) -> tuple[int, int]:
-    """A picture's size. Raises `ValueError`."""
+    """A picture's size. Raises `ValueError`, and `StorageError` where there is none."""
+    if width is None or height is None:
+        raise StorageError(
+            "The file does not say for pictures of which size the camera is, in pixels; add the "
+            "width and the height as docs/formats.md shows."
+        )
     sides = number(width), number(height)
     if not all(side == int(side) and 1 <= side <= LARGEST_SIDE for side in sides):
         raise ValueError("no picture's size")
@@ -90,6 +97,11 @@ def checked(parameters: Iterable[float], image_size: tuple[int, int]) -> Camera:
     every = np.array([*parameters], dtype=np.float64)
     if not np.isfinite(every).all():
         raise StorageError("Some of the camera's numbers are not finite; calibrate anew.")
+    if (np.abs(every) > _LARGEST).any():
+        raise StorageError(
+            f"{every[np.abs(every).argmax()]:g} is no number of a camera; look where the file "
+            "comes from."
+        )
     given = every[:9]
     values[: given.size] = given
     if not (values[:2] > 0).all():
