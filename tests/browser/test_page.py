@@ -76,6 +76,31 @@ def test_page_shows_state_scene_projections_and_progress(
     assert lefts[-1]["y"] + lefts[-1]["height"] == pytest.approx(720, abs=1), "down to the bottom"
 
 
+def test_the_newest_of_many_views_is_in_the_strip_until_somebody_scrolls(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """The row was as wide as all its pictures, and cut off from the ninth view on."""
+    place = """() => {
+        const all = [...document.querySelectorAll("div:has(> .v-film) + div button")];
+        const last = all.at(-1).getBoundingClientRect();
+        const scene = document.querySelector(".v-film").getBoundingClientRect();
+        return [all.length, scene.left <= last.left && last.right <= scene.right + 1];
+    }"""
+    viewer.show(replace(guiding, captured=tuple(range(1, 21))))
+    page = open_page()
+    wait_until(lambda: page.evaluate(place) == [20, True], "the twentieth is seen")
+    viewer.show(replace(guiding, captured=tuple(range(1, 22))))
+    wait_until(lambda: page.evaluate(place) == [21, True], "the next one too")
+    strip = page.locator(".v-film").bounding_box()
+    page.mouse.move(strip["x"] + strip["width"] / 2, strip["y"] + strip["height"] / 2)
+    page.mouse.wheel(0, -9000)
+    wait_until(lambda: page.evaluate(place) == [21, False], "the first ones are seen")
+    viewer.show(replace(guiding, captured=tuple(range(1, 23))))
+    wait_until(lambda: page.evaluate(place)[0] == 22, "another one")
+    page.wait_for_timeout(300)
+    assert page.evaluate(place) == [22, False], "who looks at the first ones keeps them"
+
+
 def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snapshot) -> None:
     """N, P and F change scene, text and marked projection together; no picture is sent again."""
     viewer.show(guiding)

@@ -1,6 +1,6 @@
 /* What only the browser knows of its window: its height, in a cookie that comes with the connection
    and, when it has changed, in fields (panels.py); where the scene is in it, for what stands at the scene's lower edge (style.css). And a
-   film strip shows its newest picture. */
+   film strip shows its newest picture, and is scrolled by a wheel. */
 (() => {
   const SCENE = "div:has(> div > div > canvas[data-engine])";
   const told = document.documentElement.style;
@@ -42,7 +42,15 @@
 
   addEventListener("animationstart", ({ animationName, target }) => {
     if (animationName !== "v-film-in") return;
-    const strip = target.parentElement;
+    const strip = target.parentElement, before = target.previousElementSibling;
+    /* Who has scrolled away from the newest one looks at another. */
+    if (before && before.offsetLeft > strip.scrollLeft + strip.clientWidth) return;
     strip.scrollLeft = target.offsetLeft + target.offsetWidth - strip.clientWidth;
   });
+
+  /* Most mice have one wheel. */
+  addEventListener("wheel", ({ target, deltaY }) => {
+    const picture = target.closest?.("div:has(> .v-film) + div button");
+    if (picture) picture.parentElement.scrollLeft += deltaY;
+  }, { passive: true });
 })();

@@ -7,6 +7,7 @@ scene; the pictures themselves are the row's own rules, so that a button stays w
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from html import escape
 from threading import Lock
 
 import viser
@@ -38,8 +39,9 @@ class FilmStrip:
     def lay_out(self, gui: viser.GuiApi) -> None:
         """Create its widgets in the current panel of a new server."""
         self._frame = gui.add_html("")
-        title, hint = say.FILM_ROW
-        self._row = ButtonRow(gui, title, {0: title}, self._pressed, hint=hint)
+        # Without viser's hint, which would stand above the row: over the buttons of another panel.
+        title = say.FILM_ROW[0]
+        self._row = ButtonRow(gui, title, {0: title}, self._pressed)
         self.show((), None)
 
     def show(self, captured: Sequence[int] | None, chosen: int | None) -> None:
@@ -57,8 +59,9 @@ class FilmStrip:
         if chosen in numbers:
             place = numbers.index(chosen) + 1
             rules += f"{_ROW} button:nth-child({place}){{border-color:var(--text)!important}}"
-        empty = "" if numbers else say.FILM_EMPTY
-        self._frame.content = f"<div class='v-film'>{empty}</div><style>{rules}</style>"
+        empty, hint = "" if numbers else say.FILM_EMPTY, escape(say.FILM_ROW[1], quote=True)
+        strip = f"<div class='v-film' title='{hint}'>{empty}</div>"
+        self._frame.content = f"{strip}<style>{rules}</style>"
         self._row.show({number: say.FILM_VIEW.format(number=number) for number in numbers})
 
     def _pressed(self, number: int, client: viser.ClientHandle | None) -> None:
