@@ -64,6 +64,14 @@ def test_finish_is_asked_once_with_what_it_means(guided: Snapshot) -> None:
         assert not asked.after(answer).asked_to_end
 
 
+def test_the_question_goes_when_the_session_ends_by_itself(guided: Snapshot) -> None:
+    """After the last of --max-views it once stood beside all that said that it is over."""
+    asked = ViewState().after(Finish())
+    assert asked.seeing(guided).asked_to_end
+    assert not asked.seeing(ended(guided)).asked_to_end
+    assert said(ended(guided), asked.seeing(ended(guided)))[0] == "✓"
+
+
 def test_an_end_that_has_not_settled_has_no_tick(guided: Snapshot) -> None:
     badge, text = said(ended(guided, "fx", "k3"))
     assert badge != "✓" and "✓" not in text and "fx and k3" in text

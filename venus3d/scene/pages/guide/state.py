@@ -88,6 +88,8 @@ class ViewState:
         over = snapshot.phase in ("converged", "finished")
         if over != state.over:
             state = replace(state, over=over, straight=over)  # what the calibration is for
+        if snapshot.phase == "finished" and state.asked_to_end:
+            state = replace(state, asked_to_end=False)  # it has ended by itself
         return state
 
     @property
