@@ -25,6 +25,7 @@ from venus3d.scene.pages.guide.result_saver import is_over
 from venus3d.scene.pages.guide.run import GuideResult, run_guide
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.measure.monitor import MeasureMonitor
+from venus3d.scene.web.addresses import check_port, is_free
 from venus3d.scene.web.monitor import audience_address
 from venus3d.scene.web.page import announce
 from venus3d.storage.result import summary_of
@@ -37,6 +38,9 @@ def guide(options: GuideOptions) -> None:
     """Guide, print, write.
     Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C left no result."""
     options.check()  # report mistakes before anything starts
+    if not options.headless:
+        check_port(options.port)
+        is_free(options.host, options.port)  # the viewer may take another port, not address
     with ExitStack() as stack:
         kept = opened_session(options, print_note)
         stack.callback(kept.close)
