@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from venus3d.engine.guidance.convergence import Progress
-from venus3d.scene.pages.guide.progress_panel import brought_text
+from tests.scene.guided import guided_session
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.guidance.convergence import Convergence, Progress
+from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.planning.forecast import Forecast
+from venus3d.scene.pages.guide.end_panel import unsettled_text
+from venus3d.scene.pages.guide.progress_panel import brought_text, progress_html
+from venus3d.scene.pages.guide.texts import FORECAST_REACHED, FORECAST_UNSETTLED
 
 
 def after(views: int, uncertainty_px: float, promised_px: float = float("nan")) -> Progress:
@@ -22,6 +31,33 @@ def test_what_the_last_view_brought() -> None:
         == "The last view brought the uncertainty to 1.7 px."
     )
     assert brought_text((after(1, np.nan),)) == "" == brought_text(())
+
+
+def test_parameters_are_told_to_be_unsettled_only_where_one_is(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """The same judgement as in the parameters' tab and the question before the end, also where
+    somebody goes on although all have settled."""
+    after_five = guided_session(paper_camera, default_board, Settings())
+    reached = replace(
+        after_five, forecast=Forecast(1000.0, views=0, low=0, high=0, looked_ahead=10)
+    )
+    for unsettled in ((), ("k3",)):
+        judged = tuple(name not in unsettled for name in paper_camera.parameter_names)
+        convergence = Convergence(np.ones(9), judged, "repaired")
+        shown = replace(reached, convergence=convergence, phase="guiding")
+        html = progress_html(shown)
+        assert FORECAST_REACHED.split("{")[0] in html
+        assert (FORECAST_UNSETTLED in html) == bool(unsettled) == bool(unsettled_text(shown))
+
+
+def test_the_views_are_counted_from_their_capture(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    after_five = guided_session(paper_camera, default_board, Settings())
+    assert after_five.captured is not None
+    thinking = replace(after_five, phase="captured", captured=(*after_five.captured, 6))
+    assert f"<b>{len(after_five.captured) + 1}</b>" in progress_html(thinking)
 
 
 def test_a_gap_in_the_history_is_not_credited_to_the_last_view() -> None:

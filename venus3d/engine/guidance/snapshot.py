@@ -86,8 +86,13 @@ class Snapshot:
 
     @property
     def views(self) -> tuple[View, ...]:
-        """The captured views."""
+        """The captured views that the calibration is of."""
         return () if self.calibration is None else self.calibration.views
+
+    @property
+    def captured_count(self) -> int:
+        """How many views are captured, from the moment when they are."""
+        return len(self.captured or ())
 
 
 def pose_snapshot(

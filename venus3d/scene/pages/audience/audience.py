@@ -82,7 +82,7 @@ class Audience(Page[AudienceState]):
 
     def show(self, snapshot: Snapshot) -> None:
         """Show this moment; the newest wins."""
-        with self._lock:
+        with self.language.spoken(), self._lock:
             # Achievements are detected here, since not every snapshot is drawn.
             self._achieved = achieved(self._snapshot, snapshot) or self._achieved
             self._snapshot = snapshot

@@ -37,8 +37,7 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
     left = f"{moment.left:.2f}" if moment.kind == "step" else ""
     said = moment.sentence.replace(" mm", "\u00a0mm")  # no line break between number and unit
     lost = escape(texts.LOST).format(since="<b></b>")
-    views = 0 if snapshot is None else len(snapshot.views)
-    views += moment.fresh and snapshot is not None and snapshot.phase == "captured"
+    views = 0 if snapshot is None else snapshot.captured_count
     return (
         f"<div class='v-audience v-is-{moment.kind}' data-left='{left}' style='--step:{colour}'>"
         f"<div class='v-side'><div class='v-top'><b>{escape(moment.badge)}</b>"

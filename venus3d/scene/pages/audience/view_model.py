@@ -33,8 +33,6 @@ class AudienceViewModel:
     """What is left to do, where it matters."""
     left: float = 1.0
     """0 ... 1: what is left of the step, as on the dial."""
-    fresh: bool = False
-    """Whether a view was captured that does not count yet."""
 
 
 def view_model_of(
@@ -88,13 +86,9 @@ def achieved(before: Snapshot | None, now: Snapshot) -> tuple[Cue, AudienceViewM
     """What became right between two snapshots, and its message."""
     if before is None:
         return None
+    if now.captured_count > before.captured_count:
+        return "captured", AudienceViewModel("good", *texts.CAPTURED)
     was = before.remaining
-    there = was is not None and was.is_over
-    taken = before.phase in ("startup", "guiding") and now.phase == "captured" and there
-    # A view captured by a key is known only when it counts.
-    later = before.phase == "captured" and len(now.views) > len(before.views)
-    if taken or later:
-        return "captured", AudienceViewModel("good", *texts.CAPTURED, fresh=True)
     same = before.target is not None and before.target is now.target
     if was is None or now.remaining is None or not same:
         return None

@@ -28,7 +28,7 @@ def progress_html(snapshot: Snapshot | None) -> str:
 
 def _summary(snapshot: Snapshot) -> str:
     last = snapshot.history[-1] if snapshot.history else None
-    boxes = [(str(len(snapshot.views)), say.VIEWS_CAPTURED, "")]
+    boxes = [(str(snapshot.captured_count), say.VIEWS_CAPTURED, "")]
     if last is not None:
         boxes.append((number(figure(last.rms_px)), say.RMS, say.RMS_HINT))
         boxes.append((number(figure(last.uncertainty_px)), say.UNCERTAINTY, say.UNCERTAINTY_HINT))
@@ -43,8 +43,9 @@ def _outcome(snapshot: Snapshot) -> str:
     """The last view's gain, and how many more views it takes."""
     lines = [brought_text(snapshot.history)]
     if snapshot.forecast is not None and snapshot.phase != "finished":
-        goes_on = snapshot.phase == "guiding"
-        lines.append(f"<b>{forecast_text(snapshot.forecast, goes_on=goes_on)}</b>")
+        judged = snapshot.convergence
+        unsettled = judged is not None and not judged.converged
+        lines.append(f"<b>{forecast_text(snapshot.forecast, unsettled=unsettled)}</b>")
     if snapshot.calibration is not None and snapshot.calibration.lens_reason:
         lines.append(escape(translated(snapshot.calibration.lens_reason)))
     return "".join(f"<div class='v-line'>{line}</div>" for line in lines if line)
@@ -62,13 +63,12 @@ def brought_text(history: Sequence[Progress]) -> str:
     return say.LAST_VIEW.format(before=figure(before), now=now, promised=extra)
 
 
-def forecast_text(forecast: Forecast, *, goes_on: bool = False) -> str:
-    """About how many more views, with the interval; `goes_on` if guidance continues although none
-    is needed."""
+def forecast_text(forecast: Forecast, *, unsettled: bool = False) -> str:
+    """About how many more views, with the interval; `unsettled` if a parameter has not settled."""
     goal = say.FORECAST_GOAL.format(error=forecast.wanted_px)
     low, high, views = forecast.low, forecast.high, forecast.views
     if views == 0:
-        why = say.FORECAST_UNSETTLED if goes_on else ""
+        why = say.FORECAST_UNSETTLED if unsettled else ""
         return say.FORECAST_REACHED.format(error=forecast.wanted_px, why=why)
     if views is None or low is None:
         least = forecast.looked_ahead if low is None else low

@@ -157,7 +157,7 @@ class GuideView:
 
     def _flash(self, snapshot: Snapshot | None) -> str:
         """A mark that changes with each capture: the style sheet flashes the scene, once."""
-        views = 0 if snapshot is None else len(snapshot.views)
+        views = 0 if snapshot is None else snapshot.captured_count
         if views > self._views:
             self._captures += 1
         self._views = views
