@@ -19,6 +19,7 @@ DiagnosisKind = Literal[
     "fisheye-lens",
     "cropped-pictures",
     "turned-pictures",
+    "changed-focal-length",
     "bent-board",
     "rolling-shutter",
     "poor-fit",

@@ -14,6 +14,7 @@ from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.board_diagnoses import MEASURE_TAGS
 from venus3d.engine.calibration.calibration import Calibration, LeftOut, LeftOutReason
 from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.focal_changes import focal_change
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.residual_patterns import (
     ALIKE,
@@ -160,6 +161,21 @@ _TURN_BACK = Sentence(
     "them, and calibrate again; a camera held upside down turns nothing."
 )
 _MOST_TURNED = 12
+_OTHER_FOCAL = (
+    Sentence(
+        "The picture of view {views} has a focal length that is {share} % {than} that of the "
+        "others; the estimate lies in between."
+    ),
+    Sentence(
+        "The pictures of views {views} have a focal length that is {share} % {than} that of the "
+        "others; the estimate lies in between."
+    ),
+)
+_LONGER, _SHORTER = Sentence("longer than"), Sentence("shorter than")
+_ONE_FOCAL = Sentence(
+    "Switch autofocus and zoom off; take pictures of one camera that nothing has resized, and "
+    "calibrate those of each focal length by themselves."
+)
 
 
 _REPEATED = Sentence(
@@ -285,7 +301,18 @@ def repeats(calibration: Calibration) -> Iterator[Diagnosis]:
 
 
 def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
-    """Residuals that neighbouring corners share: the board, the shutter or the lens."""
+    """Pictures of another focal length; or residuals that neighbouring corners share: the board,
+    the shutter or the lens."""
+    change = focal_change(calibration)
+    if change is not None:
+        names = [_name(view) for view in calibration.views if view.number in change.numbers]
+        cause = _OTHER_FOCAL[len(names) > 1].format(
+            views=listed(names, _MOST_TURNED),
+            share=figure(100 * abs(change.factor - 1)),
+            than=_LONGER if change.factor > 1 else _SHORTER,
+        )
+        yield Diagnosis("changed-focal-length", cause, _ONE_FOCAL, change.numbers)
+        return
     correlation = neighbour_correlation(calibration)
     if not correlation >= ALIKE:
         return

@@ -15,6 +15,7 @@ import numpy as np
 
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.shared_errors import ViewResidual
 from venus3d.engine.geometry.pose import Array
 
 ALIKE = 0.6
@@ -131,6 +132,16 @@ def _grams(calibration: Calibration, view: View) -> tuple[Array, Array]:
     along = Q[:, 6:].T @ columns
     still = columns.T @ columns
     return still, still - along.T @ along
+
+
+def view_residual(calibration: Calibration, view: View) -> ViewResidual:
+    """A view's residuals with their derivatives by the camera and by the board's shape: a bow moves
+    the principal point to one side or the other, as the board is tilted."""
+    board, R = calibration.board, view.pose.R
+    points = board.points_of(view.observation.ids)
+    J = calibration.camera.jacobians(points, R[None], view.pose.t[None])[0]
+    by_shape = np.einsum("ium,kmj,ij->kum", J[3:6], board.deformations(points), R)
+    return ViewResidual.of(board, points, view.errors.T, np.concatenate([J, by_shape]))
 
 
 def least_squares_of(grams: Array) -> Array:

@@ -94,6 +94,16 @@ class ViewResidual:
         p = len(by) - 6
         return cls(columns[:, 0], columns[:, 1 : 1 + p], columns[:, 1 + p :])
 
+    def gram(self, columns: Array, ratio: float) -> Array:
+        """(q, q) normal matrix of columns (n, q), weighed for this `ratio` of shared to independent
+        errors."""
+        gram = columns.T @ columns
+        if ratio > 0:
+            T = self.modes
+            along = T.T @ columns
+            gram -= along.T @ np.linalg.solve(np.eye(T.shape[1]) / ratio**2 + T.T @ T, along)
+        return np.asarray(gram, dtype=np.float64)
+
 
 def corner_errors(views: Sequence[ViewResidual]) -> CornerErrors:
     """Independent and shared part of the corners' errors, from the residuals of all views.

@@ -39,6 +39,7 @@ from venus3d.engine.calibration.residual_patterns import (
     ALIKE,
     least_squares_of,
     neighbour_correlation,
+    view_residual,
 )
 from venus3d.engine.calibration.shared_errors import ViewResidual, corner_errors
 from venus3d.engine.errors import CalibrationError
@@ -199,7 +200,7 @@ class _Signs:
     @classmethod
     def of(cls, calibration: Calibration, *, shared: bool) -> _Signs:
         """`shared`: with the errors that the corners of each view share."""
-        parts = [_residual(calibration, view) for view in calibration.views]
+        parts = [view_residual(calibration, view) for view in calibration.views]
         ratio = corner_errors(parts).ratio if shared else 0.0
         camera = calibration.camera
         values = camera.named
@@ -270,23 +271,8 @@ def _is_odd(camera: Camera) -> Mask:
     return np.array([name in _ODD for name in (*camera.parameter_names, *[""] * _SHAPE)])
 
 
-def _residual(calibration: Calibration, view: View) -> ViewResidual:
-    """A view's residuals with their derivatives by the camera and by the board's shape: a bow moves
-    the principal point to one side or the other, as the board is tilted."""
-    board, R = calibration.board, view.pose.R
-    points = board.points_of(view.observation.ids)
-    J = calibration.camera.jacobians(points, R[None], view.pose.t[None])[0]
-    by_shape = np.einsum("ium,kmj,ij->kum", J[3:6], board.deformations(points), R)
-    return ViewResidual.of(board, points, view.errors.T, np.concatenate([J, by_shape]))
-
-
 def _gram(part: ViewResidual, odd: Array, ratio: float) -> Array:
     """(q + 1, q + 1) of a view's derivatives and of its residuals as they are with the parameters
     `odd` (q,) set to zero, weighed for this `ratio` of shared to independent errors."""
     columns = np.column_stack([part.intrinsics, part.errors + part.intrinsics @ odd])
-    gram = columns.T @ columns
-    if ratio > 0:
-        T = part.modes
-        along = T.T @ columns
-        gram -= along.T @ np.linalg.solve(np.eye(T.shape[1]) / ratio**2 + T.T @ T, along)
-    return np.asarray(gram, dtype=np.float64)
+    return part.gram(columns, ratio)

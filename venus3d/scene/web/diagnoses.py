@@ -22,6 +22,7 @@ SEVERITIES: dict[DiagnosisKind, Severity] = {
     "fisheye-lens": "wrong",
     "cropped-pictures": "wrong",
     "turned-pictures": "weak",
+    "changed-focal-length": "weak",
     "bent-board": "weak",
     "rolling-shutter": "weak",
     "poor-fit": "weak",

@@ -322,6 +322,7 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "fisheye-lens": "a fisheye lens",
     "cropped-pictures": "part of a larger picture",
     "turned-pictures": "pictures turned by 180°",
+    "changed-focal-length": "the focal length changed",
     "bent-board": "the board is not flat",
     "rolling-shutter": "moved while being read",
     "poor-fit": "the model does not fit",
