@@ -173,7 +173,7 @@ def test_it_is_read_at_two_metres_and_there_is_nothing_to_press_but_sounds(
     audience.show(matched(guiding, there))
     wait_for_sentence(page, texts.STEP_DONE.format(title=STEP_SHORT_TITLES[2]))
     wait_for_sentence(page, texts.HOLD_STILL[2])
-    audience.show(replace(guiding, phase="captured"))
+    audience.show(replace(guiding, phase="captured", captured=(1, 2)))
     wait_for_sentence(page, texts.CAPTURED[2])
     wait_for_sentence(page, texts.THINKING[2])
 

@@ -115,6 +115,12 @@ def test_the_document_names_every_key_of_every_page_and_no_other(gui_of: dict[st
     assert found == documented()
 
 
+def test_the_second_monitors_document_names_its_keys() -> None:
+    text = DOCUMENT.with_name("second-monitor.md").read_text(encoding="utf-8")
+    for option, name in (("--no-audience-mirror", "mirror"), ("--audience-view lens", "lens")):
+        assert f"| `{option}` | {key_name(KEYS[name])} |" in text
+
+
 def test_a_key_stands_for_one_meaning_on_all_pages(gui_of: dict[str, Any]) -> None:
     """A meaning has one key, and each key of a page is one of these, a board's, or a digit."""
     assert len(set(KEYS.values())) == len(KEYS)
