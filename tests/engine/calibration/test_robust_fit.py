@@ -181,6 +181,19 @@ def test_bow_and_stretch_are_found_with_their_uncertainty(
     assert kinds(found) == told | ({"stretched-print"} if stretch else set())
 
 
+def test_squares_that_are_equal_after_all(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """Asked for as longer one way: they are not called stretched by 0.00 %."""
+    views = [
+        observe(paper_camera, default_board, v, rng, NOISE_PX) for v in tilted(rng, 15, 45, 10)
+    ]
+    found = calibrate(replace(default_board, stretch=0.02), views)
+    assert abs(found.board.stretch) < 4 * found.shape_sigma[2] and near(found, paper_camera)
+    (told,) = (one for one in diagnose(found) if one.kind == "stretched-print")
+    assert "equally long" in told.cause and "longer" not in told.cause
+
+
 def test_sigmas_of_the_shape_are_right(
     paper_camera: Camera, default_board: Board, rng: np.random.Generator
 ) -> None:

@@ -98,6 +98,10 @@ _LONG_COLUMNS = Sentence(
     "The print is stretched: its squares are {share} % longer along the columns than along the "
     "rows. The calibration allows for it."
 )
+_SQUARE_AFTER_ALL = Sentence(
+    "The squares are equally long along the rows and the columns, not as given. The calibration "
+    "allows for it."
+)
 _TAGS_MEASURED = Sentence(
     "In the pictures the tags are {found} mm wide where it is {square} mm from one tag to the "
     "next, which is not as given. The calibration allows for it."
@@ -212,7 +216,13 @@ def shape(calibration: Calibration) -> Iterator[Diagnosis]:
                     "need the last tenth of a pixel."
                 ),
             )
-    if stretch > 0:
+    if stretch > 0 and abs(board.stretch) < 2 * stretch:
+        yield Diagnosis(
+            "stretched-print",
+            _SQUARE_AFTER_ALL,
+            Sentence("Measure squares both ways, and give --board.square-mm alone."),
+        )
+    elif stretch > 0:
         yield Diagnosis(
             "stretched-print",
             (_LONG_ROWS if board.stretch > 0 else _LONG_COLUMNS).format(
