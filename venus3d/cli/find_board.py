@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from venus3d.cli.progress import print_note
 from venus3d.engine.calibration.board_finding import FoundBoard, find_boards
+from venus3d.engine.calibration.board_recognition import recognise_board
 from venus3d.engine.errors import SourceError
-from venus3d.engine.geometry.board import KINDS
+from venus3d.engine.geometry.board import KINDS, Board
 from venus3d.engine.sentences import listed
 from venus3d.sources.folder import Folder
 from venus3d.sources.open_frame_source import open_frame_source
@@ -22,21 +23,30 @@ from venus3d.sources.video import Video
 
 _LOOKED_AT = 12
 """Pictures: a board that is not told by so many is told by no more."""
+_KEPT = 3
+"""Pictures kept to see whether they are mirror images, if no board is found."""
 _EVERY = 15
 """Frames from one look at a camera to the next."""
 
 
 def find_board(source: str) -> None:
-    """Print what the pictures of a source show. Raises `SourceError` if that is no board."""
+    """Print what the pictures of a source show. Raises `SourceError` if that is no board, or a
+    mirror image."""
     looked = 0
+    first: list[NDArray[np.uint8]] = []
 
     def counted() -> Iterator[NDArray[np.uint8]]:
         nonlocal looked
         for grey in _pictures(source):
             looked += 1
+            if len(first) < _KEPT:
+                first.append(grey)
             yield grey
 
     found = find_boards(counted())
+    said = None if found else recognise_board(Board(), first)
+    if said is not None and said.kind == "mirrored":
+        raise SourceError(str(said))
     if not found:
         raise SourceError(
             f"No board is seen in {looked} pictures of {source}: neither markers of OpenCV's "

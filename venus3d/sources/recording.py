@@ -95,7 +95,7 @@ def observe_recording(
 
 def _shown_instead(recording: Recording, detector: Detector) -> tuple[Diagnosis, ...]:
     shown = sum(o.count > 0 for o in recording.observations)
-    mirrored = some_mirrored(detector.board, detector.missed_images) if shown else None
+    mirrored = some_mirrored(detector.missed_images) if shown else None
     if mirrored is not None:
         return (mirrored,)
     return detector.explain_misses() if 2 * shown < len(recording.observations) else ()

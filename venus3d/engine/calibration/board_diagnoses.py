@@ -92,8 +92,7 @@ def swapped_size_diagnosis(board: Board, numbering: Numbering) -> Diagnosis:
             _start_with(board, columns, numbering.rows, first)
             if numbering.whole
             else Sentence(
-                "Count the rows of squares as well and start with --board.columns {columns} "
-                "--board.rows ROWS."
+                "Count the rows as well and start with --board.columns {columns} --board.rows ROWS."
             ).format(columns=columns)
         )
     else:
@@ -101,7 +100,7 @@ def swapped_size_diagnosis(board: Board, numbering: Numbering) -> Diagnosis:
             dictionary=board.dictionary, asked=asked
         )
         cure = Sentence(
-            "Count the squares along both sides and start with --board.columns and --board.rows."
+            "Count the columns and rows and start with --board.columns and --board.rows."
         )
     return Diagnosis("swapped-size", cause, cure)
 
@@ -188,8 +187,8 @@ def first_id_diagnosis(board: Board) -> Diagnosis:
     return Diagnosis(
         "other-first-id",
         Sentence(
-            "The markers of the board of {columns} x {rows} squares start at id {first}; it is "
-            "read that way."
+            "The markers of the board of {columns} x {rows} start at id {first}; it is read that "
+            "way."
         ).format(columns=board.columns, rows=board.rows, first=board.first_id),
         Sentence("Start with --board.first-id {first} to be sure.").format(first=board.first_id),
     )

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_recognition import has_dark_joints
+from venus3d.engine.calibration.board_recognition import grid_kind
 from venus3d.engine.calibration.marker_lattice import Lattice, lattices_of
-from venus3d.engine.calibration.marker_numbering import numbering_of
+from venus3d.engine.calibration.marker_numbering import numbering_of, tag_numbering_of
 from venus3d.engine.calibration.marker_reading import Markers, family_of, read_markers, size_key
 from venus3d.engine.calibration.plain_patterns import Pattern, find_pattern
 from venus3d.engine.geometry.board import DICTIONARIES
@@ -21,8 +21,6 @@ Grey = NDArray[np.uint8]
 
 _FEWEST_PLACED = 6
 """Markers that tell a board: fewer may be anything."""
-_IN_PLACE = 0.8
-"""Share of a grid's markers that must be numbered as the kind has them."""
 _LIKELY = 0.25
 """Share of the pictures with a pattern without markers that must agree on its size."""
 _PROFILE = np.linspace(0.0, 1.0, 201)
@@ -122,24 +120,15 @@ def _is_part(one: FoundBoard, other: FoundBoard) -> bool:
 def _of_lattice(grey: Grey, markers: Markers, lattice: Lattice) -> FoundBoard:
     if lattice.arrangement == "chessboard":
         return _charuco(markers, lattice)
-    april = "APRILTAG" in markers.dictionary and has_dark_joints(grey, lattice)
-    column, row = lattice.places[:, 0], lattice.places[:, 1]
-    n = lattice.columns
-    # Kalibr counts from the lower left, and OpenCV takes its tags for upside down.
-    first = lattice.ids - (row * n + (n - 1 - column if april else column))
-    values, counts = np.unique(first, return_counts=True)
-    in_order = bool(counts.max() >= _IN_PLACE * lattice.ids.size) and bool(
-        values[counts.argmax()] >= 0
-    )
-    begin = int(values[counts.argmax()]) if in_order else int(lattice.ids.min())
-    kind = ("aprilgrid" if april else "aruco-grid") if in_order else "unknown"
+    kind = grid_kind(grey, markers.dictionary, lattice)
+    numbering = tag_numbering_of(lattice, kind == "aprilgrid")
     return FoundBoard(
-        kind,
-        n,
+        kind if numbering.columns else "unknown",
+        numbering.columns[0] if numbering.columns else lattice.columns,
         lattice.rows,
         dictionary_with(family_of(markers.dictionary), int(lattice.ids.max()) + 1),
-        begin,
-        whole=in_order,
+        numbering.first_id if numbering.whole else int(lattice.ids.min()),
+        whole=numbering.whole,
         markers=int(lattice.ids.size),
         share=_tag_share(grey, lattice),
     )

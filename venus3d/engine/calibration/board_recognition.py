@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -26,13 +27,23 @@ from venus3d.engine.calibration.board_diagnoses import (
     some_mirrored_diagnosis,
     swapped_size_diagnosis,
     tag_grid_diagnosis,
+    two_boards_diagnosis,
     unread_border_diagnosis,
     wrong_dictionary_diagnosis,
 )
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.marker_lattice import Lattice, lattices_of
-from venus3d.engine.calibration.marker_numbering import Numbering, numbering_of
-from venus3d.engine.calibration.marker_reading import Markers, family_of, read_markers
+from venus3d.engine.calibration.marker_numbering import (
+    Numbering,
+    numbering_of,
+    tag_numbering_of,
+)
+from venus3d.engine.calibration.marker_reading import (
+    Markers,
+    family_of,
+    read_markers,
+    shows_twice,
+)
 from venus3d.engine.calibration.plain_patterns import Pattern, find_pattern
 from venus3d.engine.calibration.thin_borders import thin_border
 from venus3d.engine.errors import BoardError
@@ -120,7 +131,7 @@ def best_finding(board: Board, pictures: Iterable[Grey]) -> Finding | None:
 
 def _finding_of(board: Board, grey: Grey, plain: bool) -> Finding | None:
     upright, mirrored = read_markers(grey)
-    flipped = _mirrored_markers(board, upright, mirrored)
+    flipped = _mirrored_markers(upright, mirrored)
     if flipped is not None:
         named = mirrored_diagnosis(_name(board, flipped), flipped.distinct)
         return Finding(named, weight=flipped.distinct)
@@ -147,13 +158,35 @@ def _finding_of(board: Board, grey: Grey, plain: bool) -> Finding | None:
     )
 
 
-def _mirrored_markers(
-    board: Board, upright: list[Markers], mirrored: list[Markers]
-) -> Markers | None:
-    """The markers of a mirror image; None if it is none. A few are others in the mirror image."""
-    seen, flipped = _likeliest(board, upright), _likeliest(board, mirrored)
-    fewest = max(_FEWEST_MARKERS, 1 + 2 * (0 if seen is None else seen.distinct))
-    return flipped if flipped is not None and flipped.distinct >= fewest else None
+def _mirrored_markers(upright: list[Markers], mirrored: list[Markers]) -> Markers | None:
+    """The markers of the mirror image of a board, of an image's by `read_markers`; None if it is
+    none. They lie on a board, and more than twice as many as of those that are upright: what is
+    read in the mirror image by chance lies anywhere."""
+    placed = [_placed_in_mirror(markers) for markers in mirrored]
+    largest = max(placed, default=0)
+    upright_most = max((_largest(lattices_of(markers)) for markers in upright), default=0)
+    fewest = max(_FEWEST_MARKERS, 1 + 2 * upright_most)
+    return mirrored[placed.index(largest)] if largest >= fewest else None
+
+
+def _largest(lattices: list[Lattice]) -> int:
+    return lattices[0].ids.size if lattices else 0
+
+
+def _placed_in_mirror(markers: Markers) -> int:
+    """How many lie on one board in the mirror image; of few, only if they are numbered as one."""
+    ordered = [
+        lattice
+        for lattice in lattices_of(markers.flipped)
+        if lattice.ids.size >= _FEWEST_UNORDERED or _is_in_order(lattice)
+    ]
+    return _largest(ordered)
+
+
+def _is_in_order(lattice: Lattice) -> bool:
+    if lattice.arrangement == "chessboard":
+        return bool(numbering_of(lattice).columns)
+    return any(tag_numbering_of(lattice, from_below).columns for from_below in (False, True))
 
 
 def _likeliest(board: Board, read: list[Markers]) -> Markers | None:
@@ -168,9 +201,10 @@ def _of_markers(board: Board, grey: Grey, markers: Markers) -> Finding | None:
     boards = lattices_of(markers)
     own = family_of(markers.dictionary) == family_of(board.dictionary)
     largest = boards[0] if boards and boards[0].ids.size >= _FEWEST_PLACED else None
+    if own and shows_twice(markers.ids):
+        return Finding(two_boards_diagnosis(), weight=markers.distinct)
     if largest is not None and largest.arrangement == "grid":
-        grid = _grid(board, grey, markers.dictionary, largest)
-        return None if grid is None else Finding(grid, weight=largest.ids.size)
+        return _of_grid(board, grey, markers.dictionary, largest)
     if board.kind != "charuco":
         if largest is None:
             return None
@@ -191,6 +225,11 @@ def _read_otherwise(board: Board, numbering: Numbering, lattice: Lattice) -> Fin
     if abs(marker / board.marker - 1) > OTHER_MARKER and 0 < marker < board.square:
         other = replace(board, marker=marker)
         return Finding(marker_size_diagnosis(board, other), other, weight)
+    return _begun_otherwise(board, numbering, weight)
+
+
+def _begun_otherwise(board: Board, numbering: Numbering, weight: float) -> Finding | None:
+    """The board with another first id."""
     # With other rows than asked for it is a part of the board, or one that is read all the same.
     if not numbering.whole or numbering.first_id == board.first_id or numbering.rows != board.rows:
         return None
@@ -224,10 +263,10 @@ def _greys(grey: Grey, lattice: Lattice, places: NDArray[np.float64]) -> NDArray
     return grey[y[inside], x[inside]].astype(np.float64)
 
 
-def some_mirrored(board: Board, pictures: Iterable[Grey]) -> Diagnosis | None:
-    """Whether one of the grey images (H, W) without the board is a mirror image of it, where other
-    images of the set show it upright; 0.1 s each at 720p."""
-    if all(_mirrored_markers(board, *read_markers(one)) is None for one in pictures):
+def some_mirrored(pictures: Iterable[Grey]) -> Diagnosis | None:
+    """Whether one of the grey images (H, W) without the board is a mirror image, where other images
+    of the set show the board upright; 0.1 s each at 720p."""
+    if all(_mirrored_markers(*read_markers(one)) is None for one in pictures):
         return None
     return some_mirrored_diagnosis()
 
@@ -243,14 +282,27 @@ def _misplaced(board: Board, lattice: Lattice) -> Finding | None:
     return Finding(swapped_size_diagnosis(board, numbering), weight=weight)
 
 
-def _grid(board: Board, grey: Grey, dictionary: str, lattice: Lattice) -> Diagnosis | None:
-    """That the picture shows a grid of tags; None if it may be a part of the one asked for."""
-    joints = dictionary.startswith("DICT_APRILTAG_") and has_dark_joints(grey, lattice)
-    kind = "aprilgrid" if joints else "aruco-grid"
-    part = lattice.columns <= board.columns and lattice.rows <= board.rows
-    if board.kind == kind and part and family_of(dictionary) == family_of(board.dictionary):
-        return None
-    return tag_grid_diagnosis(kind, lattice, dictionary)
+def grid_kind(grey: Grey, dictionary: str, lattice: Lattice) -> Literal["aprilgrid", "aruco-grid"]:
+    """The kind of board on which tags lie side by side in an image (H, W)."""
+    april = dictionary.startswith("DICT_APRILTAG_") and has_dark_joints(grey, lattice)
+    return "aprilgrid" if april else "aruco-grid"
+
+
+def _of_grid(board: Board, grey: Grey, dictionary: str, lattice: Lattice) -> Finding | None:
+    """That the picture shows another grid of tags than the one asked for; None if it may be that
+    one, or a part of it."""
+    kind = grid_kind(grey, dictionary, lattice)
+    weight = int(lattice.ids.size)
+    other = Finding(tag_grid_diagnosis(kind, lattice, dictionary), weight=weight)
+    if board.kind != kind or family_of(dictionary) != family_of(board.dictionary):
+        return other
+    numbering = tag_numbering_of(lattice, kind == "aprilgrid")
+    ordered = bool(numbering.columns)
+    if board.columns not in numbering.columns and (ordered or weight >= _FEWEST_UNORDERED):
+        return Finding(swapped_size_diagnosis(board, numbering), weight=weight)
+    if lattice.columns > board.columns or lattice.rows > board.rows:
+        return other
+    return _begun_otherwise(board, numbering, weight)
 
 
 def _small(board: Board, pattern: Pattern) -> Diagnosis | None:

@@ -20,6 +20,7 @@ from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, 
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.following import Follower
 from venus3d.engine.calibration.marker_lattice import side_of
+from venus3d.engine.calibration.marker_reading import shows_twice
 from venus3d.engine.calibration.observation import determines_homography
 from venus3d.engine.calibration.refinement import (
     by_corner_sub_pix,
@@ -47,8 +48,6 @@ _OTHER_MARKER = 0.08
 boards given rightly a picture measures it to 2 %."""
 _NEAR_PX = 1.0
 """Farthest that a corner may be from where it was carried to, pixels."""
-# Different markers seen twice in one image: two boards.
-_TWICE = 4
 
 _WHITE_ON_BLACK = Sentence(
     "The board is printed white on black, not black on white; it is read that way."
@@ -196,8 +195,7 @@ class CharucoReader(BoardReader):
         """Whether several of the markers just found are there twice."""
         if self._markers is None:
             return False
-        _, counts = np.unique(np.asarray(self._markers[1]).reshape(-1), return_counts=True)
-        twice = int((counts > 1).sum()) >= _TWICE
+        twice = shows_twice(self._markers[1])
         self._two_boards |= twice
         return twice
 

@@ -1,4 +1,4 @@
-"""How the markers of a ChArUco board are numbered, from how they lie."""
+"""How the markers of a board are numbered, from how they lie."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from venus3d.engine.calibration.marker_lattice import Lattice
+from venus3d.engine.geometry.board import Board
 
 _MOST_COLUMNS = 40
 IN_PLACE = 0.8
@@ -15,7 +16,7 @@ IN_PLACE = 0.8
 
 @dataclass(frozen=True)
 class Numbering:
-    """How the markers of a ChArUco board are numbered."""
+    """How the markers of a board are numbered."""
 
     columns: tuple[int, ...]
     """The numbers of columns that fit."""
@@ -24,7 +25,8 @@ class Numbering:
     rows: int
     """Number of rows seen."""
     first_id: int
-    """Of the topmost row seen; right if `whole`."""
+    """Of the row seen that the numbers begin with, the topmost unless they count from below; right
+    if `whole`."""
 
 
 def numbering_of(lattice: Lattice) -> Numbering:
@@ -43,3 +45,45 @@ def numbering_of(lattice: Lattice) -> Numbering:
     firsts, counts = np.unique(lattice.ids - (n * row + column) // 2, return_counts=True)
     first = int(firsts[counts.argmax()])
     return Numbering(tuple(fitting), whole, lattice.rows, first)
+
+
+def tag_numbering_of(lattice: Lattice, from_below: bool) -> Numbering:
+    """Tags side by side are numbered row by row: id = first + n row + column for n columns.
+
+    Args:
+        from_below: as Kalibr numbers them, from the lower left. OpenCV takes its tags for upside
+            down, so that rows count up as they should, and columns down.
+    """
+    fits = [(n, *_in_order(lattice, n, from_below)) for n in _columns_of(lattice)]
+    fitting = [
+        (n, first)
+        for n, first, count in fits
+        if first >= 0 and count >= IN_PLACE * lattice.ids.size
+    ]
+    columns = tuple(n for n, _ in fitting)
+    first = fitting[0][1] if fitting else int(lattice.ids.min())
+    return Numbering(columns, columns == (lattice.columns,), lattice.rows, first)
+
+
+def numbered_otherwise(board: Board, lattice: Lattice) -> int:
+    """How many more tags of a grid are in order by another number of columns, or begun at another
+    id, than by `board`'s. The lattice's ids count from the board's first tag."""
+    from_below = board.kind == "aprilgrid"
+    row, column = np.divmod(lattice.ids, board.columns)
+    across = board.columns - 1 - column if from_below else column
+    shifts = np.stack([across, row], axis=1) - lattice.places
+    as_given = int(np.unique(shifts, axis=0, return_counts=True)[1].max())
+    best = max(_in_order(lattice, n, from_below)[1] for n in _columns_of(lattice))
+    return best - as_given if best >= IN_PLACE * lattice.ids.size else 0
+
+
+def _columns_of(lattice: Lattice) -> range:
+    return range(lattice.columns, max(_MOST_COLUMNS, lattice.columns) + 1)
+
+
+def _in_order(lattice: Lattice, columns: int, from_below: bool) -> tuple[int, int]:
+    """The first id of the tags seen by which most are in order, and how many are."""
+    column, row = lattice.places.T
+    across = lattice.columns - 1 - column if from_below else column
+    firsts, counts = np.unique(lattice.ids - columns * row - across, return_counts=True)
+    return int(firsts[counts.argmax()]), int(counts.max())

@@ -13,7 +13,7 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from venus3d.engine.geometry.board import DICTIONARIES
 from venus3d.engine.geometry.pose import Array
@@ -25,6 +25,8 @@ _LEAST_CONTRAST = 25
 """Grey levels between a marker's white and black."""
 _OWN = 1.12
 """Outlines this many times as large as a marker's smallest are of something around it."""
+_TWICE = 4
+"""Different markers seen twice in one image: two boards."""
 _DOUBLE_BORDER = "DICT_APRILTAG"
 """Kalibr prints these with a border of two cells."""
 
@@ -45,11 +47,21 @@ class Markers:
         """Number of different markers."""
         return int(np.unique(self.ids).size)
 
+    @property
+    def flipped(self) -> Markers:
+        """The markers of the mirror image, with x negative, of those found only in it."""
+        return Markers(self.dictionary, self.ids, self.quads[:, [1, 0, 3, 2]] * np.array([-1, 1]))
+
 
 def family_of(dictionary: str) -> str:
     """The name without its size: DICT_5X5_100 and DICT_5X5_1000 begin with the same markers."""
     stem, _, size = dictionary.rpartition("_")
     return stem if size.isdigit() else dictionary.upper()
+
+
+def shows_twice(ids: ArrayLike) -> bool:
+    """Whether the ids (N,) of one image's markers are those of two equal boards."""
+    return int((np.unique(ids, return_counts=True)[1] > 1).sum()) >= _TWICE
 
 
 def size_key(dictionary: str) -> tuple[bool, str, int]:

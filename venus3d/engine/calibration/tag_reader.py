@@ -9,10 +9,17 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_diagnoses import tag_size_diagnosis, two_boards_diagnosis
+from venus3d.engine.calibration.board_diagnoses import (
+    first_id_diagnosis,
+    tag_size_diagnosis,
+    two_boards_diagnosis,
+)
 from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.following import Follower
+from venus3d.engine.calibration.marker_lattice import lattices_of
+from venus3d.engine.calibration.marker_numbering import numbered_otherwise
+from venus3d.engine.calibration.marker_reading import Markers, shows_twice
 from venus3d.engine.calibration.tag_edges import corners_by_edges
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
@@ -29,8 +36,11 @@ _OF_CLEARANCE, _LARGEST_WINDOW = 0.75, 10
 _CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 30, 0.003)
 _BORDER_PX = 1.0
 """Corners nearer to the border are not measured: the tag may go on outside."""
-_TWICE = 4
-"""Different tags seen twice in one image: two boards."""
+_ASTRAY = 2
+"""Tags out of place that another numbering explains with all others; a misread tag is one."""
+_FEW, _TIMES_AS_MANY = 0.25, 3
+"""Share of a board's tags up to which the mirror image is searched as well, and how many times as
+many must be in that."""
 _MEASURED, _FEWEST_PAIRS = 3, 8
 """Pictures in which the tags are measured, and pairs of neighbours that each must show."""
 _FRAMES_AT_MOST = 12
@@ -63,14 +73,21 @@ class TagReader(BoardReader):
         other._follower = Follower(each=4)
         return other
 
+    def adopt(self, board: Board) -> None:
+        """Read this board from now on."""
+        super().adopt(board)
+        self._follower = Follower(each=4)
+
     def take_over(self, by: BoardReader) -> None:
         """Whether a copy saw two boards."""
         if isinstance(by, TagReader):
             self._two_boards |= by._two_boards
 
     def diagnoses(self, asked: Board) -> list[Diagnosis]:
-        """Two boards; another size of the tags than given."""
+        """Two boards; another first id or size of the tags than given."""
         found = [two_boards_diagnosis()] if self._two_boards else []
+        if self.board.first_id != asked.first_id:
+            found.append(first_id_diagnosis(self.board))
         if self.board.marker != asked.marker:
             found.append(tag_size_diagnosis(asked, self.board))
         return found
@@ -133,11 +150,30 @@ class TagReader(BoardReader):
         tags, first, counts = np.unique(
             np.asarray(ids, dtype=np.intp).reshape(-1), return_index=True, return_counts=True
         )
-        self.confused = int((counts > 1).sum()) >= _TWICE
+        self.confused = shows_twice(ids)
         self._two_boards |= self.confused
         once = counts == 1
         found = np.asarray(quads, dtype=np.float64).reshape(-1, 4, 2)[first[once]]
+        mirrored = not quick and self._is_mirrored(finder, grey[y0:y1, x0:x1], tags.size)
+        if mirrored or self._is_another(tags[once], found):
+            return np.zeros(0, np.intp), np.zeros((0, 4, 2))
         return tags[once], found + np.array([x0, y0])
+
+    def _is_mirrored(self, finder: Any, grey: Grey, count: int) -> bool:
+        """Whether the few tags found are there by chance, as the image (H, W) is a mirror image: of
+        a grid of 4 x 4 cells, a sixth of the tags look like others of it."""
+        if count > _FEW * self.board.marker_count:
+            return False
+        _, ids, _ = finder.detectMarkers(np.ascontiguousarray(grey[:, ::-1]))
+        return ids is not None and len(np.unique(ids)) > _TIMES_AS_MANY * count
+
+    def _is_another(self, tags: NDArray[np.intp], quads: Array) -> bool:
+        """Whether the tags (N,) are in order as on a board of other columns or another first id:
+        by how they lie from neighbour to neighbour, seen alike by any lens."""
+        found = lattices_of(Markers(self.board.dictionary, tags, quads))
+        if not found or found[0].arrangement != "grid":
+            return False
+        return numbered_otherwise(self.board, found[0]) >= _ASTRAY
 
     @property
     def _least_outline_px(self) -> float:
