@@ -188,6 +188,43 @@ def test_asymmetric_circles_are_named_with_the_size_that_opencv_reads_them_by(
     assert f"an asymmetric grid of circles, {rows} rows of {columns}:" in said.cause
 
 
+@pytest.mark.parametrize("square_px", [5, 6, 7, 9])
+@pytest.mark.parametrize("asked", [None, Board(9, 6, 0.025, 0.02, kind="circles")])
+def test_small_asymmetric_circles_are_no_checkerboard(square_px: int, asked: Board | None) -> None:
+    """Their gaps look like one; the circles are found enlarged."""
+    printed = Board(4, 9, 0.018, 0.016, kind="asymmetric-circles")
+    camera = Camera(640, 360, 600, 600, 320, 180)
+    pose = Pose.from_vector([15, -20, 8, 0, 0, 600 * printed.square / square_px])
+    picture = picture_of(printed, camera, pose, noise=2.0, rng=np.random.default_rng(1))
+    said = recognise_board(asked or printed, [picture])
+    assert (said is None) if asked is None else said is not None
+    assert said is None or "an asymmetric grid of circles, 9 rows of 4:" in said.cause
+
+
+@pytest.mark.parametrize("square_px", [6, 8])
+def test_small_checkerboards_stay_what_they_are(square_px: int) -> None:
+    printed, camera = Board(10, 7, 0.024, kind="chessboard"), Camera(640, 360, 600, 600, 320, 180)
+    pose = Pose.from_vector([15, -20, 8, 0, 0, 600 * printed.square / square_px])
+    picture = picture_of(printed, camera, pose, noise=2.0, rng=np.random.default_rng(1))
+    assert "a checkerboard of 9 x 6 inner corners" in told(picture).cause
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        Board(9, 6, 0.026, 0.016, kind="circles"),
+        Board(4, 11, 0.02, 0.016, kind="asymmetric-circles"),
+    ],
+)
+def test_a_part_of_the_board_asked_for_is_no_other_board(asked: Board) -> None:
+    """Also where an asymmetric grid's part is wider than high."""
+    rows = asked.rows - (3 if asked.of_kind.stride == 2 else 1)
+    picture = picture_of(replace(asked, rows=rows), CAMERA, POSE)
+    assert recognise_board(asked, [picture]) is None
+    larger = picture_of(replace(asked, rows=asked.rows + 2), CAMERA, POSE)
+    assert recognise_board(asked, [larger]) is not None
+
+
 def test_a_black_border_too_thin_to_read_is_told() -> None:
     """It was one of three guesses."""
     board = Board()

@@ -305,7 +305,8 @@ def unread_border_diagnosis(board: Board, border: Border) -> Diagnosis:
 
 
 def plain_pattern_diagnosis(board: Board, pattern: Pattern) -> Diagnosis | None:
-    """That the picture shows a pattern without markers; None if it is the board asked for."""
+    """That the picture shows a pattern without markers; None if it is the board asked for, or may
+    be a part of it."""
     cause = _PLAIN[pattern.kind].format(columns=pattern.columns, rows=pattern.rows)
     if pattern.kind == "unread":
         return Diagnosis(
@@ -318,10 +319,16 @@ def plain_pattern_diagnosis(board: Board, pattern: Pattern) -> Diagnosis | None:
         )
     more = 1 if pattern.kind == "checkerboard" else 0  # squares, not inner corners
     columns, rows, kind = pattern.columns + more, pattern.rows + more, _KIND_OF[pattern.kind]
-    if board.kind == kind and {board.columns, board.rows} == {columns, rows}:
-        if more == 0 and pattern.white != board.inverted:
-            return _polarity_diagnosis(pattern.white)
-        return None  # hard to see, or read the other way round
+    if board.kind == kind:
+        stride = board.of_kind.stride  # an asymmetric grid is found with either side as its rows
+        own = sorted((stride * board.columns, board.rows))
+        seen = sorted((stride * columns, rows))
+        if {board.columns, board.rows} == {columns, rows}:
+            if more == 0 and pattern.white != board.inverted:
+                return _polarity_diagnosis(pattern.white)
+            return None  # hard to see, or read the other way round
+        if seen[0] <= own[0] and seen[1] <= own[1]:
+            return None  # it may be a part of the board
     return Diagnosis("other-pattern", cause, _options(kind, columns, rows, inverted=pattern.white))
 
 

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.circle_grids import find_circles
+from venus3d.engine.calibration.circle_grids import CircleGrid, find_circles
 from venus3d.engine.calibration.corner_grids import is_even
 from venus3d.engine.geometry.pose import Array
 
@@ -18,6 +18,9 @@ Grey = NDArray[np.uint8]
 
 _SEARCHED_PX, _QUICKLY_PX = 1000, 640
 """Images are searched at this size: finding a pattern of unknown size takes its time."""
+_SMALL_PX, _TIMES = 10.0, 3
+"""Squares up to this side may be the gaps of circles, which are found in a picture so many times as
+large."""
 _FEWEST = 3
 """Corners along each side."""
 _LEAST_CONTRAST = 15.0
@@ -50,15 +53,38 @@ def find_pattern(grey: Grey, *, quick: bool = False) -> Pattern | None:
     # Circles first: the gaps of an asymmetric grid look like a checkerboard.
     circles = find_circles(grey)
     if circles is not None:
-        kind = "asymmetric circles" if circles.asymmetric else "circles"
-        return Pattern(kind, circles.columns, circles.rows, white=circles.white)
+        return _of_circles(circles)
     try:
         found = _checkerboard(grey, quick)
     except cv2.error:  # OpenCV's search for an unknown size is not made for every picture
         return None
     if found is None or found.corners is None:
         return None
+    gaps = found.kind == "checkerboard" and _circles_around(grey, found.corners)
+    if gaps:
+        return _of_circles(gaps)
     return replace(found, corners=(found.corners + 0.5) / scale - 0.5)
+
+
+def _of_circles(grid: CircleGrid) -> Pattern:
+    kind = "asymmetric circles" if grid.asymmetric else "circles"
+    return Pattern(kind, grid.columns, grid.rows, white=grid.white)
+
+
+def _circles_around(grey: Grey, corners: Array) -> CircleGrid | None:
+    """The circles whose gaps were taken for small squares between corners (R, C, 2): too small to
+    be found unless enlarged."""
+    step = float(np.linalg.norm(np.diff(corners, axis=0), axis=2).mean())
+    if step > _SMALL_PX:
+        return None
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    around = float((high - low).max())  # perhaps a part of them alone
+    x0, y0 = np.maximum(np.floor(low - around), 0).astype(int)
+    x1, y1 = np.ceil(high + around).astype(int)
+    large: Any = cv2.resize(
+        grey[y0:y1, x0:x1], None, fx=_TIMES, fy=_TIMES, interpolation=cv2.INTER_CUBIC
+    )
+    return find_circles(np.asarray(large, dtype=np.uint8))
 
 
 def _checkerboard(grey: Grey, quick: bool) -> Pattern | None:
