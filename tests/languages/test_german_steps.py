@@ -50,7 +50,11 @@ def sentences(now: Any, target: Any, board: Board, wording: str) -> tuple[str, .
         f"nach {'unten' if mm[1] > 0 else 'oben'}",
         "von der Kamera weg" if mm[2] > 0 else "zur Kamera",
     )
-    parts = [f"{abs(v):.0f} mm {way}" for v, way in zip(mm, ways, strict=True) if abs(v) >= 0.5]
+    limit_mm = 35 * min(board.width, board.height)
+    near_mm = 0 if now is None else limit_mm / np.sqrt(3)  # what is right already is left out
+    far = [abs(v) > near_mm and abs(v) >= 0.5 for v in mm]
+    told = [f"{abs(v):.0f} mm {way}" for v, way in zip(mm, ways, strict=True)]
+    parts = [part for part, is_far in zip(told, far, strict=True) if is_far]
     parts = parts if len(parts) < 2 else [f"{', '.join(parts[:-1])} und {parts[-1]}"]
     edge = "rechte" if (y > 0) == (wording == "camera") else "linke"
     clockwise = (z > 0) == (wording == "camera")
@@ -60,7 +64,6 @@ def sentences(now: Any, target: Any, board: Board, wording: str) -> tuple[str, .
         f"Die {seen}{edge} Kante um {abs(y):.0f}° zur Kamera schwenken.",
         f"Das Brett um {abs(z):.0f}° {'im' if clockwise else 'gegen den'} Uhrzeigersinn drehen.",
     )
-    limit_mm = 35 * min(board.width, board.height)
     done = (np.linalg.norm(mm) <= limit_mm, *(abs(np.array([x, y, z])) <= 2.5))
     return tuple(
         "Dieser Schritt ist fertig; so lassen." if d and now is not None else s

@@ -103,10 +103,11 @@ def test_three_scales_that_are_right_make_a_move_that_is_done(at) -> None:
     assert dial_html(found, 1).count("✓") == 3 and found.within[0]
 
 
-def test_a_scale_that_is_near_enough_tells_what_the_sentence_tells(at) -> None:
-    """Not "done" beside "2 mm to your left"."""
+def test_the_sentence_leaves_out_what_a_scale_ticks_off(guided: Snapshot, at) -> None:
+    """Not "Move the board 2 mm to your left" beside a tick."""
     found = at(mm=(-2, 0.3, 40))
-    assert "2 mm to your right" in step_prompt(found.steps[0]).holder
+    moment = view_model_of(matched(guided, found))
+    assert moment.sentence == "Move the board 40 mm away from the camera."
     told = [t.text for t in svg(dial_html(found, 1)).iter("text") if "v-part" in t.attrib["class"]]
     assert told == ["✓ 2 mm →", "✓ done", "40 mm"]
 

@@ -68,6 +68,12 @@ class Match:
     limit_deg: float
     """Tolerance of a turn, degrees."""
 
+    @property
+    def part_limit_mm(self) -> float:
+        """The share of `limit_mm` that each part of a move (right, down, away) has, millimetres: a
+        part within it is right, and a move of which all three are is done."""
+        return self.limit_mm / float(np.sqrt(3))
+
 
 def match(
     camera: Camera,

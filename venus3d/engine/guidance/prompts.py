@@ -99,9 +99,12 @@ def step_prompt(step: Step) -> Prompt:
     return turn_prompt(step.axis, step.angle_deg)
 
 
-def translation_prompt(translation: ArrayLike) -> Prompt:
-    """For a displacement (3,) of the board's centre in the camera's frame, metres."""
-    x, y, z = (float(v) * 1000 for v in np.asarray(translation, dtype=np.float64))
+def translation_prompt(translation: ArrayLike, near_mm: float = 0.0) -> Prompt:
+    """For a displacement (3,) of the board's centre in the camera's frame, metres. Parts of at most
+    `near_mm` are left out, unless all are."""
+    mm = 1000 * np.asarray(translation, dtype=np.float64)
+    near = np.abs(mm) <= near_mm
+    x, y, z = (float(v) for v in (mm if near.all() else np.where(near, 0.0, mm)))
     others = [*_part(y, _DOWN, _UP), *_part(z, _AWAY, _NEARER)]
 
     def sentence(right: Sentence, left: Sentence) -> str:

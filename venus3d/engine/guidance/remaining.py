@@ -22,6 +22,7 @@ from venus3d.engine.guidance.prompts import (
     Phase,
     Prompt,
     step_prompt,
+    translation_prompt,
 )
 from venus3d.engine.planning.target import Target
 
@@ -108,11 +109,18 @@ def remaining_steps(
         # A board that covers its target is there, whatever a step's own tolerance says.
         steps, done = match.steps, (True,) * 4 if match.reached else match.within
     one, two, three, four = (
-        RemainingStep(step, is_done, STEP_DONE if is_done else step_prompt(step))
+        RemainingStep(step, is_done, STEP_DONE if is_done else _prompt(step, match))
         for step, is_done in zip(steps, done, strict=True)
     )
     active = done.index(False) + 1 if False in done else 4
     return RemainingSteps((one, two, three, four), active, match)
+
+
+def _prompt(step: Step, match: Match | None) -> Prompt:
+    """The instruction, of a move without the parts that are right already."""
+    if match is None or step.axis is not None:
+        return step_prompt(step)
+    return translation_prompt(step.translation, match.part_limit_mm)
 
 
 def has_left_the_way(steps: Steps, pose: Pose, *, mm: float, deg: float) -> bool:

@@ -81,8 +81,6 @@ def _turn(match: Match, step: int) -> str:
 
 def _move(match: Match) -> str:
     x, y, z = (float(v) for v in match.remaining_mm)
-    # Each part's share of a tolerance common to all three.
-    band = match.limit_mm / np.sqrt(3)
     rows = (
         # The camera's right is the holder's left.
         (-x, texts.MOVE_PARTS[0], texts.LEFT_RIGHT),
@@ -90,7 +88,7 @@ def _move(match: Match) -> str:
         (z, texts.MOVE_PARTS[2], texts.NEAR_FAR),
     )
     parts = [
-        _scale(60.0 + 130 * i, towards, float(band), words, ends)
+        _scale(60.0 + 130 * i, towards, match.part_limit_mm, words, ends)
         for i, (towards, words, ends) in enumerate(rows)
     ]
     label = texts.DIAL_LABEL.format(amount=amount_text(match, 1), limit=size_mm(match.limit_mm))
@@ -108,7 +106,7 @@ def _scale(
 
     at, right, middle = place(-towards), abs(towards) <= band, y + 34
     second = towards > 0
-    # What the sentence still tells stands here as well, in green once it is near enough.
+    # What is near enough stands in green, and the sentence leaves it out.
     text = words[second].format(mm=abs(whole(towards))) if whole(towards) else texts.DONE
     text = f"✓ {text}" if right else text
     colour = "var(--done)" if right else "var(--step)"
