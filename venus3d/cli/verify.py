@@ -10,7 +10,7 @@ from venus3d.cli.progress import search_progress
 from venus3d.cli.report import print_note
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.verification import CHANCE, Verdict, Verification, verify
-from venus3d.engine.errors import CalibrationError, VenusError
+from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.options import LensName
 from venus3d.report.verification_report import (
     CHANGES_HEAD,
@@ -28,6 +28,7 @@ from venus3d.sources.open_frame_source import is_live
 from venus3d.storage.folder import prepare, write_bytes
 from venus3d.storage.formats import record_in
 from venus3d.storage.result import SCHEMA, to_json
+from venus3d.storage.result_reader import read_result
 
 _CODES: dict[Verdict, int] = {"good": 0, "degraded": 1, "other-camera": 1, "unclear": 3}
 
@@ -45,6 +46,9 @@ def verify_command(options: VerifyOptions) -> int:
     fresh = _guided(options, lens) if live else _found(options, lens)
     found = verify(record.camera, record.covariance, fresh, options.limit)
     notes = [] if record.covariance is not None else [_UNCERTAIN.format(name=options.file.name)]
+    own = _own_views(options.file, fresh)
+    if own:
+        notes.append(_OWN.format(count=own, every=len(fresh.views)))
     # Written before it is printed: whoever reads the output may be gone.
     written: list[Path] = []
     if options.output is not None:
@@ -66,6 +70,23 @@ _UNCERTAIN = (
     "{name} does not hold the covariance of its camera, so the test takes the camera as exactly "
     "known; a result.json holds it."
 )
+
+
+_OWN = (
+    "{count} of the {every} views are of the calibration itself, which fits them whatever has "
+    "changed since; take fresh ones."
+)
+
+
+def _own_views(file: Path, fresh: Calibration) -> int:
+    """How many of the fresh views the calibration was made from, as far as its result tells."""
+    result = file / "result.json" if file.is_dir() else file
+    try:
+        views = read_result(result).calibration.views
+    except StorageError:
+        return 0
+    known = {view.observation.corners.tobytes() for view in views}
+    return sum(view.observation.corners.tobytes() in known for view in fresh.views)
 
 
 def _found(options: VerifyOptions, lens: str) -> Calibration:
