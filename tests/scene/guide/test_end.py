@@ -69,6 +69,10 @@ def test_the_question_goes_when_the_session_ends_by_itself(guided: Snapshot) -> 
     asked = ViewState().after(Finish())
     assert asked.seeing(guided).asked_to_end
     assert not asked.seeing(ended(guided)).asked_to_end
+    converged = replace(ended(guided), phase="converged")
+    settled = asked.seeing(converged)
+    assert not settled.asked_to_end
+    assert settled.after(Finish()).seeing(converged).asked_to_end, "it can still be asked for"
     assert said(ended(guided), asked.seeing(ended(guided)))[0] == "✓"
 
 

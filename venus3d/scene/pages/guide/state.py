@@ -86,10 +86,11 @@ class ViewState:
         if state.follow and not state.playing and snapshot.remaining is not None:
             state = replace(state, step=snapshot.remaining.active)
         over = snapshot.phase in ("converged", "finished")
+        # Once all is over there is nothing to end, or, if it has converged, only when asked again.
+        if state.asked_to_end and (snapshot.phase == "finished" or (over and not state.over)):
+            state = replace(state, asked_to_end=False)
         if over != state.over:
             state = replace(state, over=over, straight=over)  # what the calibration is for
-        if snapshot.phase == "finished" and state.asked_to_end:
-            state = replace(state, asked_to_end=False)  # it has ended by itself
         return state
 
     @property
