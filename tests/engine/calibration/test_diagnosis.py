@@ -156,6 +156,24 @@ def test_a_focal_length_with_a_large_sigma(
     assert share > 1 and f"{share:.1f} %" in told["weak-focal-length"].cause
 
 
+def test_a_focal_length_that_tilt_does_not_mend(
+    paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """Well tilted views of a board that bends anew in each; on a flat one they would do."""
+    x, y = (default_board.corners[:, :2] / default_board.width).T
+    seen: list[Observation] = []
+    for vector in spread_out(30, [0.35, 0.5])[:8]:
+        points = default_board.corners.copy()
+        points[:, 2] += rng.uniform(-0.03, 0.03) * x**2 + rng.uniform(-0.03, 0.03) * x * y
+        pixels = paper_camera.project(Pose.from_vector(vector).apply(points))
+        inside = ((pixels > 0) & (pixels < np.array(paper_camera.image_size) - 1)).all(axis=1)
+        seen.append(Observation(np.flatnonzero(inside), pixels[inside], paper_camera.image_size))
+    found = calibrate(default_board, seen)
+    assert (found.sigma_noise_only[:2] < 0.01 * found.camera.parameters[:2]).all()
+    told = by_kind(diagnose(found))["weak-focal-length"]
+    assert "not flat" in told.cure and "tilted" not in told.cure
+
+
 @pytest.mark.parametrize(
     ("side", "shift"),
     [("left", (0.11, 0)), ("right", (-0.11, 0)), ("top", (0, 0.06)), ("bottom", (0, -0.06))],

@@ -26,6 +26,8 @@ from venus3d.engine.sentences import Sentence, listed
 
 WEAK_ANGLE_DEG = 20.0
 """If the normals of all views differ by less, the views are nearly parallel."""
+TILTED_DEG = 40.0
+"""If two normals differ by more, a weak focal length may have another cause than the tilt."""
 WEAK_SIGMA = 0.01
 """A focal length whose sigma exceeds this share of it is weak."""
 UNSEEN_SIDE = 0.25
@@ -48,6 +50,11 @@ NEAREST_M, FARTHEST_M = 0.04, 20.0
 """Distances from the lens, metres; no board is used nearer or farther. One with squares of 12 mm
 fits into a wide picture at 44 mm."""
 
+_TILT_MORE = Sentence("Add views that are tilted by 20-45° and fill the picture.")
+_AGREE = Sentence(
+    "The views do not agree as their corners would let them: look for a board that is not flat, "
+    "motion and blur; more views help, too."
+)
 _TILT = Sentence("Add views tilted by 20-45° in different directions.")
 # Minimum relative spread of the views' rms: corner noise alone gives 8 % (40 corners, two axes).
 _LEAST_SPREAD = 0.08
@@ -108,7 +115,8 @@ def _parallel_or_weak(calibration: Calibration) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "weak-focal-length",
             Sentence("The focal length is known to {share} % only.").format(share=figure(share)),
-            Sentence("Add views that are tilted by 20-45° and fill the picture."),
+            # Were the corners' errors independent, these views would do: tilt is not what lacks.
+            _AGREE if angle > TILTED_DEG and _noise_share(calibration) < WEAK_SIGMA else _TILT_MORE,
         )
 
 
@@ -348,6 +356,12 @@ def _impossible(calibration: Calibration) -> Iterator[Diagnosis]:
 def _focal_share(calibration: Calibration) -> float:
     """Relative sigma of the focal length, the larger of the two axes."""
     return float(np.max(calibration.sigma[:2] / calibration.camera.parameters[:2]))
+
+
+def _noise_share(calibration: Calibration) -> float:
+    """The same if the errors of all corners were independent."""
+    sigma = calibration.sigma_noise_only[:2]
+    return float(np.max(sigma / calibration.camera.parameters[:2]))
 
 
 def _depths(calibration: Calibration) -> Array:
