@@ -210,16 +210,21 @@ def test_small_checkerboards_stay_what_they_are(square_px: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "asked",
-    [
-        Board(9, 6, 0.026, 0.016, kind="circles"),
-        Board(4, 11, 0.02, 0.016, kind="asymmetric-circles"),
-    ],
+    "printed",
+    [Board(10, 7, 0.024, kind="chessboard"), Board(8, 6, 0.026, 0.016, kind="circles")],
+    ids=lambda board: board.kind,
 )
-def test_a_part_of_the_board_asked_for_is_no_other_board(asked: Board) -> None:
-    """Also where an asymmetric grid's part is wider than high."""
-    rows = asked.rows - (3 if asked.of_kind.stride == 2 else 1)
-    picture = picture_of(replace(asked, rows=rows), CAMERA, POSE)
+def test_a_size_given_too_large_is_named(printed: Board) -> None:
+    asked = replace(printed, columns=printed.columns + 1, rows=printed.rows + 1)
+    said = recognise_board(asked, [picture_of(printed, CAMERA, POSE)])
+    assert said is not None
+    assert f"--board.columns {printed.columns} --board.rows {printed.rows}" in said.cure
+
+
+def test_a_part_of_an_asymmetric_grid_is_no_other_board() -> None:
+    """Also where the part is wider than high."""
+    asked = Board(4, 11, 0.02, 0.016, kind="asymmetric-circles")
+    picture = picture_of(replace(asked, rows=8), CAMERA, POSE)
     assert recognise_board(asked, [picture]) is None
     larger = picture_of(replace(asked, rows=asked.rows + 2), CAMERA, POSE)
     assert recognise_board(asked, [larger]) is not None

@@ -320,15 +320,19 @@ def plain_pattern_diagnosis(board: Board, pattern: Pattern) -> Diagnosis | None:
     more = 1 if pattern.kind == "checkerboard" else 0  # squares, not inner corners
     columns, rows, kind = pattern.columns + more, pattern.rows + more, _KIND_OF[pattern.kind]
     if board.kind == kind:
-        stride = board.of_kind.stride  # an asymmetric grid is found with either side as its rows
-        own = sorted((stride * board.columns, board.rows))
-        seen = sorted((stride * columns, rows))
         if {board.columns, board.rows} == {columns, rows}:
             if more == 0 and pattern.white != board.inverted:
                 return _polarity_diagnosis(pattern.white)
             return None  # hard to see, or read the other way round
-        if seen[0] <= own[0] and seen[1] <= own[1]:
-            return None  # it may be a part of the board
+        # Parts of an asymmetric grid are found as grids, with either side as their rows. Of the
+        # others the whole alone is, and a size that was given too large is named.
+        stride = board.of_kind.stride
+        own, seen = (
+            sorted((stride * one, other))
+            for one, other in ((board.columns, board.rows), (columns, rows))
+        )
+        if stride > 1 and seen[0] <= own[0] and seen[1] <= own[1]:
+            return None
     return Diagnosis("other-pattern", cause, _options(kind, columns, rows, inverted=pattern.white))
 
 
