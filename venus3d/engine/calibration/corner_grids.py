@@ -10,6 +10,11 @@ from venus3d.engine.geometry.pose import Array
 
 _UNEVEN = 0.5
 """Largest change of a step from one corner to the next, as a share of it: less in a fisheye."""
+_FEWEST = 3
+"""Corners along a side that are left."""
+_GOES_ON = 0.75
+"""Share of the squares beyond a line of corners that are of the other colour than those within; of
+a margin half are."""
 _LEAST_CONTRAST = 10.0
 """Grey levels between neighbouring squares."""
 
@@ -22,6 +27,31 @@ def is_even(corners: Array) -> bool:
         if (uneven > _UNEVEN * np.linalg.norm(steps[:, 1:], axis=2)).any():
             return False
     return True
+
+
+def without_outline(grey: Grey, corners: Array) -> Array:
+    """Corners (R, C, 2) of a checkerboard without lines of them that run along its outer edge: a
+    search for any size takes those of the outermost squares as well, and OpenCV finds them at
+    times. Beyond a true line the colours go on alternating, beyond these all is margin."""
+    for _ in range(4):  # each side once, and back as it was
+        if corners.shape[1] > _FEWEST and not _goes_on(grey, corners):
+            corners = corners[:, 1:]
+        corners = np.rot90(corners)
+    return corners
+
+
+def _goes_on(grey: Grey, corners: Array) -> bool:
+    """Whether the colours alternate beyond the first column of corners (R, C, 2), too; also where
+    the image ends before."""
+    middles = (corners[:-1, :-1] + corners[1:, :-1] + corners[:-1, 1:] + corners[1:, 1:]) / 4
+    first, second = middles[:, 0], middles[:, 1]
+    places = np.stack([2 * first - second, first, second])
+    x, y = np.rint(places).astype(int).transpose(2, 0, 1)
+    if (x < 0).any() or (y < 0).any() or (x >= grey.shape[1]).any() or (y >= grey.shape[0]).any():
+        return True
+    beyond, within, next_one = grey[y, x].astype(np.float64)
+    step = within - next_one
+    return bool(np.mean((within - beyond) * np.sign(step) > 0.5 * np.abs(step)) > _GOES_ON)
 
 
 def contrast_of(grey: Grey, corners: Array) -> float:

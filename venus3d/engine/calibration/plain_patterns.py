@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.circle_grids import CircleGrid, find_circles
-from venus3d.engine.calibration.corner_grids import is_even
+from venus3d.engine.calibration.corner_grids import is_even, without_outline
 from venus3d.engine.geometry.pose import Array
 
 Grey = NDArray[np.uint8]
@@ -102,6 +102,8 @@ def _checkerboard(grey: Grey, quick: bool) -> Pattern | None:
         return None
     rows, columns = np.asarray(found[2]).shape[:2]
     corners = np.asarray(found[1], dtype=np.float64).reshape(rows, columns, 2)
+    corners = without_outline(grey, corners)
+    rows, columns = corners.shape[:2]
     colours = _squares(grey, corners)
     if not (is_even(corners) and _alternates(colours)):
         return None
