@@ -148,6 +148,12 @@ def test_why_views_determine_no_camera_is_told(
     assert isinstance(answer, CalibrationError) and answer.args == here.value.args
 
 
+def test_its_matrices_are_multiplied_by_one_thread(desk: Desk) -> None:
+    """Here by as many as the user has."""
+    before = os.environ.get("OPENBLAS_NUM_THREADS")
+    assert desk.child().environ()["OPENBLAS_NUM_THREADS"] == (before or "1")
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of a terminal")
 def test_what_is_typed_at_the_terminal_is_not_for_it(
     desk: Desk, paper_camera: Camera, default_board: Board
