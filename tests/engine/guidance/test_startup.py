@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -67,6 +69,18 @@ def test_the_estimate_gets_better_while_the_board_is_moved_about(
         ends.append(startup.camera.fx)
     errors = np.abs(np.array(ends) - 1070)
     assert errors.mean() < 15 and errors.max() < 40
+
+
+def test_a_view_that_no_pose_fits_is_not_waited_for(
+    startup: Startup, paper_camera: Camera, default_board: Board, rng: np.random.Generator
+) -> None:
+    """The first frame with all corners may be of a wide lens, or misread: the next one counts."""
+    good = observe(paper_camera, default_board, [0, 0, 0, 0, 0, 0.5], rng, 0.1)
+    mixed = replace(good, corners=good.corners[rng.permutation(good.count)])
+    startup.observe(mixed)
+    assert startup.distance is None
+    startup.observe(good)
+    assert startup.distance is not None
 
 
 def test_distance_is_where_all_of_the_board_was_first_seen(

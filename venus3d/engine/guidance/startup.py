@@ -99,7 +99,8 @@ class Startup:
         observation = observation.without_image()
         better = self._improve(observation)
         complete = observation.count >= _COMPLETE * self._board.corner_count
-        first = self._complete is None and complete
+        # The next one, where no pose fitted the ones before: a wide lens, under the guess.
+        first = complete and self.distance is None
         if first:
             self._complete = observation
         if self._complete is not None and (first or better):
