@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 
 from tests.cli.conftest import Ran
@@ -156,6 +157,21 @@ def test_nohup_is_heeded(start: Start, tmp_path: Path, mode: tuple[str, ...]) ->
     code, _, err = program.ended()
     assert code == 0 and "Traceback" not in err, err
     kept(tmp_path / "out")
+
+
+def test_the_live_guide_searches_and_detects_in_processes_of_their_own(start: Start) -> None:
+    """Nothing that draws shares the interpreter with them; one that dies costs no view."""
+    program = start(*LIVE)
+    views = program.wait_for_views(1)
+    guide = psutil.Process(program.process.pid)
+    own = [one for one in guide.children() if "spawn_main" in " ".join(one.cmdline())]
+    assert len(own) == 2
+    for one in own:
+        one.kill()
+    assert program.wait_for_views(views + 1) > views
+    program.send(signal.SIGINT)
+    code, _, err = program.ended()
+    assert code == 0 and err.count("another one does its work") == 2, err
 
 
 @pytest.mark.parametrize(

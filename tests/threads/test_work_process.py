@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -193,23 +192,3 @@ def test_a_group_of_processes_that_is_asked_to_end_is_no_fault(
     desk.child().terminate()
     answer = desk.answer()
     assert isinstance(answer, Outcome) and answer.work is work and not caplog.text
-
-
-def test_it_ends_with_a_program_that_is_killed() -> None:
-    program = (
-        "from venus3d.threads.work_process import WorkProcess\n"
-        "import time\n"
-        "if __name__ == '__main__':\n"
-        "    WorkProcess(print)\n"
-        "    print('there', flush=True)\n"
-        "    time.sleep(600)\n"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
-    ) as killed:
-        assert killed.stdout is not None and killed.stdout.readline() == "there\n"
-        children = psutil.Process(killed.pid).children(recursive=True)
-        assert children
-        killed.kill()
-        gone, left = psutil.wait_procs(children, timeout=30)
-    assert len(gone) == len(children) and not left

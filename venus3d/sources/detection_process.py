@@ -58,7 +58,8 @@ class DetectionProcess:
         """Starts the process; it is ready a second later. Frames of `image_size` (width, height)
         are expected. `look_beside`: see `BoardTracker`."""
         self._detector, self._look_beside = detector, look_beside
-        self._turn, self._closed = threading.Lock(), False
+        self._turn = threading.Lock()
+        self._replacing, self._closed = threading.Lock(), False
         self._board: Board | None = None
         self._notes, self._diagnoses = detector.notes, detector.diagnoses
         self._start(3 * image_size[0] * image_size[1])
@@ -79,17 +80,22 @@ class DetectionProcess:
         again."""
         pixels = frame.image
         with self._turn:
+            if self._closed:
+                return Observation.nothing(frame.image_size, frame.time_s, frame.name)
             if pixels.nbytes > len(self._shared):
-                self._child.close()
-                self._start(pixels.nbytes)
+                with self._replacing:
+                    if not self._closed:
+                        self._child.close()
+                        self._start(pixels.nbytes)
             np.copyto(_pixels(self._shared, pixels.shape, pixels.dtype.str), pixels)
             asked = _Picture(pixels.shape, pixels.dtype.str, frame.time_s, frame.name)
             while not self._closed:
                 try:
                     seen, self._notes, self._diagnoses = self._asked(asked)
                 except (EOFError, OSError):
-                    if not self._closed:
-                        self._child.start_again()
+                    with self._replacing:
+                        if not self._closed:
+                            self._child.start_again()
                     continue
                 self._child.works()
                 # One object for one board, not a copy in each observation.
@@ -106,9 +112,10 @@ class DetectionProcess:
 
     def close(self) -> None:
         """End the process, whatever it is doing. May be called twice."""
-        if not self._closed:
-            self._closed = True
-            self._child.close()
+        with self._replacing:  # none is begun afterwards
+            if not self._closed:
+                self._closed = True
+                self._child.close()
 
     def _start(self, size: int) -> None:
         self._shared = RawArray("B", size)
