@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 # The programs that tests start would compile our modules anew each, at nearly a second.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+# A shell starts what shall run in its background deaf to Ctrl-C, and so are all programs that tests
+# start from there and end by it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Before numpy and OpenCV come: workers side by side leave each other a core.
 if "PYTEST_XDIST_WORKER" in os.environ:

@@ -3,6 +3,7 @@
    film strip shows its newest picture, and is scrolled by a wheel. */
 (() => {
   const SCENE = "div:has(> div > div > canvas[data-engine])";
+  const PICTURE = "div:has(> .v-film) + div button";
   const told = document.documentElement.style;
 
   const tellHeight = () => {
@@ -28,6 +29,18 @@
     settling = setTimeout(tellFields, 200, 60);
   });
 
+  /* Who has scrolled away from the newest picture looks at another. Another picture and another
+     width of the strip move nothing by themselves: what is scrolled is scrolled by somebody. */
+  let newest = true;
+  addEventListener("scroll", ({ target }) => {
+    if (!target.matches?.(":has(> button)") || !target.querySelector(PICTURE)) return;
+    newest = target.scrollLeft + target.clientWidth >= target.scrollWidth - 2;
+  }, true);
+  const showNewest = () => {
+    const strip = document.querySelector(PICTURE)?.parentElement;
+    if (strip && newest) strip.scrollLeft = strip.scrollWidth;
+  };
+
   const waiting = new MutationObserver(() => {
     const scene = document.querySelector(SCENE)?.parentElement;
     if (!scene) return;
@@ -36,21 +49,18 @@
       const { left, width } = scene.getBoundingClientRect();
       told.setProperty("--scene-left", `${left}px`);
       told.setProperty("--scene-width", `${width}px`);
+      showNewest();
     }).observe(scene);
   });
   waiting.observe(document, { childList: true, subtree: true });
 
-  addEventListener("animationstart", ({ animationName, target }) => {
-    if (animationName !== "v-film-in") return;
-    const strip = target.parentElement, before = target.previousElementSibling;
-    /* Who has scrolled away from the newest one looks at another. */
-    if (before && before.offsetLeft > strip.scrollLeft + strip.clientWidth) return;
-    strip.scrollLeft = target.offsetLeft + target.offsetWidth - strip.clientWidth;
+  addEventListener("animationstart", ({ animationName }) => {
+    if (animationName === "v-film-in") showNewest();
   });
 
   /* Most mice have one wheel. */
   addEventListener("wheel", ({ target, deltaY }) => {
-    const picture = target.closest?.("div:has(> .v-film) + div button");
+    const picture = target.closest?.(PICTURE);
     if (picture) picture.parentElement.scrollLeft += deltaY;
   }, { passive: true });
 })();
