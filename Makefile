@@ -84,7 +84,7 @@ $(VENV)/.ready-test: $(PINS)
 	@touch $@ $(VENV)/.ready-run
 
 .venv-opencv4/.ready: $(PINS)
-	@$(SETUP) venv .venv-opencv4 '-e.[test]' opencv-contrib-python-headless==4.10.0.84
+	@$(SETUP) venv .venv-opencv4 '-e.[test]' opencv-contrib-python-headless==4.14.0.94
 	@touch $@
 
 clean:

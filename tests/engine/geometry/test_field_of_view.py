@@ -19,10 +19,7 @@ def test_the_fields_of_view_are_opencvs(paper_camera: Camera) -> None:
     cx, cy = paper_camera.cx, paper_camera.cy
     ends = np.array([[-0.5, cy], [w - 0.5, cy], [cx, -0.5], [cx, h - 0.5], [-0.5, -0.5]])
     ends = np.vstack([ends, [[w - 0.5, h - 0.5]]])[:, None]
-    criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-12)
-    xy: Any = cv2.undistortPoints(
-        ends, paper_camera.K, paper_camera.distortion, R=None, P=None, criteria=criteria
-    )
+    xy: Any = cv2.undistortPoints(ends, paper_camera.K, paper_camera.distortion)
     rays = np.concatenate([xy[:, 0], np.ones((6, 1))], axis=1)
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     angles = [np.degrees(np.arccos(rays[i] @ rays[i + 1])) for i in (0, 2, 4)]

@@ -4,7 +4,6 @@ board is printed are found out; see `detection` for what all kinds have in commo
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 import cv2
@@ -253,23 +252,9 @@ class CharucoReader(BoardReader):
         if ids is None or len(ids) == 0:
             return np.zeros(0, np.intp), np.zeros((0, 2)), seen
         numbers = np.asarray(ids, dtype=np.intp).reshape(-1)
-        pixels = np.asarray(corners, dtype=np.float64).reshape(-1, 2) - _shift_px()
+        pixels = np.asarray(corners, dtype=np.float64).reshape(-1, 2)
         order = np.argsort(numbers)
         return numbers[order], pixels[order], seen
-
-
-@lru_cache(maxsize=1)
-def _shift_px() -> float:
-    """By how much this OpenCV finds a board's corners too far right and down, in halves of a pixel:
-    half a pixel with OpenCV 4.10, nothing with 5. Measured on the picture of a board."""
-    board, side = Board(), 40
-    drawn = board.cv_board.generateImage((board.columns * side, board.rows * side))
-    picture = np.pad(np.asarray(drawn, np.uint8), side, constant_values=255)
-    corners, ids, _, _ = cv2.aruco.CharucoDetector(board.cv_board).detectBoard(picture)
-    places = np.divmod(np.asarray(ids, np.intp).reshape(-1), board.columns - 1)
-    wanted = side * (np.stack(places[::-1], axis=1) + 2) - 0.5
-    off = np.asarray(corners, dtype=np.float64).reshape(-1, 2) - wanted
-    return float(np.round(2 * np.median(off)) / 2)
 
 
 def _marker_share(
