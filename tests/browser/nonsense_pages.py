@@ -7,10 +7,10 @@ pages. Buttons and entries are therefore found by their places; what they do is 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
@@ -59,6 +59,7 @@ from venus3d.storage.exercise import ExerciseFile
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 Press = Callable[[], object]
+T = TypeVar("T")
 ROW = ".mantine-Flex-root:has(> .mantine-Button-root)"
 
 
@@ -95,6 +96,12 @@ def entry(page: Any, choice: int, place: int, within: str = "") -> Press:
         page.locator("[role=option]:visible").nth(place).click()
 
     return press
+
+
+def some_of(keyed: Sequence[T]) -> Sequence[T]:
+    """The first, the middle and the last. A key and its entry in the palette are one command, and
+    the keys are all pressed."""
+    return keyed[0], keyed[len(keyed) // 2], keyed[-1]
 
 
 def does(viewer: Viewer, press: Press, wanted: intents.Intent) -> None:
@@ -146,9 +153,9 @@ def test_guide(viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot) 
         if hotkey is not None:
             does(viewer, key(page, hotkey), intent)
     known = hotkeys(viewer.server.gui)
-    for intent, hotkey in CONTROLS.values():
-        if hotkey is not None:
-            does(viewer, command(page, known.index(hotkey)), intent)
+    keyed = [(intent, hotkey) for intent, hotkey in CONTROLS.values() if hotkey is not None]
+    for intent, hotkey in some_of(keyed):
+        does(viewer, command(page, known.index(hotkey)), intent)
 
 
 def test_help_tour_methods_and_uncertainty(
@@ -268,12 +275,13 @@ def test_teach(chromium: Any, teaching: ServedTeaching) -> None:
         for place, action in enumerate(actions):
             does(in_menu(row, place), action)
     known = hotkeys(teaching.server.tabs[0].client.gui)
-    for action, hotkey in HOTKEYS.items():
-        # No question has so many answers; the menu was opened above.
-        unasked = action in (Answer(4), Answer(5), PageAction.MENU)
-        if hotkey is not None and not unasked:
-            does(key(page, hotkey), action)
-            does(command(page, known.index(hotkey)), action)
+    # No question has so many answers; the menu was opened above.
+    unasked = (Answer(4), Answer(5), PageAction.MENU)
+    keyed = [(a, k) for a, k in HOTKEYS.items() if k is not None and a not in unasked]
+    for action, hotkey in keyed:
+        does(key(page, hotkey), action)
+    for action, hotkey in some_of(keyed):
+        does(command(page, known.index(hotkey)), action)
     for lesson in (1, 0):
         entry(page, 0, lesson, left)()
         becomes(teaching, "lesson", lesson)
@@ -369,7 +377,7 @@ def test_practice(
         for hotkey, wanted in PRACTICE_KEYS.items():
             asked.after(key(page, hotkey), wanted)
         known = hotkeys(tab.client.gui)
-        for hotkey in (*"RVB345G", "shift+H"):
+        for hotkey in ("R", "4", "shift+H"):
             asked.after(command(page, known.index(hotkey)), PRACTICE_KEYS[hotkey])
 
 

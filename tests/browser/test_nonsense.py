@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+PAGES = "nonsense_pages.py"
+
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 
@@ -15,7 +17,7 @@ def test_every_control_works_whatever_stands_on_it() -> None:
     here = Path(__file__).parent
     pytest_again = (sys.executable, "-m", "pytest", "-q", "-p", "tests.browser.nonsense")
     done = subprocess.run(
-        [*pytest_again, "-p", "no:cacheprovider", str(here / "nonsense_pages.py")],
+        [*pytest_again, "-p", "no:cacheprovider", "-n2", "--dist=load", str(here / PAGES)],
         cwd=here.parents[1],
         capture_output=True,
         text=True,

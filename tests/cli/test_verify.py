@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import get_args
 
+import cv2
 import numpy as np
 import pytest
 
@@ -117,6 +118,27 @@ def test_a_report_says_what_the_result_holds(run: Run, calibrated: Path, tmp_pat
     exec("import numpy as np\n" + lines, names)
     np.testing.assert_allclose(names["K"], calibration.camera.K, rtol=1e-8)
     np.testing.assert_allclose(names["distortion"], calibration.camera.distortion, rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("turn", "code", "told"),
+    [
+        (cv2.ROTATE_180, 1, "turned by 180° against those of the calibration: turned back"),
+        (cv2.ROTATE_90_CLOCKWISE, 2, "they were turned by a quarter: turn them back"),
+    ],
+)
+def test_real_pictures_turned_since_are_named(
+    run: Run, shared_data: Path, tmp_path: Path, turn: int, code: int, told: str
+) -> None:
+    """It was said that the camera no longer holds, and to look for a loose lens."""
+    pictures = shared_data / "checkerboard-9x6"
+    board = ("--board.kind", "chessboard", "--board.columns", 10, "--board.rows", 7)
+    assert run("calibrate", pictures, *board, "--output", tmp_path / "known").code == 0
+    for path in pictures.glob("*.jpg"):
+        picture = cv2.rotate(cv2.imread(str(path)), turn)
+        cv2.imwrite(str(tmp_path / f"{path.stem}.png"), picture)
+    ran = run("verify", tmp_path / "known", tmp_path, *board)
+    assert ran.code == code and told in ran.out + ran.err, ran
 
 
 @pytest.mark.parametrize("reason", get_args(LeftOutReason))

@@ -30,7 +30,13 @@ from venus3d.storage.formats import record_in
 from venus3d.storage.result import SCHEMA, to_json
 from venus3d.storage.result_reader import read_result
 
-_CODES: dict[Verdict, int] = {"good": 0, "degraded": 1, "other-camera": 1, "unclear": 3}
+_CODES: dict[Verdict, int] = {
+    "good": 0,
+    "degraded": 1,
+    "turned": 1,
+    "other-camera": 1,
+    "unclear": 3,
+}
 
 
 def verify_command(options: VerifyOptions) -> int:
@@ -150,6 +156,7 @@ def _json(found: Verification) -> dict[str, Any]:
         "chance_px": found.chance_px,
         "chance": CHANCE,
         "changed_px": found.changed_px,
+        "turned_back_px": found.turned_back_px,
         "projection_diff_map_px": found.diff_map.tolist(),
         "rms_px": found.rms_px,
         "fresh_rms_px": fresh.rms_px,

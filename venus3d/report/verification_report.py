@@ -24,6 +24,7 @@ from venus3d.scene.web.legend import scale_html
 _LOOK: dict[Verdict, str] = {
     "good": "v-report-good",
     "degraded": "v-report-bad",
+    "turned": "v-report-bad",
     "other-camera": "v-report-bad",
     "unclear": "v-report-doubtful",
 }
@@ -44,6 +45,11 @@ def verdict_sentence(found: Verification) -> str:
         return (
             f"These views cannot tell: they would show only a change of more than {chance} px, "
             f"and {limit} px is the limit."
+        )
+    if found.turned_back_px is not None:
+        return (
+            "These pictures are turned by 180° against those of the calibration: turned back, they "
+            f"agree with it to {figure(found.turned_back_px)} px, as they are to {diff} px."
         )
     if found.verdict == "other-camera":
         return (
@@ -72,6 +78,11 @@ def cure(found: Verification) -> str:
         )
     if found.verdict == "degraded":
         return "Calibrate again; then look what moves: a loose lens, the focus, the temperature."
+    if found.verdict == "turned":
+        return (
+            "Read them as those of the calibration were read: look for an orientation tag, a "
+            "program or a driver that turns them."
+        )
     if found.verdict == "other-camera":
         return "Check which file belongs to this camera, its zoom and focus; then calibrate again."
     return ""

@@ -16,11 +16,14 @@ from venus3d.engine.calibration.projection_uncertainty import (
     projection_diff_map,
     projection_diff_px,
 )
+from venus3d.engine.calibration.turned_pictures import turned, turned_camera
 from venus3d.engine.calibration.verification import CHANCE, verify
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
-from venus3d.engine.geometry.lenses import RATIONAL
+from venus3d.engine.geometry.image_circle import ImageCircle
+from venus3d.engine.geometry.lenses import BROWN5, RATIONAL, RATIONAL_THIN_PRISM
+from venus3d.engine.geometry.lenses.lens_model import LensModel
 from venus3d.engine.geometry.pose import Pose
 
 BOARD = Board()
@@ -105,6 +108,35 @@ def test_views_that_leave_one_thing_open_show_the_others() -> None:
     assert found.verdict == "degraded" and found.changed_px > 0.9 * found.diff_px
     same = verify(fresh.camera, open_f, fresh, limit_px=0.5)
     assert same.verdict == "unclear" and same.changed_px == 0
+
+
+@pytest.mark.parametrize("lens", [BROWN5, RATIONAL_THIN_PRISM], ids=lambda lens: lens.name)
+def test_the_turned_camera_sees_all_where_the_turned_picture_has_it(lens: LensModel) -> None:
+    """Turned about the line of sight by 180°, the world is in the turned picture."""
+    camera = replace(PAPER_CAMERA.with_lens(lens), image_circle=ImageCircle(600.0, 300.0, 500.0))
+    camera = replace(camera, coefficients=tuple(0.01 * n for n in range(len(camera.coefficients))))
+    back, signs = turned_camera(camera)
+    points = np.random.default_rng(0).uniform([-0.2, -0.1, 0.6], [0.2, 0.1, 0.9], (50, 3))
+    there = np.array(camera.image_size) - 1 - camera.project(points)
+    np.testing.assert_allclose(back.project(points * [-1, -1, 1]), there, atol=1e-9)
+    again, _ = turned_camera(back)
+    np.testing.assert_allclose(again.parameters, camera.parameters, atol=1e-12)
+    assert again.image_circle == camera.image_circle != back.image_circle
+    step = 1e-6 * np.ones(len(signs))
+    moved = Camera.from_parameters(camera.parameters + step, camera.image_size, lens)
+    change = turned_camera(moved)[0].parameters - back.parameters
+    np.testing.assert_allclose(change, signs * step, atol=1e-9)
+
+
+def test_turned_pictures_are_named_and_no_other_change_is(calibrations: list[Calibration]) -> None:
+    old = calibrations[0]
+    for new in calibrations[1:6]:
+        seen = [turned(view.observation) for view in new.views]
+        found = verify(old.camera, old.covariance, calibrate(BOARD, seen))
+        assert found.verdict == "turned"
+        assert found.turned_back_px is not None and found.diff_px > 4 * found.turned_back_px
+    other = calibrated(50, turned_camera(replace(PAPER_CAMERA, fx=1100, fy=1105))[0])
+    assert verify(old.camera, old.covariance, other).verdict == "degraded"
 
 
 def test_a_small_change_within_the_limit_is_no_harm() -> None:

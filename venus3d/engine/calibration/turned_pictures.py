@@ -74,6 +74,18 @@ def turned(seen: Observation) -> Observation:
     return replace(seen, corners=np.array(seen.image_size) - 1 - seen.corners)
 
 
+def turned_camera(camera: Camera) -> tuple[Camera, Array]:
+    """The camera of the same pictures turned by 180°, and (p,) the derivatives of its parameters
+    by those of `camera`, 1 or -1."""
+    signs = np.where(_is_odd(camera)[:-_SHAPE], -1.0, 1.0)
+    w, h = camera.image_size
+    parameters = signs * camera.parameters + [0, 0, w - 1, h - 1, *[0] * len(camera.coefficients)]
+    lit = camera.image_circle
+    back = Camera.from_parameters(parameters, camera.image_size, camera.lens)
+    circle = lit and replace(lit, x=w - 1 - lit.x, y=h - 1 - lit.y)
+    return replace(back, image_circle=circle), signs
+
+
 def turned_views(calibration: Calibration) -> tuple[int, ...]:
     """Numbers of the views whose pictures are turned by 180° against most others (of equally many,
     against the first); none in nearly all cases, and then quickly."""

@@ -17,7 +17,7 @@ once in a hundred checks for any of them (Bonferroni), have changed; `changed_px
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -31,12 +31,14 @@ from venus3d.engine.calibration.projection_uncertainty import (
     projection_diff_px,
     projection_weight,
 )
+from venus3d.engine.calibration.turned_pictures import turned_camera
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array
 
-Verdict = Literal["good", "degraded", "other-camera", "unclear"]
+Verdict = Literal["good", "degraded", "turned", "other-camera", "unclear"]
 """good: no change beyond the limit; degraded: a change beyond it that chance does not explain;
+turned: one that is none once the fresh pictures are turned back by 180°;
 other-camera: so large a change that another camera, zoom, focus or resolution is more likely;
 unclear: the fresh views could not have shown a change of the limit's size."""
 CHANCE = 0.01
@@ -74,6 +76,8 @@ class Verification:
     best pose, pixels; NaN if there is no such pose. `fresh.rms_px` is that of the fresh camera."""
     distance_m: float
     """Median distance of the board in the fresh views, metres."""
+    turned_back_px: float | None
+    """`diff_px` with the fresh pictures turned by 180°, where that explains the change."""
     changes: Array
     """(p,) fresh minus existing parameters in standard deviations of the difference; NaN where
     neither is uncertain."""
@@ -104,9 +108,14 @@ def verify(
         raise CalibrationError("The fresh views do not determine all parameters; take more.")
     if camera.image_size != fresh.camera.image_size:
         (w, h), (other_w, other_h) = camera.image_size, fresh.camera.image_size
+        cure = (
+            "they were turned by a quarter: turn them back"
+            if (w, h) == (other_h, other_w)
+            else "verify with pictures of its size, or convert it with venus3d export --size"
+        )
         raise CalibrationError(
             f"The camera file is for pictures of {w} x {h} px, these are {other_w} x {other_h} px; "
-            "verify with pictures of its size, or convert it with venus3d export --size."
+            f"{cure}."
         )
     if camera.lens != fresh.camera.lens:
         raise CalibrationError(
@@ -121,6 +130,20 @@ def verify(
             f"{len(seen)} corners seen, and folds back before the others; check which file it is, "
             "and its distortion."
         )
+    found = _compared(camera, covariance, fresh, limit_px)
+    if found.verdict not in ("degraded", "other-camera"):
+        return found
+    turned, signs = turned_camera(camera)
+    turned_covariance = None if covariance is None else covariance * np.outer(signs, signs)
+    back = _compared(turned, turned_covariance, fresh, limit_px)
+    if back.verdict in ("degraded", "other-camera"):
+        return found
+    return replace(found, verdict="turned", turned_back_px=back.diff_px)
+
+
+def _compared(
+    camera: Camera, covariance: Array | None, fresh: Calibration, limit_px: float
+) -> Verification:
     joint = fresh.covariance if covariance is None else fresh.covariance + covariance
     diff_px, chance_px = projection_diff_px(camera, fresh.camera), _chance_px(fresh.camera, joint)
     sigma = np.sqrt(np.diag(joint))
@@ -139,6 +162,7 @@ def verify(
         diff_map=projection_diff_map(camera, fresh.camera, MAP),
         rms_px=_rms_px(camera, fresh, fresh.views),
         distance_m=float(np.median([np.linalg.norm(view.pose.t) for view in fresh.views])),
+        turned_back_px=None,
         changes=np.divide(moved, sigma, out=np.full(len(sigma), np.nan), where=sigma > 0),
     )
 
