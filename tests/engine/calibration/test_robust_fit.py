@@ -31,6 +31,7 @@ FIT_KINDS: set[DiagnosisKind] = {
     "bent-board",
     "rolling-shutter",
     "poor-fit",
+    "wrong-lens",
     "left-out-view",
     "left-out-corners",
     "bowed-board",

@@ -17,7 +17,7 @@ from venus3d.engine.amounts import figure, whole
 from venus3d.engine.calibration import fit_checks
 from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
 from venus3d.engine.calibration.calibration import Calibration, largest_angle_deg
-from venus3d.engine.calibration.diagnosis import Diagnosis, worst_first
+from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind, worst_first
 from venus3d.engine.calibration.legibility import legible_square_px, too_small_px
 from venus3d.engine.calibration.other_cameras import other_cameras
 from venus3d.engine.geometry.camera import planning_camera
@@ -50,6 +50,8 @@ NEAREST_M, FARTHEST_M = 0.04, 20.0
 """Distances from the lens, metres; no board is used nearer or farther. One with squares of 12 mm
 fits into a wide picture at 44 mm."""
 
+_BY_THE_LENS: tuple[DiagnosisKind, ...] = ("weak-focal-length", "folding")
+"""What a lens model of too few coefficients brings about."""
 _TILT_MORE = Sentence("Add views that are tilted by 20-45° and fill the picture.")
 _AGREE = Sentence(
     "The views do not agree as their corners would let them: look for a board that is not flat, "
@@ -91,6 +93,9 @@ class Diagnoses(NamedTuple):
                 found = tuple(check.find(calibration))
                 final += found
                 growing += found if count >= check.growing else ()
+        if any(one.kind == "wrong-lens" for one in final):
+            final = [one for one in final if one.kind not in _BY_THE_LENS]
+            growing = [one for one in growing if one.kind not in _BY_THE_LENS]
         return Diagnoses(worst_first(growing), worst_first(final))
 
 

@@ -17,6 +17,7 @@ DiagnosisKind = Literal[
     "small-board",
     "impossible-distance",
     "fisheye-lens",
+    "wrong-lens",
     "cropped-pictures",
     "turned-pictures",
     "changed-focal-length",

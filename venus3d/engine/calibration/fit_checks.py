@@ -18,8 +18,10 @@ from venus3d.engine.calibration.focal_changes import focal_change
 from venus3d.engine.calibration.observation import View
 from venus3d.engine.calibration.residual_patterns import (
     ALIKE,
+    ON_THE_LENS,
     WHILE_READ,
     board_share,
+    lens_share,
     neighbour_correlation,
     rolling_motion,
 )
@@ -182,6 +184,8 @@ _ONE_FOCAL = Sentence(
 )
 
 
+_BENDS = Sentence("The lens bends in a way that the model {lens} does not describe: {alike}.")
+_ANY_LENS = Sentence("Calibrate with --lens auto, which finds the model.")
 _REPEATED = Sentence(
     "Of {every} views {different} are different: views {views} repeat others and do not count, as "
     "what repeats brings nothing new."
@@ -311,8 +315,17 @@ def repeats(calibration: Calibration) -> Iterator[Diagnosis]:
 
 
 def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
-    """Pictures of another focal length; or residuals that neighbouring corners share: the board,
-    the shutter or the lens."""
+    """Residuals that neighbouring corners share, by the lens, the board or the shutter; or pictures
+    of another focal length."""
+    correlation = neighbour_correlation(calibration)
+    noise = np.sqrt(2) * calibration.corner_errors.noise_px
+    alike = _ALIKE.format(
+        correlation=correlation, rms=figure(calibration.rms_px), noise=figure(noise)
+    )
+    if correlation >= ALIKE and lens_share(calibration) >= ON_THE_LENS:
+        lens = calibration.camera.lens.name
+        yield Diagnosis("wrong-lens", _BENDS.format(lens=lens, alike=alike), _ANY_LENS)
+        return
     change = focal_change(calibration)
     if change is not None:
         names = [_name(view) for view in calibration.views if view.number in change.numbers]
@@ -323,13 +336,8 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
         )
         yield Diagnosis("changed-focal-length", cause, _ONE_FOCAL, change.numbers)
         return
-    correlation = neighbour_correlation(calibration)
     if not correlation >= ALIKE:
         return
-    noise = np.sqrt(2) * calibration.corner_errors.noise_px
-    alike = _ALIKE.format(
-        correlation=correlation, rms=figure(calibration.rms_px), noise=figure(noise)
-    )
     if board_share(calibration) >= ON_THE_BOARD:
         yield Diagnosis(
             "bent-board",

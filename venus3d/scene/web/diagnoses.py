@@ -20,6 +20,7 @@ SEVERITIES: dict[DiagnosisKind, Severity] = {
     "small-board": "wrong",
     "impossible-distance": "wrong",
     "fisheye-lens": "wrong",
+    "wrong-lens": "wrong",
     "cropped-pictures": "wrong",
     "turned-pictures": "weak",
     "changed-focal-length": "weak",

@@ -320,6 +320,7 @@ DIAGNOSIS_TITLES: dict[DiagnosisKind, str] = {
     "small-board": "the board is too small",
     "impossible-distance": "impossible distance",
     "fisheye-lens": "a fisheye lens",
+    "wrong-lens": "another lens model is needed",
     "cropped-pictures": "part of a larger picture",
     "turned-pictures": "pictures turned by 180°",
     "changed-focal-length": "the focal length changed",
