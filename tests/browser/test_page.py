@@ -104,6 +104,27 @@ def test_the_newest_of_many_views_is_in_the_strip_until_somebody_scrolls(
     assert page.evaluate(place) == [22, False], "who looks at the first ones keeps them"
 
 
+def test_the_strip_has_a_scrollbar_and_above_it_the_mouse_is_the_scene_s(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """Nothing told that there are more views to the left. (A browser without a window draws no
+    scrollbar, so it is not dragged here.)"""
+    row = "document.querySelector('div:has(> .v-film) + div button').parentElement"
+    viewer.show(replace(guiding, captured=tuple(range(1, 31))))
+    page = open_page()
+    wait_until(lambda: page.evaluate(f"() => {row}.scrollWidth > {row}.clientWidth"))
+    bar = page.evaluate(f"() => getComputedStyle({row}, '::-webkit-scrollbar').height")
+    assert float(bar.removesuffix("px")) >= 5
+    strip = page.locator(".v-film").bounding_box()
+    x, bottom = strip["x"] + 40, strip["y"] + strip["height"]
+    over = "([x, y]) => document.elementFromPoint(x, y)"
+    page.mouse.move(x, bottom - 3)
+    wait_until(lambda: page.evaluate(f"(at) => {row}.contains(({over})(at))", [x, bottom - 3]))
+    for _ in range(2):
+        assert page.evaluate(f"(at) => ({over})(at).tagName", [x, strip["y"] - 20]) == "CANVAS"
+        page.mouse.move(x, strip["y"] - 20)
+
+
 def test_keys_turn_the_steps_over(viewer: Viewer, open_page: Open, guiding: Snapshot) -> None:
     """N, P and F change scene, text and marked projection together; no picture is sent again."""
     viewer.show(guiding)

@@ -4,7 +4,9 @@ A view frames the camera's frustum, the board as it is held, the target, and the
 arrows; whatever else is drawn is background. Of some hundred directions behind, above and beside
 the camera, from which right is right, that one is taken from which
 
-- the line of sight meets no board at less than 25 degrees, that is, none is seen edge-on,
+- the line of sight meets no board at less than 25 degrees, that is, none is seen edge-on, neither
+  now nor on its way to the target,
+- the printed side of the boards is seen,
 - no arrow of the active step points along the line of sight within 20 degrees,
 - all this is close to the direction that one is used to, and large.
 """
@@ -13,12 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.geometry.pose import Array
+from venus3d.engine.geometry.decomposition import Step
+from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.render.shapes import (
     FrustumShape,
     GridShape,
@@ -28,6 +31,7 @@ from venus3d.render.shapes import (
     PointShape,
     Shape,
 )
+from venus3d.render.step_shapes import arrow_direction, pose_during
 from venus3d.render.viewpoints import BEHIND, eyes_along, view_axes
 
 FLATTEST_DEG, FLATTEST_ARROW_DEG = 25.0, 20.0
@@ -35,6 +39,10 @@ FLATTEST_DEG, FLATTEST_ARROW_DEG = 25.0, 20.0
 _WANTED_DEG, _WANTED_ARROW_DEG = 38.0, 32.0
 """Angles beyond which more is not better."""
 _USUAL = BEHIND / np.linalg.norm(BEHIND)
+_BACK, _ON_THE_WAY, _LATER = 2.5, 6.0, 1.0
+"""What a board seen from behind costs, where one that is seen edge-on costs 5; the weights of the
+board on its way, on average, and of each step's arrow, where what is drawn now counts as 1."""
+_HIDDEN = 6.0
 _MUCH, _VERY_MUCH = 0.2, 0.35
 """How much better another direction must be than the present one, if that is bad, or good."""
 _FRAMED = (
@@ -47,6 +55,8 @@ _FRAMED = (
     "/search/b",
     "/search/sheet",
 )
+_SHARES = (0.25, 0.5, 0.75, 1.0)
+"""Moments of each step at which the board on its way is judged."""
 _BOARDS = ("/board/live", "/target/board")
 _LONGEST_AZIMUTH_DEG = 72.0  # at 90 right and left would change places
 _AZIMUTHS = np.radians(np.arange(-_LONGEST_AZIMUTH_DEG, _LONGEST_AZIMUTH_DEG + 1, 8.0))
@@ -69,10 +79,23 @@ class Content:
     """(A, 2, 3) centre of each arrow of the active step, and its direction."""
     picture: Array
     """(3,) half width, half height and depth of the frustum's picture, which may hide a board."""
+    steps: tuple[Step, ...] = ()
+    """Those that remain, without idle ones."""
+
+    @cached_property
+    def way(self) -> Array:
+        """(W, 2, 3) like `boards`: the board at moments of its way to the target."""
+        return _facing(pose_during(step, share) for step in self.steps for share in _SHARES)
+
+    @cached_property
+    def later_arrows(self) -> Array:
+        """(N, 2, 3) like `arrows`, roughly: those of all the steps."""
+        arrows = [[pose_during(step, 0.5).t, arrow_direction(step)] for step in self.steps]
+        return np.array(arrows).reshape(-1, 2, 3)
 
 
-def content_of(shapes: Iterable[Shape]) -> Content:
-    """The part of these shapes that a view must show."""
+def content_of(shapes: Iterable[Shape], steps: Iterable[Step] = ()) -> Content:
+    """The part of these shapes that a view must show, and the way of the board that remains."""
     framed = [shape for shape in shapes if shape.name.startswith(_FRAMED)]
     boards = [s for s in framed if s.name in _BOARDS and isinstance(s, MeshShape | LineShape)]
     arrows = [
@@ -84,10 +107,16 @@ def content_of(shapes: Iterable[Shape]) -> Content:
     return Content(
         np.concatenate([points_of(shape) for shape in framed] or [np.zeros((0, 3))]),
         np.array([_surface(board) for board in boards]).reshape(-1, 3),
-        np.array([[b.pose.t, -b.pose.R[:, 2]] for b in boards]).reshape(-1, 2, 3),
+        _facing(b.pose for b in boards),
         np.array(arrows).reshape(-1, 2, 3),
         next((_picture(s) for s in framed if isinstance(s, FrustumShape)), np.zeros(3)),
+        tuple(step for step in steps if not step.is_idle),
     )
+
+
+def _facing(boards: Iterable[Pose]) -> Array:
+    """(B, 2, 3) centres of boards, and the directions in which their printed sides face."""
+    return np.array([[pose.t, -pose.R[:, 2]] for pose in boards]).reshape(-1, 2, 3)
 
 
 @lru_cache(maxsize=256)
@@ -161,7 +190,7 @@ def best_direction(content: Content, aspect: float, present: Array | None = None
     costs, bad = _judge(content, directions, aspect)
     best = int(np.argmin(costs))
     if present is not None and costs[0] < costs[best] + (_MUCH if bad[0] else _VERY_MUCH):
-        best = 0
+        return present
     return directions[best]
 
 
@@ -186,11 +215,14 @@ def _judge(content: Content, directions: Array, aspect: float) -> tuple[Array, N
     boards, arrows = sight_angles_deg(content, eyes)
     flat = np.abs(boards)
     bad = np.any(flat < FLATTEST_DEG, axis=1) | np.any(arrows < FLATTEST_ARROW_DEG, axis=1)
-    costs = _lacking(flat, FLATTEST_DEG, _WANTED_DEG)
-    costs += _lacking(arrows, FLATTEST_ARROW_DEG, _WANTED_ARROW_DEG)
-    costs += 0.4 * (boards < 0).sum(axis=1)  # its back is blank
+    costs = _unseen(boards).sum(axis=1)
+    costs += _lacking(arrows, FLATTEST_ARROW_DEG, _WANTED_ARROW_DEG).sum(axis=1)
+    if content.steps:
+        costs += _ON_THE_WAY * _unseen(_toward_deg(content.way, eyes)).mean(axis=1)
+        later = 90.0 - np.abs(_toward_deg(content.later_arrows, eyes))
+        costs += _LATER * _lacking(later, FLATTEST_ARROW_DEG, _WANTED_ARROW_DEG).sum(axis=1)
     costs += 0.5 * np.square(np.arccos(np.clip(directions @ _USUAL, -1, 1)))
-    costs += 3.0 * _hidden(content, eyes)
+    costs += _HIDDEN * _hidden(content, eyes)
     away = np.linalg.norm(eyes - points.mean(axis=0), axis=1)
     return costs + 1.5 * np.log(away / away.min()), bad
 
@@ -222,7 +254,12 @@ def _toward_deg(places: Array, eyes: Array) -> Array:
     return np.degrees(np.arcsin(np.clip((to_eye * places[None, :, 1]).sum(axis=2), -1, 1)))
 
 
+def _unseen(boards: Array) -> Array:
+    """(D, B) how badly boards are seen at these angles (D, B): edge-on worst, then from behind."""
+    return _lacking(np.abs(boards), FLATTEST_DEG, _WANTED_DEG) + _BACK * (boards < 0)
+
+
 def _lacking(angles: Array, least: float, wanted: float) -> Array:
-    """(D,) by how much the angles (D, P) are too small; below `least` it counts more."""
+    """(D, P) by how much the angles (D, P) are too small; below `least` it counts more."""
     little = np.clip((wanted - angles) / wanted, 0, 1)
-    return (2 * little**2 + 3 * np.clip((least - angles) / least, 0, 1)).sum(axis=1)
+    return 2 * little**2 + 3 * np.clip((least - angles) / least, 0, 1)

@@ -207,10 +207,7 @@ def _dials(board: Board, step: Step) -> list[Protractor]:
 
 def _side_places(board: Board, step: Step) -> list[Protractor]:
     """Places beside the board for a turn about X or Y; the last ones cut through the board."""
-    axis = np.eye(3)[AXES.index(step.axis or "x")]
-    sign = 1.0 if step.angle_deg > 0 else -1.0
-    towards = {"x": np.array([0, -sign, 0]), "y": np.array([sign, 0, 0])}[step.axis or "x"]
-    edge = _edges(step, axis, towards)[0]
+    axis, edge = np.eye(3)[AXES.index(step.axis or "x")], _first_edge(step)
     half = np.array([board.width, board.height]) / 2
     radius = 1.2 * float(np.abs(edge @ step.before.R[:, :2]) @ half)
     centre, reach = step.after.t, _reach(board, step, axis)
@@ -224,6 +221,23 @@ def _side_places(board: Board, step: Step) -> list[Protractor]:
             ends = np.stack([centre - side * (reach + 0.06 * board.width) * axis, far])
             places.append(Protractor(turn_frame(axis, edge, origin), share * radius, ends))
     return places
+
+
+def _first_edge(step: Step) -> Array:
+    """(3,) unit vector to the edge at which a turn's arc begins, if all places are equally good."""
+    sign, axis = 1.0 if step.angle_deg > 0 else -1.0, step.axis or "x"
+    towards = {"x": [0.0, -sign, 0.0], "y": [sign, 0.0, 0.0], "z": [0.0, -1.0, 0.0]}[axis]
+    return np.asarray(_edges(step, np.eye(3)[AXES.index(axis)], np.array(towards))[0])
+
+
+def arrow_direction(step: Step) -> Array:
+    """(3,) unit vector: roughly where a step's arrow points, wherever it is drawn."""
+    if step.axis is None:
+        return step.translation / np.linalg.norm(step.translation)
+    axis = np.eye(3)[AXES.index(step.axis)]
+    first, last = arc_ends(step, for_camera=False)
+    frame = turn_frame(axis, _first_edge(step), np.zeros(3))
+    return np.cross(axis, frame.apply(arc_point((first + last) / 2, 1.0)))
 
 
 def _reach(board: Board, step: Step, axis: Array) -> float:

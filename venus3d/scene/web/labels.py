@@ -21,8 +21,9 @@ from venus3d.render.text_drawing import pill_picture
 from venus3d.render.viewpoints import SceneCamera
 
 _PLAIN_SCALE = 1.25
-_NEARER = 0.2
-"""Share of the way from the eye at which a pill is drawn, before everything else."""
+_NEARER = 0.08
+"""Share of the way from the eye at which a pill is drawn, before everything else: before the arrows
+too, which are drawn nearer as well, and of which a part may be far nearer than the label."""
 _NOWHERE = np.full(8, np.nan)
 _FINE = 2
 """Pixels of a pill's picture for one on the screen."""
@@ -113,8 +114,11 @@ class SceneLabel:
         """
         depth = float(view.axes[2] @ (place - view.position))
         unit_m = max(_NEARER * depth, 1e-3) * metres_per_px / _FINE
-        if self._pill is None or time.monotonic() - self._changed_s >= _STAYS_S:
+        stays = time.monotonic() - self._changed_s >= _STAYS_S
+        if self._pill is None or stays:
             self._pill = self._pictured(self._pill, "pill", self._shape.text, unit_m)
+        else:  # a browser that loads the next amount late shows the word, not the last amount
+            self._pictured(self._pill, "pill", self._shape.in_motion, unit_m)
         said = self._looks["pill"][0] == self._shape.text and self._has_come("pill")
         self._is_changing, node, kind = not said, self._pill, "pill"
         if not said and self._shape.in_motion:

@@ -3,9 +3,10 @@
     framing = SteadyFraming(rig)
     ... whenever the scene was drawn: framing.look(content_of(shapes), target)
 
-It flies to another view when the subject changes (a new target), when something leaves a window, or
-when the active step's arrow has come to point along the line of sight. The direction changes only
-where the present one is no good.
+It flies to another view when the subject changes (a new target), when something leaves a window,
+when the active step's arrow has come to point along the line of sight, or when a board has been
+seen edge-on or from behind for a while and can be seen better. The direction changes only where the
+present one is no good.
 """
 
 from __future__ import annotations
@@ -17,13 +18,21 @@ from functools import partial
 import numpy as np
 
 from venus3d.engine.geometry.pose import Array
-from venus3d.render.framing import FLATTEST_ARROW_DEG, Content, best_direction, sight_angles_deg
+from venus3d.render.framing import (
+    FLATTEST_ARROW_DEG,
+    FLATTEST_DEG,
+    Content,
+    best_direction,
+    sight_angles_deg,
+)
 from venus3d.render.viewpoints import FILLED_IN_GUIDE, SceneCamera, view_along
 from venus3d.scene.web.camera_rig import CameraRig
 
 _REST_S = 1.2
 """Shortest time between two flights without a new subject."""
-_WORN_DEG = FLATTEST_ARROW_DEG - 2.0
+_WORN_DEG, _WORN_BOARD_DEG = FLATTEST_ARROW_DEG - 2.0, FLATTEST_DEG - 5.0
+_MOMENT_S = 1.0
+"""How long a board may be seen badly: it may be on its way through."""
 
 
 class SteadyFraming:
@@ -36,6 +45,8 @@ class SteadyFraming:
         """What is looked at."""
         self._forward: Array | None = None
         self._flown_at = -np.inf
+        self._bad_since: float | None = None
+        """Since when a board is seen edge-on or from behind."""
 
     def look(
         self,
@@ -56,11 +67,17 @@ class SteadyFraming:
         """
         if len(content.points) == 0:
             return
-        if not asked and (still or not self._is_due(content, subject)):
-            return
         first = self._forward is None
+        badly = not first and self._is_bad_for_long(content)
+        due = self._is_due(content, subject)
+        if not asked and (still or not (due or badly)):
+            return
         if forward is None:
             forward = best_direction(content, self._rig.aspect, self._forward)
+        if not asked and not due and forward is self._forward:
+            self._bad_since = None  # it is no better from elsewhere
+            return
+        self._bad_since = None
         self.subject, self._forward, self._flown_at = subject, forward, time.monotonic()
         view = partial(_filling, forward, content.points)
         (self._rig.go if first or asked else self._rig.refit)(view, at_once=first)
@@ -71,6 +88,16 @@ class SteadyFraming:
         if time.monotonic() - self._flown_at < _REST_S:
             return False
         return self._rig.cuts_off(content.points) or self._hides_an_arrow(content)
+
+    def _is_bad_for_long(self, content: Content) -> bool:
+        eyes = self._rig.eyes
+        if not len(eyes) or not (sight_angles_deg(content, eyes)[0] < _WORN_BOARD_DEG).any():
+            self._bad_since = None
+            return False
+        now = time.monotonic()
+        if self._bad_since is None:
+            self._bad_since = now
+        return now - self._bad_since > _MOMENT_S
 
     def _hides_an_arrow(self, content: Content) -> bool:
         eyes = self._rig.eyes

@@ -136,7 +136,7 @@ class PracticePage(ExercisePage[PracticeViewModel]):
             # The target counts even where no help shows it.
             goal = board_outline(view.board, view.target, "/target/board", ORANGE[view.dark])
             self._framing.look(
-                content_of((*scene_shapes(view), goal)),
+                content_of((*scene_shapes(view), goal), view.match.steps),
                 view.target.vector().tobytes(),
                 still=self._gizmo.is_held or self._drag.is_held,
                 asked=turned,

@@ -147,7 +147,9 @@ class TrialPage(ExercisePage[TrialViewModel]):
     def _look(self, view: TrialViewModel, before: TrialViewModel | None) -> None:
         if self._layout == "result":
             return
-        content = content_of(_shapes(view, self._layout, self._drawn))
+        now = view.snapshot.remaining
+        steps = () if now is None else now.steps
+        content = content_of(_shapes(view, self._layout, self._drawn), steps)
         goal = view.target.vector().tobytes() if view.target is not None else b""
         is_held = self._gizmo is not None and self._gizmo.is_held
         self._framing.look(

@@ -114,7 +114,7 @@ def _view_page(
         figures = "".join(_figure(projections, snapshot, step, dark) for step in steps)
         parts.append(f"<div class='steps'>{figures}</div>")
     way = list(way_of(snapshot, steps, FPS, dark=dark))
-    seen = seen_from(way, FPS, ASPECT)
+    seen = seen_from(way, steps, FPS, ASPECT)
     return OfflinePage("".join(parts), recording_of(server, way, seen, dark=dark))
 
 

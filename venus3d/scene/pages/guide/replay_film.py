@@ -48,8 +48,9 @@ def _pictures(
     last: Snapshot | None = None
     for moment, snapshot in zip(moments, snapshots, strict=True):
         if moment.kind == "captured":
-            way = list(way_of(snapshot, steps_to(snapshot, last), _FPS, dark=True))
-            seen, last = seen_from(way, _FPS, _ASPECT), snapshot
+            steps = steps_to(snapshot, last)
+            way = list(way_of(snapshot, steps, _FPS, dark=True))
+            seen, last = seen_from(way, steps, _FPS, _ASPECT), snapshot
         else:
             way = [_calibrated(snapshot)] * (_STILL_S * _FPS)
             seen = view_along(OUTSIDE, content_of(way[0]).points, _ASPECT)

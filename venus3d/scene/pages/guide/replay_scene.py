@@ -54,8 +54,10 @@ def _remaining(steps: Steps, active: int) -> RemainingSteps:
     return RemainingSteps((one, two, three, four), active, None)
 
 
-def seen_from(way: Sequence[tuple[Shape, ...]], fps: int, aspect: float) -> SceneCamera:
-    """From where all of this is seen well."""
-    content = content_of([*way[0], *way[-1]])
+def seen_from(
+    way: Sequence[tuple[Shape, ...]], steps: Steps | None, fps: int, aspect: float
+) -> SceneCamera:
+    """From where all of this, the board on its way through these steps, is seen well."""
+    content = content_of([*way[0], *way[-1]], steps or ())
     points = np.concatenate([content_of(now).points for now in way[::fps]])
     return view_along(best_direction(content, aspect), points, aspect)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from venus3d.engine.geometry.decomposition import Step
 from venus3d.engine.geometry.pose import Array
 from venus3d.render.framing import Content, content_of
 from venus3d.render.shapes import LineShape, Shape
@@ -34,8 +35,9 @@ class Subject:
         return self.forward is None and len(self.content.boards) == 0
 
 
-def subject_of(shapes: Iterable[Shape], target: int) -> Subject:
-    """The subject of these shapes; `target` is the number of the target, 0 without one."""
+def subject_of(shapes: Iterable[Shape], target: int, steps: Iterable[Step] = ()) -> Subject:
+    """The subject of these shapes; `target` is the number of the target, 0 without one, and `steps`
+    are those that remain."""
     shapes = tuple(shapes)
     strip = [shape for shape in shapes if shape.name.startswith("/strip/")]
     goals = [s.pose for s in shapes if isinstance(s, LineShape) and s.name == "/target/board"]
@@ -44,7 +46,7 @@ def subject_of(shapes: Iterable[Shape], target: int) -> Subject:
     name = (target, goals[0].vector().tobytes() if goals else b"", frozenset(kinds))
     if strip:
         return Subject(name, content_of(strip), _LEVEL)
-    content = content_of(shapes)
+    content = content_of(shapes, steps)
     if not len(content.boards):
         content = replace(content, points=np.concatenate([content.points, _EXPECTED]))
     return Subject(name, content)

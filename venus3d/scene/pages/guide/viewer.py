@@ -31,12 +31,11 @@ from venus3d.render.describe import SceneOptions, describe
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.render.redrawing import looks_alike, still_shows
-from venus3d.render.shapes import Shape
 from venus3d.render.straighten import Straightener
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.film_strip import FilmStrip
 from venus3d.scene.pages.guide.state import ViewState
-from venus3d.scene.pages.guide.subject import subject_of
+from venus3d.scene.pages.guide.subject import Subject, subject_of
 from venus3d.scene.pages.guide.uncertainty.panel import UncertaintyPanel
 from venus3d.scene.pages.guide.view import GuideView
 from venus3d.scene.web.camera_rig import CameraRig
@@ -339,7 +338,8 @@ class Viewer(Page[ViewState]):
             self._gizmo.follow(snapshot.pose, shown=not (state.autopilot or state.strip))
             shapes = (*shapes, *self._gizmo.shapes(dark=state.dark))
         self._scene.draw(shapes, dark=state.dark)
-        self._look(shapes, state)
+        now = snapshot.remaining
+        self._look(subject_of(shapes, state.target, () if now is None else now.steps), state)
         for layer in self.layers:
             layer.bind(self._scene)
 
@@ -354,9 +354,8 @@ class Viewer(Page[ViewState]):
             return Note(caption)
         return Note(snapshot.warnings[-1], warns=True) if snapshot.warnings else NO_NOTE
 
-    def _look(self, shapes: tuple[Shape, ...], state: ViewState) -> None:
+    def _look(self, subject: Subject, state: ViewState) -> None:
         """Turn the tabs' cameras where needed."""
-        subject = subject_of(shapes, state.target)
         is_held = self._gizmo is not None and self._gizmo.is_held
         plays = state.playing and subject.name == self._framing.subject
         self._framing.look(
