@@ -168,3 +168,38 @@ def test_an_amount_is_shown_when_it_has_stayed(server: LocalServer) -> None:
         assert not label._pill.visible, "its picture is sent before it is shown"
         wait_until(lambda: label._pill.visible or view.refresh())
         assert not view.is_due and not label._word.visible
+
+
+def test_an_arrow_that_comes_nearer_than_a_label_does_not_cover_it(server: LocalServer) -> None:
+    """The arrow of a move towards the person covered the last letter of "Target"."""
+    view = SceneView(server)
+    near = replace(ARROW, pose=Pose(np.eye(3), np.array([0.0, 0.0, 0.3])))
+    label = replace(LABEL, position=np.array([0.0, 0.0, 0.6]))
+    eye = (0.0, -0.02, 0.0)
+    view.draw((near, label), dark=True)
+    with RawClient(server.get_port()) as tab:
+        tab.look(position=eye, look_at=(0.0, 0.0, 0.5))
+        wait_until(lambda: _is_at(server, eye) and settled(view))
+        pill = view.node(label.name)._pill
+        arrow = np.linalg.norm(vertices_of(view) - eye, axis=1)
+        assert np.linalg.norm(pill.position - eye) < arrow.min()
+
+
+def test_a_label_whose_amount_changes_loads_the_word_meanwhile(server: LocalServer) -> None:
+    """A slow browser shows a node before its next picture: for a new target it showed the amount of
+    the last one."""
+    view, label = SceneView(server), replace(LABEL, in_motion="Move")
+    view.draw((label,), dark=True)
+    with RawClient(server.get_port()) as tab:
+        tab.look(position=EYE, look_at=(0.0, 0.0, 0.5))
+        wait_until(lambda: _is_at(server, EYE) and settled(view))
+        pill = view.node(label.name)._pill
+        last = pill.image.copy()
+        view.draw((replace(label, text="89 mm"),), dark=True)
+        assert not pill.visible and not _equal(pill.image, last), "not even behind the scenes"
+        wait_until(lambda: settled(view))
+        assert pill.visible and not _equal(pill.image, last)
+
+
+def _equal(one: Array, other: Array) -> bool:
+    return one.shape == other.shape and np.array_equal(one, other)

@@ -21,9 +21,8 @@ from venus3d.render.text_drawing import pill_picture
 from venus3d.render.viewpoints import SceneCamera
 
 _PLAIN_SCALE = 1.25
-_NEARER = 0.08
-"""Share of the way from the eye at which a pill is drawn, before everything else: before the arrows
-too, which are drawn nearer as well, and of which a part may be far nearer than the label."""
+_NEARER = 0.2
+"""Share of the way from the eye at which a pill is drawn, before everything else."""
 _NOWHERE = np.full(8, np.nan)
 _FINE = 2
 """Pixels of a pill's picture for one on the screen."""

@@ -39,9 +39,10 @@ Host = viser.ViserServer | viser.ClientHandle
 """Where a page or a scene lives: all tabs, or one."""
 
 _FRUSTUM_PICTURE_WIDTH = 320
-_NEARER, _IN_FRONT = 0.25, "-in-front"
+_NEARER, _IN_FRONT = 0.45, "-in-front"
 """Share of the way from the eye at which shapes are drawn that nothing may hide: smaller and
-nearer, so that they look the same. Each is a node of its own beside the one in its true place,
+nearer, so that they look the same. Twice as far as labels: at 0.25, an arrow's end that was nearer
+than a label covered its letters. Each is a node of its own beside the one in its true place,
 since a browser applies a node's position at once but its scale only when it comes to it: a shape
 that is near already and not yet small fills the window."""
 _PULSE_S, _PULSE_OPACITY = 0.7, 0.9
