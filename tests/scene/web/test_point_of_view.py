@@ -126,8 +126,8 @@ def test_a_label_faces_the_person_and_keeps_its_size(server: LocalServer) -> Non
             np.testing.assert_allclose(R[:, 2], ahead / np.linalg.norm(ahead), atol=1e-6)
             assert R[1, 1] > 0, "upright, and not mirrored: right, down and ahead"
             depth = (np.asarray(pill.position) - eye) @ R[:, 2]
-            assert 0.3 < pill.scale < 3, "a browser comes to it later than to the position"
-            high = pill.render_height * pill.scale / depth * 360 / np.tan(0.35)
+            assert pill.scale == 1, "a browser comes to it later than to the position"
+            high = pill.render_height / depth * 360 / np.tan(0.35)
             assert 22 < high < 32, "pixels"
 
 

@@ -21,9 +21,12 @@ from venus3d.render.text_drawing import pill_picture
 from venus3d.render.viewpoints import SceneCamera
 
 _PLAIN_SCALE = 1.25
-_NEARER = 0.2
-"""Share of the way from the eye at which a pill is drawn, before everything else."""
-_NOWHERE = np.full(8, np.nan)
+_UNIT_M = 4.3e-5
+"""Size in the scene of a pixel of a pill's picture, metres. It never changes: a pill is as large as
+on paper at one distance from the eye, 0.12 m in a window of 1080 px, before everything else. A
+browser comes to a node's scale later than to its position, on a slow machine by seconds: a pill
+that was scaled was too large until then."""
+_NOWHERE = np.full(7, np.nan)
 _FINE = 2
 """Pixels of a pill's picture for one on the screen."""
 _STAYS_S, _ARRIVES_S = 0.25, 0.15
@@ -44,12 +47,8 @@ class SceneLabel:
         self._word: Any = None
         """The pill that stands in while the text changes."""
         self._looks: dict[str, tuple[str, tuple[int, int, int], int]] = {}
-        self._unit_m: dict[str, float] = {}
-        """Metres of a pixel of the pictures of the two, without the nodes' scale. As in the first
-        view: a browser comes to a node's scale later than to its position, and a pill that is large
-        without its scale fills the window until then."""
         self._placed: dict[str, Array] = {}
-        """(8,) where the two are: quaternion, position, metres of a pixel."""
+        """(7,) where the two are: quaternion, position."""
         self._sent_s: dict[str, float] = {}
         """What the pictures of the two show, and when they were sent."""
         self._changed_s = -np.inf
@@ -112,31 +111,30 @@ class SceneLabel:
             metres_per_px: a pixel's size one metre before the eye.
         """
         depth = float(view.axes[2] @ (place - view.position))
-        unit_m = max(_NEARER * depth, 1e-3) * metres_per_px / _FINE
+        share = _FINE * _UNIT_M / metres_per_px / depth if depth > 0 else 1.0
         stays = time.monotonic() - self._changed_s >= _STAYS_S
         if self._pill is None or stays:
-            self._pill = self._pictured(self._pill, "pill", self._shape.text, unit_m)
+            self._pill = self._pictured(self._pill, "pill", self._shape.text)
         else:  # a browser that loads the next amount late shows the word, not the last amount
-            self._pictured(self._pill, "pill", self._shape.in_motion, unit_m)
+            self._pictured(self._pill, "pill", self._shape.in_motion)
         said = self._looks["pill"][0] == self._shape.text and self._has_come("pill")
         self._is_changing, node, kind = not said, self._pill, "pill"
         if not said and self._shape.in_motion:
             kind = "word"
-            node = self._word = self._pictured(self._word, kind, self._shape.in_motion, unit_m)
-        where = np.array([*facing, *(view.position + _NEARER * (place - view.position)), unit_m])
+            node = self._word = self._pictured(self._word, kind, self._shape.in_motion)
+        where = np.array([*facing, *(view.position + share * (place - view.position))])
         if not np.array_equal(self._placed.get(kind, _NOWHERE), where):
             # Finding out that nothing has changed takes viser a hundred times as long.
             self._placed[kind] = where
-            node.wxyz, node.position = where[:4], where[4:7]
-            node.scale = unit_m / self._unit_m[kind]
+            node.wxyz, node.position = where[:4], where[4:]
         self._show_only(node if said or self._has_come("word") else None)
 
     def _has_come(self, kind: str) -> bool:
         """Whether the browser has had the time to load this pill's picture."""
         return time.monotonic() - self._sent_s.get(kind, np.inf) >= _ARRIVES_S
 
-    def _pictured(self, node: Any, kind: str, text: str, unit_m: float) -> Any:
-        """The pill, made in this size if there is none, with this text in the shape's colour."""
+    def _pictured(self, node: Any, kind: str, text: str) -> Any:
+        """The pill, made if there is none, with this text in the shape's colour."""
         look = text, self._shape.colour, round(_FINE * HEIGHT_PX * 0.86)
         if self._looks.get(kind) == look:
             return node
@@ -144,7 +142,7 @@ class SceneLabel:
         if node is None or self._shape.in_motion:
             self._sent_s[kind] = time.monotonic()
         picture = pill_picture(*look)
-        height, width = (side * self._unit_m.setdefault(kind, unit_m) for side in picture.shape[:2])
+        height, width = (side * _UNIT_M for side in picture.shape[:2])
         if node is None:
             name = f"{self._name}_{kind}"
             return self._scene.add_image(

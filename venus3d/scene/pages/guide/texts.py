@@ -366,7 +366,10 @@ LOOP_GAIN, LOOP_GAINED, LOOP_FIRST_GAIN = "uncertainty", "{before} → {after} p
 
 # -- the film strip --------------------------------------------------------------------------------
 
-FILM_ROW = ("Captured views", "The views captured so far; a click opens one.")
+FILM_ROW = (
+    "Captured views",
+    "The views captured so far; a click opens one. A number that is missing was taken back.",
+)
 FILM_EMPTY = "The views that are captured appear here."
 FILM_VIEW = "{number}"
 
