@@ -19,6 +19,7 @@ from venus3d.render.frustum import DEPTH, border_segments, frustum
 from venus3d.render.redrawing import looks_alike
 from venus3d.render.shapes import FrustumShape, LabelShape, LineShape, MeshShape, Shape
 from venus3d.render.step_shapes import instruction_shapes, protractor
+from venus3d.render.strip import strip_shapes
 from venus3d.sources.sim_cameras import SIM_CAMERAS, SimCamera
 
 TARGETS = {
@@ -155,6 +156,23 @@ def test_the_strip_keeps_its_steps_apart(
     for (_, end), (start, _) in ((boxes[0], boxes[1]), (boxes[2], boxes[3])):
         assert end[0] < start[0], "one and two above, three and four below"
     assert max(boxes[0][1][1], boxes[1][1][1]) < min(boxes[2][0][1], boxes[3][0][1])
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_the_strip_seen_from_above_keeps_its_rows_apart(
+    name: str, paper_camera: Camera, default_board: Board
+) -> None:
+    """The lower row hid under the upper one, and captions lay over each other."""
+    _, remaining = moment(TARGETS[name], paper_camera, default_board)
+    shapes = strip_shapes(
+        default_board, remaining.steps, dark=True, active=1, sweep=1.0, from_above=True
+    )
+    depths = []
+    for number in (1, 2, 3, 4):
+        cell = [s for s in shapes if s.name.startswith(f"/strip/{number}/")]
+        points = np.vstack([points_of(s) for s in cell])
+        depths.append((points[:, 2].min(), points[:, 2].max()))
+    assert max(depths[2][1], depths[3][1]) < min(depths[0][0], depths[1][0])
 
 
 @pytest.mark.parametrize("name", TARGETS)

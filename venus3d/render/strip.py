@@ -40,27 +40,32 @@ def strip_shapes(
     active: int,
     sweep: float,
     done: Sequence[bool] = (False,) * 4,
+    from_above: bool = False,
 ) -> list[Shape]:
     """The four steps in two rows about `STRIP_CENTRE`, none touching another; one that is `done`
-    has no arrow."""
+    has no arrow. The rows are above each other; `from_above`, where that would hide one, the second
+    is nearer to the camera."""
     cells = [
         _cell(board, s, dark, sweep if s.number == active else 1.0, instruct=not is_done)
         for s, is_done in zip(steps, done, strict=True)
     ]
     boxes = np.array([bounds_of(cell) for cell in cells])
     gap = _GAP * board.width
+    axis, up = (2, 1.0) if from_above else (1, -1.0)
     # (2, 2) sizes by row and column; the caption stands above its step.
     size = (boxes[:, 1] - boxes[:, 0]).reshape(2, 2, 3)
-    widths, heights = size[..., 0].max(axis=0), size[..., 1].max(axis=1) + gap
+    widths, heights = size[..., 0].max(axis=0), size[..., axis].max(axis=1) + gap
     shapes: list[Shape] = []
     for i, (step, is_done, cell, box) in enumerate(zip(steps, done, cells, boxes, strict=True)):
         row, column = divmod(i, 2)
         x = (-(widths[1] + gap) / 2, (widths[0] + gap) / 2)[column]
-        y = (-heights[1] / 2, heights[0] / 2)[row] + gap / 2
-        middle = np.add(STRIP_CENTRE, [x, y, 0.0])
-        offset = middle - [*box[:, :2].mean(axis=0), step.after.t[2]]
-        shapes += [moved_shape(shape, Pose(np.eye(3), offset)) for shape in cell]
-        above = middle - [0.0, heights[row] / 2, 0.0]
+        higher = up * np.eye(3)[axis]
+        middle = np.array(STRIP_CENTRE) + x * np.eye(3)[0]
+        middle += ((heights[1] / 2, -heights[0] / 2)[row] - gap / 2) * higher
+        centre = step.after.t.copy()
+        centre[[0, axis]] = box.mean(axis=0)[[0, axis]]
+        shapes += [moved_shape(shape, Pose(np.eye(3), middle - centre)) for shape in cell]
+        above = middle + heights[row] / 2 * higher
         text, colour = caption(step, is_done), step_colour(step.number, dark)
         name = f"/strip/{step.number}/caption"
         shapes.append(LabelShape(name, text, above, colour, in_motion=_title(step)))

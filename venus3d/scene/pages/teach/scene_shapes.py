@@ -56,7 +56,14 @@ def scene_shapes(taught: TaughtPose, state: TeachState) -> tuple[Shape, ...]:
         return tuple(comparison_shapes(taught, state))
     if state.arrangement == "strip":
         return tuple(
-            strip_shapes(board, taught.steps, dark=state.dark, active=state.step, sweep=state.sweep)
+            strip_shapes(
+                board,
+                taught.steps,
+                dark=state.dark,
+                active=state.step,
+                sweep=state.sweep,
+                from_above=state.viewpoint == "above",
+            )
         )
     active = shown_step(taught, state)
     options = SceneOptions(active, dark=state.dark, all_steps=state.all_steps)
