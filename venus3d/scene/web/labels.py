@@ -21,9 +21,9 @@ from venus3d.render.text_drawing import pill_picture
 from venus3d.render.viewpoints import SceneCamera
 
 _PLAIN_SCALE = 1.25
-_UNIT_M = 4.3e-5
+_UNIT_M = 7e-5
 """Size in the scene of a pixel of a pill's picture, metres. It never changes: a pill is as large as
-on paper at one distance from the eye, 0.12 m in a window of 1080 px, before everything else. A
+on paper at one distance from the eye, 0.2 m in a window of 1080 px, before everything else. A
 browser comes to a node's scale later than to its position, on a slow machine by seconds: a pill
 that was scaled was too large until then."""
 _NOWHERE = np.full(7, np.nan)
