@@ -29,12 +29,15 @@
     settling = setTimeout(tellFields, 200, 60);
   });
 
-  /* Who has scrolled away from the newest picture looks at another. Another picture and another
-     width of the strip move nothing by themselves: what is scrolled is scrolled by somebody. */
-  let newest = true;
+  /* Who has scrolled back from the newest picture looks at another, and keeps it when one comes or
+     the strip gets another width. That one has come since is no scrolling: only leftwards counts. */
+  let newest = true, before = 0;
   addEventListener("scroll", ({ target }) => {
     if (!target.matches?.(":has(> button)") || !target.querySelector(PICTURE)) return;
-    newest = target.scrollLeft + target.clientWidth >= target.scrollWidth - 2;
+    const { scrollLeft, clientWidth, scrollWidth } = target;
+    if (scrollLeft + clientWidth >= scrollWidth - 2) newest = true;
+    else if (scrollLeft < before) newest = false;
+    before = scrollLeft;
   }, true);
   const showNewest = () => {
     const strip = document.querySelector(PICTURE)?.parentElement;
