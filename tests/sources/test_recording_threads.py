@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -93,13 +94,40 @@ def kinds(observation: Observation) -> list[str]:
     return [diagnosis.kind for diagnosis in observation.board_diagnoses]
 
 
-def test_the_first_damaged_file_is_named(tmp_path, pictures: list[NDArray[np.uint8]]) -> None:
+def test_damaged_files_are_left_out_and_named(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]], default_board: Board
+) -> None:
+    """One of 300 pictures refused the others. On any number of threads, each named once."""
     for number, picture in enumerate(pictures[:8]):
         cv2.imwrite(str(tmp_path / f"{number}.png"), picture)
-    folder = Folder(sorted(tmp_path.iterdir()))
     for number in (3, 6):
         path = tmp_path / f"{number}.png"
         path.write_bytes(path.read_bytes()[:2000])
-    del folder
-    with pytest.raises(SourceError, match=r"3\.png is damaged"):
+    counted: list[tuple[int, int, int | None]] = []
+    for threads in (1, 4):
+        recording = observe_recording(
+            tmp_path,
+            Detector(default_board),
+            lambda *counts: counted.append(counts),
+            threads=threads,
+        )
+        names = [observation.name for observation in recording.observations]
+        assert names == [f"{number}.png" for number in range(8) if number not in (3, 6)]
+        assert recording.notes == (
+            "2 files cannot be read and are left out: 3.png (damaged or incomplete) and 6.png "
+            "(damaged or incomplete); copy them again or remove them.",
+        )
+        assert (counted[-1][0], counted[-1][2]) == (6, 6)
+
+
+def test_the_first_damaged_file_is_named_where_none_can_be_read(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    for number in (3, 6):
+        path = tmp_path / f"{number}.png"
+        cv2.imwrite(str(path), pictures[number])
+        path.write_bytes(path.read_bytes()[:2000])
+    with pytest.raises(SourceError, match=r"3\.png is damaged or incomplete; replace or remove"):
         observe_recording(tmp_path, Detector(Board()), threads=4)
+    with pytest.raises(SourceError, match=r"3\.png is damaged"):
+        Folder(sorted(tmp_path.iterdir())).read()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import struct
 from pathlib import Path
 
@@ -238,6 +239,29 @@ def test_a_video_that_breaks_off_says_how_much_was_readable(tmp_path: Path):
     count = len(all_frames(source))
     assert 10 < count < 30
     assert source.notes == (f"{path} breaks off early: {count} of 40 frames could be read.",)
+
+
+def test_damaged_frames_of_a_video_are_left_out_and_the_others_follow(tmp_path: Path):
+    """The first damaged one ended the video: 9 of 40 frames were read."""
+    path = tmp_path / "m.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 20, (320, 240))
+    for number in range(40):
+        writer.write(np.full((240, 320, 3), 6 * number, np.uint8))
+    writer.release()
+    content = bytearray(path.read_bytes())
+    chunks = re.compile(b"00dc").finditer(bytes(content), content.index(b"movi"))
+    begins = [chunk.end() + 4 for chunk in chunks]
+    damaged = (10, 11, 25)
+    for number in damaged:
+        size = begins[number + 1] - 8 - begins[number]
+        content[begins[number] : begins[number] + size] = bytes(size)
+    path.write_bytes(content)
+    source = open_frame_source(str(path))
+    frames = all_frames(source)
+    kept = [number for number in range(40) if number not in damaged]
+    assert [round(frame.image.mean() / 6) for frame in frames] == kept
+    assert [frame.name for frame in frames] == [f"frame {number + 1}" for number in kept]
+    assert source.notes == (f"In {path} 3 frames are damaged and left out.",)
 
 
 @pytest.mark.parametrize("codec", ["libx264", "mjpeg"])

@@ -120,6 +120,54 @@ def test_what_is_left_out_is_said_whichever_way_the_source_is_named(tmp_path: Pa
     assert "b.DNG is a kind of picture that is not read" in sentence(tmp_path / "b.DNG")
 
 
+def test_what_cannot_be_read_is_left_out_and_named_with_its_reason(tmp_path: Path):
+    """However it is named; each sentence is still told of a file that is named alone."""
+    for number in (1, 5, 20):
+        Image.fromarray(picture(number)).save(tmp_path / f"{number}.jpg")
+    content = (tmp_path / "5.jpg").read_bytes()
+    (tmp_path / "2.jpg").write_text("no picture")
+    (tmp_path / "3.jpg").touch()
+    (tmp_path / "4.jpg").write_bytes(content[: 2 * len(content) // 3])
+    (tmp_path / "6.png").write_bytes(png_header(20_000, 10_000))
+    cv2.imwrite(str(tmp_path / "7.tiff"), np.zeros((48, 64), np.float32))
+    (tmp_path / "8.jpg").symlink_to(tmp_path / "gone.jpg")
+    paths = sorted(tmp_path.iterdir())
+    for source in (
+        open_frame_source(str(tmp_path)),
+        open_frame_source(f"{tmp_path}/*"),
+        Folder([*paths, *paths]),
+    ):
+        frames = all_frames(source)
+        assert sorted(frame.name for frame in frames) == ["1.jpg", "20.jpg", "5.jpg"]
+        assert isinstance(source, Folder) and (len(source), source.unread) == (3, 6)
+        assert source.notes == (
+            "6 files cannot be read and are left out: 2.jpg (not an image), 3.jpg (empty), "
+            "4.jpg (breaks off early), 6.png (more than 160 megapixels) and 2 more; copy them "
+            "again or remove them.",
+        )
+    for path in (tmp_path / "1.jpg", tmp_path / "5.jpg", tmp_path / "20.jpg"):
+        path.unlink()
+    assert sentence(tmp_path) == sentence(tmp_path / "2.jpg")
+
+
+def test_one_unreadable_file_is_named_in_its_own_sentence(tmp_path: Path):
+    Image.fromarray(picture()).save(tmp_path / "1.jpg")
+    cv2.imwrite(str(tmp_path / "2.tiff"), np.zeros((48, 64), np.float32))
+    source = open_frame_source(str(tmp_path))
+    assert len(all_frames(source)) == 1
+    assert source.notes == (
+        "2.tiff (float32 numbers instead of 8 or 16 bit) cannot be read and is left out; copy it "
+        "again or remove it.",
+    )
+
+
+def test_a_size_among_unreadable_files_is_still_refused(tmp_path: Path):
+    Image.fromarray(picture()).save(tmp_path / "1.png")
+    Image.fromarray(picture(1, (32, 32))).save(tmp_path / "2.png")
+    (tmp_path / "3.png").touch()
+    assert "The images have 2 sizes" in sentence(tmp_path)
+
+
 def test_links_that_lead_nowhere(tmp_path: Path):
     loop = tmp_path / "loop.png"
     loop.symlink_to(loop)

@@ -78,3 +78,14 @@ def test_an_empty_or_missing_folder(tmp_path: Path) -> None:
         open_frame_source(f"watch:{tmp_path}")
     with pytest.raises(SourceError, match="There is no folder"):
         open_frame_source(f"watch:{tmp_path / 'none'}")
+
+
+def test_a_first_file_that_cannot_be_read_does_not_refuse_the_folder(tmp_path: Path) -> None:
+    (tmp_path / "IMG_0.jpg").touch()
+    with pytest.raises(SourceError, match=r"IMG_0\.jpg is empty"):
+        open_frame_source(f"watch:{tmp_path}")
+    (tmp_path / "IMG_1.jpg").write_bytes(jpeg())
+    source = open_frame_source(f"watch:{tmp_path}")
+    frame = source.read()
+    assert source.image_size == (64, 48) and frame is not None and frame.name == "IMG_1.jpg"
+    source.close()

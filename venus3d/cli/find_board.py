@@ -93,8 +93,6 @@ def _to_copy(board: FoundBoard) -> str:
 def _pictures(source: str) -> Iterator[NDArray[np.uint8]]:
     """Grey pictures from all over the source."""
     with closing(open_frame_source(source)) as opened:
-        for note in opened.notes:
-            print_note(note)
         if isinstance(opened, Folder):
             step = math.ceil(len(opened) / _LOOKED_AT)
         elif isinstance(opened, Video):
@@ -105,6 +103,9 @@ def _pictures(source: str) -> Iterator[NDArray[np.uint8]]:
         for number in count():
             frame = opened.read() if left else None
             if frame is None:
+                # Only now it is known what could not be read.
+                for note in opened.notes:
+                    print_note(note)
                 return
             if number % step == 0:
                 left -= 1

@@ -30,9 +30,9 @@ _CLOCK = 90_000
 """Ticks per second of the written video."""
 
 
-def undistort_command(options: UndistortOptions) -> None:
-    """Undistort all pictures, write them and their camera. Raises `VenusError` for a user's
-    mistake."""
+def undistort_command(options: UndistortOptions) -> int:
+    """Undistort all pictures, write them and their camera; the exit code is 1 if some could not be
+    read. Raises `VenusError` for a user's mistake."""
     undistortion = Undistortion(record_in(options.camera).camera, options.alpha)
     with closing(open_frame_source(options.source)) as source:
         if not isinstance(source, (Folder, Video)):
@@ -49,14 +49,17 @@ def undistort_command(options: UndistortOptions) -> None:
         folder = prepare(options.output)
         if isinstance(source, Folder):
             count = _write_pictures(source, undistortion, folder, again)
-            print(f"Written: {count} pictures in {folder}")
+            counted = "1 picture" if count == 1 else f"{count} pictures"
+            print(f"Written: {counted} in {folder}")
         else:
             video = free_place(folder / f"{place.stem}.mp4", replaces=again)
             print(f"Written: {_write_video(source, undistortion, video)}")
         for note in source.notes:
             print_note(note)
+        unread = isinstance(source, Folder) and source.unread > 0
     camera = encode(CameraRecord(undistortion.camera), OPENCV_YAML).content
     print(f"Written: {write_bytes(folder / 'camera.yaml', camera)}")
+    return int(unread)
 
 
 def _wrote_before(folder: Path) -> bool:

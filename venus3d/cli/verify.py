@@ -49,17 +49,18 @@ def verify_command(options: VerifyOptions) -> int:
         prepare(options.output)
     live = options.source == "sim" or is_live(options.source)
     lens = record.camera.lens.name
-    fresh = _guided(options, lens) if live else _found(options, lens)
+    fresh, said = (_guided(options, lens), []) if live else _found(options, lens)
     found = verify(record.camera, record.covariance, fresh, options.limit)
     notes = [] if record.covariance is not None else [_UNCERTAIN.format(name=options.file.name)]
     own = _own_views(options.file, fresh)
     if own:
         notes.append(_OWN.format(count=own, every=len(fresh.views)))
+    told = {**_json(found), "warnings": [*said, *notes]}
     # Written before it is printed: whoever reads the output may be gone.
     written: list[Path] = []
     if options.output is not None:
-        report = verification_report(found, options.file.name).encode()
-        content = (to_json(_json(found), indent=2) + "\n").encode()
+        report = verification_report(found, options.file.name, [*said, *notes]).encode()
+        content = (to_json(told, indent=2) + "\n").encode()
         written = [
             write_bytes(options.output / "verification.html", report),
             write_bytes(options.output / "verification.json", content),
@@ -68,7 +69,7 @@ def verify_command(options: VerifyOptions) -> int:
     for path in written:
         print(f"Written: {path}")
     if options.json:
-        print(to_json(_json(found)))
+        print(to_json(told))
     return _CODES[found.verdict]
 
 
@@ -95,7 +96,8 @@ def _own_views(file: Path, fresh: Calibration) -> int:
     return sum(view.observation.corners.tobytes() in known for view in fresh.views)
 
 
-def _found(options: VerifyOptions, lens: str) -> Calibration:
+def _found(options: VerifyOptions, lens: str) -> tuple[Calibration, list[str]]:
+    """Fresh views of a recording, and what is wrong with them, which is printed."""
     with search_progress() as on_count:
         found = calibrate_recording(
             options.source,
@@ -106,9 +108,10 @@ def _found(options: VerifyOptions, lens: str) -> Calibration:
             on_progress=print_note,
             on_count=on_count,
         )
-    for warning in (*found.warnings, *map(str, found.diagnoses)):
+    said = [*found.warnings, *map(str, found.diagnoses)]
+    for warning in said:
         print_note(f"Mind: {warning}")
-    return found.calibration
+    return found.calibration, said
 
 
 def _guided(options: VerifyOptions, lens: str) -> Calibration:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -140,7 +141,7 @@ def changes_of(found: Verification) -> list[list[str]]:
 CHANGES_HEAD = ["", "existing", "fresh", "difference", ""]
 
 
-def verification_report(found: Verification, name: str) -> str:
+def verification_report(found: Verification, name: str, warnings: Sequence[str] = ()) -> str:
     """The whole document as HTML; `name` is that of the calibration's file."""
     width, height = found.camera.image_size
     size = (PICTURE_WIDTH, round(PICTURE_WIDTH * height / width))
@@ -154,6 +155,7 @@ def verification_report(found: Verification, name: str) -> str:
             lead,
             paragraph(cure(found)) if cure(found) else "",
             table(["", ""], figures_of(found), numbers=(1,)),
+            section("Mind", *map(paragraph, warnings)) if warnings else "",
             section(
                 "Over the picture",
                 side_by_side(

@@ -57,13 +57,14 @@ class Bag:
     is_live = False
     flip = False
     """Whether left and right are exchanged: for mirrored pictures."""
-    notes: tuple[str, ...] = ()
 
     def __init__(self, path: Path, topic: str | None = None, *, realtime: bool = False) -> None:
         """Open the bag at `path`; a topic must be named if there is more than one with pictures.
         With `realtime`, pictures come when the bag's clock says so. Raises `SourceError` for what
         cannot be read."""
         self._name, self._realtime = shown(path), realtime
+        self.notes: tuple[str, ...] = ()
+        """What could not be read, at the end."""
         self._stack = ExitStack()
         try:
             self._reader = self._stack.enter_context(_opened(path))
@@ -109,12 +110,43 @@ class Bag:
 
     def _decoded(self, connection: Any) -> Iterator[Frame]:
         began_ns: int | None = None
-        messages = self._reader.messages(connections=[connection])
-        for number, (_, time_ns, raw) in enumerate(messages, start=1):
+        first: SourceError | None = None
+        damaged = number = 0
+        for number, (time_ns, raw) in enumerate(self._raw(connection), start=1):
             began_ns = time_ns if began_ns is None else began_ns
-            message = self._reader.deserialize(raw, connection.msgtype)
-            image = _pixels(message, connection.msgtype, self._name)
+            try:
+                message = self._reader.deserialize(raw, connection.msgtype)
+                image = _pixels(message, connection.msgtype, self._name)
+            except Exception as error:  # a damaged message raises anything
+                told = error if isinstance(error, SourceError) else _damaged(self._name, error)
+                first, damaged = first or told, damaged + 1
+                continue
             yield Frame(image, (time_ns - began_ns) / 1e9, f"message {number}")
+        if first is not None:
+            if damaged == number:
+                raise first
+            many = "1 picture is" if damaged == 1 else f"{damaged} pictures are"
+            self.notes = (*self.notes, f"Of {self._name} {many} left out: {first}")
+
+    def _raw(self, connection: Any) -> Iterator[tuple[int, bytes]]:
+        """Times and contents of the messages, as many as can be read."""
+        number = 0
+        try:
+            for _, time_ns, raw in self._reader.messages(connections=[connection]):
+                number += 1
+                yield time_ns, raw
+        except Exception as error:  # a damaged bag raises anything
+            if not number:
+                raise
+            many = f"{number} of {self.announced}" if self.announced else str(number)
+            self.notes = (
+                *self.notes,
+                f"{self._name} breaks off early ({error}): {many} pictures could be read.",
+            )
+
+
+def _damaged(name: str, error: Exception) -> SourceError:
+    return SourceError(f"{name} holds a damaged message ({error}).")
 
 
 def _opened(path: Path) -> Any:

@@ -17,6 +17,7 @@ from venus3d.sources.images import (
     UNREAD_PICTURES,
     VIDEOS,
     ImageHeader,
+    UnreadableImageError,
     is_image,
     read_header,
     read_image,
@@ -30,9 +31,10 @@ class Folder:
     """Images of one size, in order; `Frame.time_s` counts them.
 
     Whichever way they are named, a file is read if its name or its content is that of an image
-    (`is_image`), and the notes say what was left out. All file headers are read at once, so that
-    an unusable file is found before the work starts. Raises `SourceError` for an empty list, a
-    damaged file, and images of several sizes.
+    (`is_image`), and the notes say what was left out: also what proves to be damaged when it is
+    read, which is no reason to lose the others. All file headers are read at once, so that most of
+    that is found before the work starts. Raises `SourceError` for an empty list, for images of
+    several sizes, and if none can be read.
     """
 
     is_live = False
@@ -42,7 +44,8 @@ class Folder:
     def __init__(self, paths: Sequence[Path]) -> None:
         if not paths:
             raise SourceError("There are no images to read; give at least one.")
-        self._paths, left_out = _sorted_out(paths)
+        # A file that is named twice is read once.
+        self._paths, left_out = _sorted_out(dict.fromkeys(paths))
         if not self._paths:
             videos = [path for path in paths if path.suffix.lower() in VIDEOS]
             if videos:
@@ -51,10 +54,17 @@ class Folder:
                     f"itself, {shown(videos[0])}."
                 )
             raise SourceError(f"{_left_out(left_out)} There is no other image.")
-        headers = {path: read_header(path) for path in self._paths}
+        self._unread: dict[Path, UnreadableImageError] = {}
+        headers: dict[Path, ImageHeader] = {}
+        for path in self._paths:
+            try:
+                headers[path] = read_header(path)
+            except UnreadableImageError as error:
+                self._unread[path] = error
+        self.check_any()
         self._size = _common_size(headers)
         self._next = 0
-        self.notes: tuple[str, ...] = (
+        self._notes = (
             *([_left_out(left_out)] if left_out else []),
             *_header_notes(headers),
         )
@@ -94,30 +104,59 @@ class Folder:
         """(width, height) of all images."""
         return self._size
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was left out and what a person should know of the rest, as far as it was read."""
+        unread = self._in_order()
+        return (*([_unread(unread)] if unread else []), *self._notes)
+
+    @property
+    def unread(self) -> int:
+        """Number of the images that could not be read so far."""
+        return len(self._unread)
+
     def __len__(self) -> int:
-        return len(self._paths)
+        """Number of the images but for those that could not be read so far."""
+        return len(self._paths) - len(self._unread)
+
+    def check_any(self) -> None:
+        """Raise the first image's error if none can be read."""
+        if len(self._unread) == len(self._paths):
+            raise self._in_order()[0][1]
 
     def read(self) -> Frame | None:
-        """The next image; None after the last. Raises `SourceError` if it is damaged."""
-        if self._next >= len(self._paths):
-            return None
-        frame = self._read(self._next)
-        self._next += 1
-        return frame
+        """The next image that can be read; None after the last. Raises `SourceError` if it was
+        none, and for one that changed its size."""
+        while self._next < len(self._paths):
+            self._next += 1
+            frame = self._read(self._next - 1)
+            if frame is not None:
+                return frame
+        self.check_any()
+        return None
 
-    def readers(self) -> Iterator[Callable[[], Frame]]:
-        """A function for each image, in order, that reads it on any thread, a JPEG as grey."""
+    def readers(self) -> Iterator[Callable[[], Frame | None]]:
+        """A function for each image, in order, that reads it on any thread, a JPEG as grey. It
+        gives None for one that is left out."""
         return (partial(self._read, index, grey=True) for index in range(len(self._paths)))
 
     def close(self) -> None:
         """Ends reading; nothing is held open."""
         self._next = len(self._paths)
 
-    def _read(self, index: int, *, grey: bool = False) -> Frame:
+    def _in_order(self) -> list[tuple[Path, UnreadableImageError]]:
+        return [(path, self._unread[path]) for path in self._paths if path in self._unread]
+
+    def _read(self, index: int, *, grey: bool = False) -> Frame | None:
         path = self._paths[index]
-        frame = Frame(read_image(path, grey=grey), float(index), shown(path.name)).flipped(
-            self.flip
-        )
+        if path in self._unread:
+            return None
+        try:
+            image = read_image(path, grey=grey)
+        except UnreadableImageError as error:
+            self._unread[path] = error
+            return None
+        frame = Frame(image, float(index), shown(path.name)).flipped(self.flip)
         if frame.image_size != self._size:
             raise SourceError(f"The image {shown(path)} changed its size meanwhile; start again.")
         return frame
@@ -149,6 +188,16 @@ def _left_out(names: list[str]) -> str:
         f"{len(names)} files are left out, as they are not read as images "
         f"({listed(names, most=_MOST_NAMED)}); save those that are as JPEG or PNG files of full "
         "size."
+    )
+
+
+def _unread(files: list[tuple[Path, UnreadableImageError]]) -> str:
+    named = [f"{shown(path.name)} ({error.why})" for path, error in files]
+    if len(named) == 1:
+        return f"{named[0]} cannot be read and is left out; copy it again or remove it."
+    return (
+        f"{len(named)} files cannot be read and are left out: {listed(named, most=_MOST_NAMED)}; "
+        "copy them again or remove them."
     )
 
 

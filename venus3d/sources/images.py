@@ -54,6 +54,14 @@ _LIKELY = (*_LIKELY, *(b"P%d" % n for n in range(1, 8)))
 warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
 
 
+class UnreadableImageError(SourceError):
+    """A file that gives no image. Among others it is left out, and named with `why`."""
+
+    def __init__(self, sentence: str, why: str = "") -> None:
+        super().__init__(sentence)
+        self.why = why
+
+
 @dataclass(frozen=True)
 class ImageHeader:
     """What an image file says of itself."""
@@ -80,11 +88,11 @@ def is_image(path: Path) -> bool:
 
 def read_header(path: Path) -> ImageHeader:
     """The file's header, if possible without decoding the pixels.
-    Raises `SourceError` if the file cannot be read, is no image, or is too large."""
+    Raises `UnreadableImageError` if it cannot be read, is no image, or is too large."""
     try:
         start = read_regular(path, 12)
         if not start:
-            raise SourceError(f"The file {shown(path)} is empty; record or copy it again.")
+            raise _empty(path)
         if not _is_likely(start):
             raise _no_image(path)
         with Image.open(path) as head:
@@ -106,24 +114,28 @@ def read_header(path: Path) -> ImageHeader:
 def read_image(path: Path, *, grey: bool = False) -> NDArray[np.uint8]:
     """Pixels: (H, W, 3) BGR 8 bit, or (H, W) grey of 8 or 16 bit; 16-bit colour becomes grey.
     With `grey`, a JPEG's brightness alone, which takes a third of the time.
-    Raises `SourceError` if the file is no image, is truncated, or has other pixel types."""
+    Raises `UnreadableImageError` if the file is none, is truncated, or has other pixel types."""
     try:
         content = read_regular(path)
     except OSError as error:
         raise _unreadable(path, error) from error
+    if not content:
+        raise _empty(path)
     if not _is_likely(content[:12]):
         raise _no_image(path)
     _check_complete(path, content)
     is_jpeg = content.startswith(_JPEG)
     pixels = _decoded(content, _GREY_FLAGS if grey and is_jpeg else _FLAGS)
     if pixels is None:
-        raise SourceError(
-            f"The image {shown(path)} is damaged or incomplete; replace or remove it."
+        raise UnreadableImageError(
+            f"The image {shown(path)} is damaged or incomplete; replace or remove it.",
+            "damaged or incomplete",
         )
     if pixels.dtype not in (np.uint8, np.uint16):
-        raise SourceError(
+        raise UnreadableImageError(
             f"The image {shown(path)} holds {pixels.dtype} numbers; save it with 8 or 16 bit per "
-            "channel."
+            "channel.",
+            f"{pixels.dtype} numbers instead of 8 or 16 bit",
         )
     if pixels.ndim == 3 and pixels.dtype == np.uint16:
         # Corners are detected in grey: the depth is worth more than the colour.
@@ -175,26 +187,42 @@ def _check_complete(path: Path, content: bytes) -> None:
         raise _too_large(path) from error
     except OSError as error:
         if "truncated" in str(error):
-            raise SourceError(
-                f"The image {shown(path)} breaks off early; copy it again or remove it."
+            raise UnreadableImageError(
+                f"The image {shown(path)} breaks off early; copy it again or remove it.",
+                "breaks off early",
             ) from error
 
 
-def _no_image(path: Path) -> SourceError:
-    return SourceError(
-        f"{shown(path)} is not an image, whatever its name says; use a PNG, JPEG, TIFF or BMP file."
+def _empty(path: Path) -> UnreadableImageError:
+    return UnreadableImageError(
+        f"The file {shown(path)} is empty; record or copy it again.", "empty"
     )
 
 
-def _too_large(path: Path) -> SourceError:
-    return SourceError(
-        f"The image {shown(path)} has more than {MOST_PIXELS // 10**6} megapixels, too many to "
-        "search; scale all images down by the same whole number."
+def _no_image(path: Path) -> UnreadableImageError:
+    return UnreadableImageError(
+        f"{shown(path)} is not an image, whatever its name says; use a PNG, JPEG, TIFF or BMP "
+        "file.",
+        "not an image",
     )
 
 
-def _unreadable(path: Path, error: OSError) -> SourceError:
+def _too_large(path: Path) -> UnreadableImageError:
+    most = f"more than {MOST_PIXELS // 10**6} megapixels"
+    return UnreadableImageError(
+        f"The image {shown(path)} has {most}, too many to search; scale all images down by the "
+        "same whole number.",
+        most,
+    )
+
+
+def _unreadable(path: Path, error: OSError) -> UnreadableImageError:
     if isinstance(error, PermissionError):
-        return SourceError(f"The file {shown(path)} may not be read by you; check its permissions.")
+        return UnreadableImageError(
+            f"The file {shown(path)} may not be read by you; check its permissions.",
+            "may not be read by you",
+        )
     reason = error.strerror or str(error)
-    return SourceError(f"The file {shown(path)} cannot be read ({reason}); copy or remove it.")
+    return UnreadableImageError(
+        f"The file {shown(path)} cannot be read ({reason}); copy or remove it.", reason.lower()
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings as python_warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
@@ -52,11 +53,12 @@ def calibrate_images(
         flip: exchange left and right, for mirrored images; the camera is that of the flipped ones.
         lens: name of a lens model (`LENSES`); "auto": it is found out, `Calibration.lens_reason`.
 
-    Images that do not show the board are left out: `len(calibration.views)` tells, and each view's
-    `observation.name`. See `diagnose` for what may be wrong with the calibration.
+    Images that cannot be read or do not show the board are left out, with a Python warning that
+    names them: `len(calibration.views)` tells, and each view's `observation.name`. See `diagnose`
+    for what may be wrong with the calibration.
 
     Raises:
-        SourceError: images that cannot be read.
+        SourceError: none can be read, or they have several sizes.
         CalibrationError: fewer than three different views of the board, or views that do not
             determine the camera; or the observations are of another board.
     """
@@ -67,9 +69,12 @@ def calibrate_images(
             _board_of(observations, board), observations, lens=lens_chosen(lens)
         )
     recorded = cast(Images, images)
-    return calibrate_recording(
+    made = calibrate_recording(
         recorded, board, max_frames=max_frames, every=every, flip=flip, lens=lens
-    ).calibration
+    )
+    for warning in made.warnings:
+        python_warnings.warn(warning, stacklevel=2)
+    return made.calibration
 
 
 def calibrate_recording(

@@ -121,7 +121,6 @@ def _observe(
                 "video first."
             )
         is_video = isinstance(source, (Video, Bag))
-        total = source.announced if isinstance(source, (Video, Bag)) else len(source)
         for frame, seen, by in _looked_at(source, detector, threads):
             taken = detector.take_over(seen, frame.image, by)
             observations.append(replace(taken, image_circle=seen.image_circle))
@@ -129,7 +128,11 @@ def _observe(
             if taken.count and _is_looked_beside(found):
                 beside.append(pool.submit(detector.look_beside, frame.image, observations[-1]))
             if on_count is not None:
+                # What cannot be read counts no more.
+                total = source.announced if isinstance(source, (Video, Bag)) else len(source)
                 on_count(len(observations), found, total)
+        if isinstance(source, Folder):
+            source.check_any()
         detector.note_beside([look.result() for look in beside])
         return Recording(tuple(observations), tuple(source.notes), is_video)
 
@@ -142,20 +145,24 @@ def _is_looked_beside(found: int) -> bool:
     return found == 1
 
 
+_Looked = tuple[Frame, Observation, Detector]
+"""A frame, and what a copy of the detector saw in it."""
+
+
 class _Look:
     """Reads and searches one frame after the other, on any thread."""
 
     def __init__(self, detector: Detector) -> None:
         self._detector, self._local = detector, threading.local()
 
-    def __call__(
-        self, read: Callable[[], Frame], quick: bool
-    ) -> tuple[Frame, Observation, Detector]:
-        """The frame and what a copy of the detector saw in it; `quick`: searched so first."""
+    def __call__(self, read: Callable[[], Frame | None], quick: bool) -> _Looked | None:
+        """None for a frame that cannot be read; `quick`: searched so first."""
         mine: Detector | None = getattr(self._local, "detector", None)
         if mine is None or not mine.settled:
             mine = self._local.detector = self._detector.copy()
         frame = read()
+        if frame is None:
+            return None
         seen = self._seen(mine, frame, quick)
         if seen.count:
             seen = replace(seen, image_circle=image_circle(frame.image))
@@ -171,35 +178,34 @@ class _Look:
 
 def _looked_at(
     source: Folder | Arrays | Video | Bag, detector: Detector, threads: int
-) -> Iterator[tuple[Frame, Observation, Detector]]:
-    """Each frame in order, with what a copy of the detector saw in it."""
+) -> Iterator[_Looked]:
+    """Each frame in order that can be read."""
     look = _Look(detector)
     pool = ThreadPoolExecutor(threads, thread_name_prefix="look")
-    waiting: deque[Future[tuple[Frame, Observation, Detector]]] = deque()
+    waiting: deque[Future[_Looked | None]] = deque()
     whole: list[bool] = []
     try:
         for number, read in enumerate(_readers(source)):
             before = whole[max(0, number - 2 * _LAG) : max(0, number - _LAG)]
             waiting.append(pool.submit(look, read, sum(before) > _MOSTLY * max(1, len(before))))
             if len(waiting) >= min(_AHEAD * threads, _LAG):
-                yield _next(waiting, whole, detector)
+                yield from _next(waiting, whole, detector)
         while waiting:
-            yield _next(waiting, whole, detector)
+            yield from _next(waiting, whole, detector)
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _next(
-    waiting: deque[Future[tuple[Frame, Observation, Detector]]],
-    whole: list[bool],
-    detector: Detector,
-) -> tuple[Frame, Observation, Detector]:
+    waiting: deque[Future[_Looked | None]], whole: list[bool], detector: Detector
+) -> Iterator[_Looked]:
     done = waiting.popleft().result()
-    whole.append(done[1].count == detector.board.corner_count)
-    return done
+    whole.append(done is not None and done[1].count == detector.board.corner_count)
+    if done is not None:
+        yield done
 
 
-def _readers(source: Folder | Arrays | Video | Bag) -> Iterator[Callable[[], Frame]]:
+def _readers(source: Folder | Arrays | Video | Bag) -> Iterator[Callable[[], Frame | None]]:
     """A function for each frame that gives it: files are read by whoever looks at them, a video,
     whose frames come one after the other, is read here."""
     if isinstance(source, Folder):

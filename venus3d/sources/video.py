@@ -18,9 +18,13 @@ from venus3d.sources.opencv_log import silence_opencv
 from venus3d.sources.served_video import ServedVideo
 from venus3d.sources.size_watch import SizeWatch
 
+_MOST_MISSED = 1000
+"""Damaged frames in a row after which a video has ended, however many it announces."""
+
 
 class Video:
-    """The frames of a video file. `Frame.time_s` is the video's own time.
+    """The frames of a video file. `Frame.time_s` is the video's own time. Frames that cannot be
+    decoded are left out, and `notes` says so at the end.
 
     A phone's rotation tag is applied, and `notes` says so: whoever reads the video with OpenCV or
     FFmpeg gets its frames turned as well, and the calibration is for those.
@@ -50,15 +54,16 @@ class Video:
         self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)
         self._announced = int(max(0, self._capture.get(cv2.CAP_PROP_FRAME_COUNT)))
         self._rate = self._capture.get(cv2.CAP_PROP_FPS) or 25.0
-        self._grabbed = 0
+        self._grabbed = 0  # with those left out, so that a frame's name is its place
+        self._damaged = 0
         self._time_s = 0.0
         self._started: float | None = None
         self._finished = False
         # What a server sends has each frame's own size.
         self._sizes = None if served is not None else SizeWatch(path)
         self.notes: tuple[str, ...] = ()
-        """Remarks for the user: the frames are turned, the file ended early."""
-        self._first = self._decode() if self._grab() else None
+        """Remarks for the user: the frames are turned, damaged, the file ended early."""
+        self._first = self._next()
         if self._first is None:
             self.close()
             raise SourceError(
@@ -89,13 +94,7 @@ class Video:
             image, self._first = self._first, None
             self._started = time.monotonic()
             return self._frame(image)
-        if not self._grab():
-            self._finish()
-            return None
-        if self._realtime and not self._wait_or_skip():
-            self._finish()
-            return None
-        image = self._decode()
+        image = self._next()
         if image is None:
             self._finish()
             return None
@@ -126,20 +125,35 @@ class Video:
     def _frame(self, image: NDArray[np.uint8]) -> Frame:
         return Frame(image, self._time_s, f"frame {self._grabbed}").flipped(self.flip)
 
+    def _next(self) -> NDArray[np.uint8] | None:
+        """The next frame (with `realtime`: the one that is due now); None at the end."""
+        while self._grab():
+            if self._realtime and self._started is not None and not self._wait_or_skip():
+                return None
+            # Typed loosely, as cv2's stubs do not say that frames have 8 bits.
+            answer: tuple[bool, Any] = self._capture.retrieve()
+            if answer[0]:
+                return answer[1]
+            self._damaged += 1
+        return None
+
     def _grab(self) -> bool:
-        if not (self._capture.isOpened() and self._capture.grab()):
-            return False
+        # A damaged frame is a failure like the end, but others follow it.
+        tries = min(max(0, self._announced - self._grabbed), _MOST_MISSED) + 1
+        for missed in range(tries):
+            if self._capture.isOpened() and self._capture.grab():
+                self._damaged += missed
+                self._grabbed += missed
+                self._take_time()
+                return True
+        return False
+
+    def _take_time(self) -> None:
         # Containers without times: use the rate. Time never runs backwards.
         told = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
         counted = self._grabbed / self._rate
         self._grabbed += 1
         self._time_s = told if told > self._time_s else max(counted, self._time_s)
-        return True
-
-    def _decode(self) -> NDArray[np.uint8] | None:
-        # Typed loosely, as cv2's stubs do not say that frames have 8 bits.
-        answer: tuple[bool, Any] = self._capture.retrieve()
-        return answer[1] if answer[0] else None
 
     def _wait_or_skip(self) -> bool:
         """Wait for the grabbed frame's time, or skip to the one that is due. False at the end."""
@@ -152,12 +166,15 @@ class Video:
         return True
 
     def _finish(self) -> None:
+        if not self._finished and self._damaged:
+            many = "1 frame is" if self._damaged == 1 else f"{self._damaged} frames are"
+            self.notes = (*self.notes, f"In {self._path} {many} damaged and left out.")
         # Containers round their frame count, so a frame or two missing are not reported.
         if not self._finished and self._grabbed < 0.98 * self._announced - 1:
             self.notes = (
                 *self.notes,
-                f"{self._path} breaks off early: {self._grabbed} of {self._announced} frames "
-                "could be read.",
+                f"{self._path} breaks off early: {self._grabbed - self._damaged} of "
+                f"{self._announced} frames could be read.",
             )
         self._finished = True
         self.close()

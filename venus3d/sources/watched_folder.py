@@ -38,13 +38,7 @@ class WatchedFolder:
         self._stop = threading.Event()
         self._count = 0
         self._refused: tuple[int, int] | None = None
-        first = self._newcomers()
-        if not first:
-            raise SourceError(
-                f"{shown(directory)} holds no picture yet; take one, so that its size is known, "
-                "and start again."
-            )
-        self._size = read_header(first[0]).size
+        self._size = self._first_size()
 
     @property
     def image_size(self) -> tuple[int, int]:
@@ -73,6 +67,18 @@ class WatchedFolder:
     def close(self) -> None:
         """Stop waiting; from any thread. May be called twice."""
         self._stop.set()
+
+    def _first_size(self) -> tuple[int, int]:
+        unread: SourceError | None = None
+        for path in self._newcomers():
+            try:
+                return read_header(path).size
+            except SourceError as error:
+                unread = unread or error
+        raise unread or SourceError(
+            f"{shown(self._directory)} holds no picture yet; take one, so that its size is known, "
+            "and start again."
+        )
 
     def _newcomers(self) -> list[Path]:
         """Pictures that were not read yet, the oldest first."""
