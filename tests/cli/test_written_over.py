@@ -8,8 +8,11 @@ import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree
 
+import av
 import pytest
+from PIL import Image
 
 from tests.cli.conftest import Ran
 from venus3d.engine.geometry.camera import PAPER_CAMERA
@@ -174,6 +177,80 @@ def test_a_report_a_board_and_pictures_replace_only_their_own(
     ):
         assert run(*command).code == 0 and run(*command).code == 0
     assert run("board", "--board.columns", 7, "--save", tmp_path / "board.toml").code == 0
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        ("board --output PLACE", "board.pdf"),
+        ("board --output PLACE", "board.svg"),
+        ("board --output PLACE --paper fit", "board.PNG"),
+        ("board --output PLACE --show", "board.html"),
+        ("decompose 10 0 0 0 0 400 --output FOLDER", "step-3.png"),
+        ("replay SESSION --export PLACE", "film.mp4"),
+        ("replay SESSION --export PLACE", "class.html"),
+        ("teach LESSON --export PLACE", "lesson.gif"),
+        ("teach LESSON --export PLACE", "lesson.html"),
+        ("verify SESSION PICTURES --output FOLDER", "verification.json"),
+        ("verify SESSION PICTURES --output FOLDER", "verification.html"),
+    ],
+)
+def test_what_a_command_makes_replaces_only_its_like(
+    run: Run,
+    kept_session: Path,
+    tilted_pictures: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: str,
+    name: str,
+) -> None:
+    """A film or a page of somebody else's was lost by `replay --export`, a drawing by `board`. The
+    same may be made again; the refusal comes before the work."""
+    monkeypatch.setattr("webbrowser.open", lambda _: False)
+    folder = tmp_path / "Tür und Tor"
+    folder.mkdir()
+    place = folder / name
+    named = {"PLACE": place, "FOLDER": folder, "SESSION": kept_session, "PICTURES": tilted_pictures}
+    named["LESSON"] = tmp_path / "lesson.toml"
+    named["LESSON"].write_text(
+        'title = "One"\nsummary = "One."\n[[page]]\ntitle = "One"\ntext = "One."\n'
+        "pose = [0, 0, 9, 0, 0, 500]\n"
+    )
+    asked = [named.get(word, word) for word in command.split()]
+    place.write_bytes(b"mine")
+    assert "exists already and holds something else" in run(*asked).sentence
+    assert contents(folder) == {place: b"mine"}
+    place.unlink()
+    for _ in range(2):
+        ran = run(*asked)
+        assert ran.code in (0, 3), ran.err
+    content = place.read_bytes()
+    match place.suffix.lower():
+        case ".png" | ".gif":
+            with Image.open(place) as picture:
+                picture.verify()
+        case ".mp4":
+            with av.open(str(place)) as film:
+                assert len(list(film.decode(video=0))) > 10
+        case ".svg":
+            assert ElementTree.fromstring(content).tag.endswith("svg")
+        case ".json":
+            assert json.loads(content)["verdict"]
+        case _:
+            assert content.startswith((b"%PDF", b"<!doctype html>"))
+
+
+def test_another_sessions_film_is_kept(run: Run, kept_session: Path, tmp_path: Path) -> None:
+    film = tmp_path / "film.mp4"
+    assert run("replay", kept_session, "--export", film).code == 0
+    other = shutil.copytree(kept_session, tmp_path / "other")
+    header = json.loads((other / "session.json").read_text())
+    header["begun"] = "2020-01-01T00:00:00"
+    (other / "session.json").write_text(json.dumps(header))
+    before = film.read_bytes()
+    for command in (("replay", other, "--export", film), ("teach", "--export", film)):
+        assert "name another with --export" in run(*command).sentence
+    assert film.read_bytes() == before
 
 
 def test_no_file_takes_the_place_of_a_device_or_a_pipe(

@@ -33,7 +33,7 @@ def test_nothing_else_writes_a_sessions_files(session: Path, name: str) -> None:
     """There already or not, as a session writes its result later."""
     before = {path: path.read_bytes() for path in session.rglob("*") if path.is_file()}
     with pytest.raises(StorageError, match=r"session is the folder of a session.*--output"):
-        free_place(session / name)
+        free_place(session / name, replaces=True)
     with pytest.raises(StorageError, match=r"session is the folder of a session.*another place"):
         write_bytes(session / name, b"other")
     assert before == {path: path.read_bytes() for path in session.rglob("*") if path.is_file()}
@@ -59,26 +59,27 @@ def test_a_link_leads_to_nothing_else(session: Path, tmp_path: Path) -> None:
 def test_new_names_are_free(session: Path, tmp_path: Path) -> None:
     """In a session's folder too; and its names elsewhere."""
     for path in (session / "report.html", session / "views.pdf", tmp_path / "views" / "1.png"):
-        assert write_bytes(free_place(path), b"1").read_bytes() == b"1"
-        assert write_bytes(free_place(path), b"2").read_bytes() == b"2"
-    assert free_place(tmp_path / "camera.yaml") and free_place(tmp_path / "result.json")
+        assert write_bytes(free_place(path, replaces=True), b"1").read_bytes() == b"1"
+        assert write_bytes(free_place(path, replaces=True), b"2").read_bytes() == b"2"
+    for name in ("camera.yaml", "result.json"):
+        assert free_place(tmp_path / name, replaces=False)
     assert prepare(session) == session
 
 
 def test_a_calibrations_two_files_stay_together(tmp_path: Path) -> None:
     for name in ("camera.yaml", "result.json"):
         (tmp_path / name).write_text(name)
-        assert name == "result.json" or free_place(tmp_path / name)
+        assert name == "result.json" or free_place(tmp_path / name, replaces=True)
     for name in ("camera.yaml", "result.json"):
         with pytest.raises(StorageError, match=r"belongs to the calibration.*with --save"):
-            free_place(tmp_path / name, option="--save")
+            free_place(tmp_path / name, replaces=True, option="--save")
 
 
 def test_a_source_is_not_written_over(tmp_path: Path) -> None:
     source = tmp_path / "a.yaml"
     source.write_text("a")
     with pytest.raises(StorageError, match="is the source itself"):
-        free_place(tmp_path / "." / "a.yaml", source)
+        free_place(tmp_path / "." / "a.yaml", source, replaces=True)
     with pytest.raises(StorageError, match="exists already"):
         free_place(source, replaces=False)
-    assert free_place(source, tmp_path / "none.yaml") == source
+    assert free_place(source, tmp_path / "none.yaml", replaces=True) == source

@@ -12,10 +12,11 @@ from venus3d.storage.board_file import board_text, is_board_file, save_board
 from venus3d.storage.board_sheet.files import pdf_of, picture_of_sheet, png_of, svg_of
 from venus3d.storage.board_sheet.screen import screen_page
 from venus3d.storage.board_sheet.sheet import Sheet, lay_out, paper_size, tiles
-from venus3d.storage.folder import write_bytes
 from venus3d.storage.places import free_place
+from venus3d.storage.products import write_product
 
 _KINDS = (".pdf", ".svg", ".png")
+_MADE = "a board"
 _TO_MEASURE = {
     "squares": "measure a square and give its size with --board.square-mm (and the marker's with "
     "--board.marker-mm)",
@@ -43,7 +44,7 @@ def board_command(options: BoardCommand) -> None:
     if options.show:
         _show(board, options.output)
         return
-    path = options.output if options.output.suffix else options.output / "board.pdf"
+    path = _place(options.output, "board.pdf")
     kind = path.suffix.lower()
     if kind not in _KINDS:
         raise StorageError(
@@ -61,20 +62,24 @@ def board_command(options: BoardCommand) -> None:
         )
     size = f"{board.columns} x {board.rows} {board.of_kind.unit}, {_lengths(board)}"
     if kind == ".pdf":
-        write_bytes(path, pdf_of(sheet, pages, f"venus3d board: {size}"))
+        write_product(path, pdf_of(sheet, pages, f"venus3d board: {size}"), _MADE)
         made = f"{len(pages)} pages to be put together" if len(pages) > 1 else "one page"
         width, height = pages[0].page
         print(f"{path}: {made} of {width:g} x {height:g} mm, {size}.")
     elif kind == ".svg":
-        write_bytes(path, svg_of(sheet, f"venus3d board: {size}").encode())
+        write_product(path, svg_of(sheet, f"venus3d board: {size}").encode(), _MADE)
         print(f"{path}: {sheet.width:g} x {sheet.height:g} mm, {size}.")
     else:
         picture, dpi = picture_of_sheet(sheet, options.dpi, options.board.square_mm)
-        write_bytes(path, png_of(picture, dpi))
+        write_product(path, png_of(picture, dpi), _MADE)
         print(f"{path}: {picture.shape[1]} x {picture.shape[0]} px at {dpi:.1f} dpi, {size}.")
     unit = board.of_kind.unit
     ruler = "" if options.plain else "check that the ruler is 100 mm long, "
     print(f"Print it at 100 %, {ruler}glue it onto something flat and stiff, {_TO_MEASURE[unit]}.")
+
+
+def _place(output: Path, name: str) -> Path:
+    return output / name if output.is_dir() or not output.suffix else output
 
 
 def _lengths(board: Board) -> str:
@@ -95,7 +100,7 @@ def _sheet(board: Board, paper: tuple[float, float] | None, options: BoardComman
 
 
 def _show(board: Board, output: Path) -> None:
-    path = output.with_suffix(".html") if output.suffix else output / "board.html"
-    write_bytes(path, screen_page(board).encode())
+    path = _place(output, "board.html").with_suffix(".html")
+    write_product(path, screen_page(board).encode(), _MADE)
     opened = webbrowser.open(path.absolute().as_uri())
     print(f"{path}: " + ("opened in the browser." if opened else "open it in a browser."))

@@ -13,7 +13,8 @@ from venus3d.cli.report import print_note
 from venus3d.engine.errors import SourceError, VenusError
 from venus3d.sources.camera_list import list_cameras, sample_picture
 from venus3d.sources.v4l2 import CameraControl, CameraFound, CameraMode
-from venus3d.storage.folder import prepare, write_bytes
+from venus3d.storage.folder import prepare
+from venus3d.storage.products import write_product
 
 
 def cameras(options: CamerasOptions) -> None:
@@ -76,5 +77,5 @@ def _write_pictures(found: list[CameraFound], folder: Path) -> None:
             print_note(str(error))
             continue
         path = folder / f"camera-{number}.png"
-        write_bytes(path, cv2.imencode(".png", picture)[1].tobytes())
+        write_product(path, cv2.imencode(".png", picture)[1].tobytes(), "a camera's picture")
         print_note(f"Written: {path}")

@@ -23,9 +23,11 @@ from venus3d.engine.planning.limits import Limits, refusals
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.storage.camera_yaml import read_camera_yaml
-from venus3d.storage.folder import prepare, write_bytes
+from venus3d.storage.folder import prepare
+from venus3d.storage.products import product_place, write_product
 
 PICTURE_WIDTH = 960
+_MADE = "a step"
 
 
 def decompose_command(options: DecomposeOptions) -> None:
@@ -35,6 +37,8 @@ def decompose_command(options: DecomposeOptions) -> None:
     camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
     target = _target(options, board, camera)
     folder = prepare(options.output)
+    for number in range(1, 5):
+        product_place(_step_file(folder, number), _MADE)
     steps = decompose(target, camera, board)
     print(_heading(target, board))
     for step in steps:
@@ -95,9 +99,13 @@ def _write_pictures(folder: Path, steps: Steps, camera: Camera, board: Board) ->
             projections.of_step(step, camera, board, size=size, dark=False) for step in steps
         ]
         return [
-            write_bytes(folder / f"step-{step.number}.png", _png(picture.result()))
+            write_product(_step_file(folder, step.number), _png(picture.result()), _MADE)
             for step, picture in zip(steps, pictures, strict=True)
         ]
+
+
+def _step_file(folder: Path, number: int) -> Path:
+    return folder / f"step-{number}.png"
 
 
 def _png(picture: NDArray[np.uint8]) -> bytes:

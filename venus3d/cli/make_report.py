@@ -9,13 +9,13 @@ from typing import Any
 from venus3d.cli.options import ReportOptions
 from venus3d.engine.errors import StorageError
 from venus3d.report.calibration_report import ReportInput, calibration_report
-from venus3d.report.document import is_document
-from venus3d.storage.folder import write_bytes
-from venus3d.storage.places import free_place, is_session
+from venus3d.storage.places import is_session
+from venus3d.storage.products import product_place, write_product
 from venus3d.storage.result_reader import read_result
 from venus3d.storage.session_reader import kept_pictures, read_header
 
 _RESULT = "result.json"
+_MADE = "a calibration's report"
 # Of a session's options: what says how it was made, by its name on the command line.
 _SAID = ("source", "method", "cost", "search", "seed", "max_views", "wanted_error", "convergence")
 
@@ -32,7 +32,7 @@ def report_command(options: ReportOptions) -> None:
     folder = file.parent
     place = folder / "report.html" if options.output is None else options.output
     place = place / "report.html" if place.is_dir() else place
-    free_place(place, file, replaces=is_document(place))
+    product_place(place, _MADE, file)
     numbers = [view.number for view in result.calibration.views]
     told = ReportInput(
         result.calibration,
@@ -40,7 +40,7 @@ def report_command(options: ReportOptions) -> None:
         dict(kept_pictures(folder, numbers)) if is_session(folder) else {},
         _made_with(folder),
     )
-    print(f"Written: {write_bytes(place, calibration_report(told).encode())}")
+    print(f"Written: {write_product(place, calibration_report(told).encode(), _MADE)}")
 
 
 def _made_with(folder: Path) -> Mapping[str, Any]:

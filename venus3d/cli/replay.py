@@ -10,7 +10,8 @@ from venus3d.scene.pages.guide.replay import run_replay
 from venus3d.scene.pages.guide.replay_document import replay_document
 from venus3d.scene.pages.guide.replay_film import replay_film
 from venus3d.scene.pages.guide.run import settings_of
-from venus3d.storage.folder import prepare, write_bytes
+from venus3d.storage.folder import prepare
+from venus3d.storage.products import product_place, write_product
 from venus3d.storage.session_moments import moments_of
 from venus3d.storage.session_reader import read_header
 
@@ -18,7 +19,8 @@ from venus3d.storage.session_reader import read_header
 def replay(options: ReplayOptions) -> None:
     """Serve the page until Ctrl-C, or write a file. Raises `VenusError` for a user's mistake."""
     directory = options.session
-    settings = settings_of(options_of(read_header(directory), directory))
+    header = read_header(directory)
+    settings = settings_of(options_of(header, directory))
     moments = moments_of(directory)
     if options.export is None:
         run_replay(
@@ -28,6 +30,9 @@ def replay(options: ReplayOptions) -> None:
     suffix = options.export.suffix.lower()
     if suffix not in (".mp4", ".html"):
         raise VenusError(f"A session is exported as .mp4 or .html, not as {options.export.name!r}.")
+    # Before the work, which takes minutes.
+    made = f"replay of the session begun {header.get('begun', '')}"
+    product_place(options.export, made, option="--export")
     prepare(options.export.parent, "--export")
     with PageLanguage(options.language).spoken():
         content = (
@@ -35,4 +40,4 @@ def replay(options: ReplayOptions) -> None:
             if suffix == ".mp4"
             else replay_document(moments, settings, directory.resolve().name)
         )
-    print(f"Written: {write_bytes(options.export, content)}")
+    print(f"Written: {write_product(options.export, content, made, '--export')}")

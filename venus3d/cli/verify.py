@@ -27,6 +27,7 @@ from venus3d.sources.images_calibration import calibrate_recording
 from venus3d.sources.open_frame_source import is_live
 from venus3d.storage.folder import prepare, write_bytes
 from venus3d.storage.formats import record_in
+from venus3d.storage.products import mark_of, product_place, write_product
 from venus3d.storage.result import SCHEMA, to_json
 from venus3d.storage.result_reader import read_result
 
@@ -45,8 +46,7 @@ def verify_command(options: VerifyOptions) -> int:
     if not options.limit > 0:
         raise VenusError("--limit must be more than 0 px.")
     record = record_in(options.file, options.format, options.name)
-    if options.output is not None:
-        prepare(options.output)
+    page, numbers = (Path(), Path()) if options.output is None else _places(options.output)
     live = options.source == "sim" or is_live(options.source)
     lens = record.camera.lens.name
     fresh, said = (_guided(options, lens), []) if live else _found(options, lens)
@@ -55,16 +55,13 @@ def verify_command(options: VerifyOptions) -> int:
     own = _own_views(options.file, fresh)
     if own:
         notes.append(_OWN.format(count=own, every=len(fresh.views)))
-    told = {**_json(found), "warnings": [*said, *notes]}
+    told = {**_json(found), "warnings": [*said, *notes], "made_by": mark_of(_MADE)}
     # Written before it is printed: whoever reads the output may be gone.
     written: list[Path] = []
     if options.output is not None:
         report = verification_report(found, options.file.name, [*said, *notes]).encode()
         content = (to_json(told, indent=2) + "\n").encode()
-        written = [
-            write_bytes(options.output / "verification.html", report),
-            write_bytes(options.output / "verification.json", content),
-        ]
+        written = [write_product(page, report, _MADE), write_bytes(numbers, content)]
     _print(found, notes)
     for path in written:
         print(f"Written: {path}")
@@ -73,6 +70,13 @@ def verify_command(options: VerifyOptions) -> int:
     return _CODES[found.verdict]
 
 
+def _places(folder: Path) -> tuple[Path, Path]:
+    prepare(folder)
+    page, numbers = (folder / f"verification{suffix}" for suffix in (".html", ".json"))
+    return product_place(page, _MADE), product_place(numbers, _MADE)
+
+
+_MADE = "a verification"
 _UNCERTAIN = (
     "{name} does not hold the covariance of its camera, so the test takes the camera as exactly "
     "known; a result.json holds it."

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from contextlib import suppress
 from html import escape
 from importlib.metadata import version
-from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.regular_file import read_regular
 from venus3d.scene.web.theme import Theme, style_sheet
 
 PICTURE_WIDTH = 900
 """Width of a map in a document, pixels: two stand side by side on paper at 250 dots an inch."""
-_MADE_BY = "<footer>venus3d "
 
 
 def document(title: str, subtitle: str, body: Sequence[str]) -> str:
@@ -31,15 +27,8 @@ def document(title: str, subtitle: str, body: Sequence[str]) -> str:
         "img-src data:; style-src 'unsafe-inline'\">"
         f"<title>{escape(title)}</title><style>{style}</style></head><body><header>"
         f"<h1>{escape(title)}</h1><p>{escape(subtitle)}</p></header><main>{''.join(body)}</main>"
-        f"{_MADE_BY}{version('venus3d')}</footer></body></html>\n"
+        f"<footer>venus3d {version('venus3d')}</footer></body></html>\n"
     )
-
-
-def is_document(path: Path) -> bool:
-    """Whether a file is one of these documents, which may be written anew."""
-    with suppress(OSError):
-        return _MADE_BY.encode() in read_regular(path)
-    return False
 
 
 def section(title: str, *parts: str) -> str:

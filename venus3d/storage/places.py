@@ -34,9 +34,9 @@ def refuse_session(path: Path, cure: str = _ANOTHER) -> None:
             )
 
 
-def free_place(path: Path, *sources: Path, replaces: bool = True, option: str = "--output") -> Path:
+def free_place(path: Path, *sources: Path, replaces: bool, option: str = "--output") -> Path:
     """`path`, if a command may write this file. Raises `StorageError` for a file of a session or of
-    a calibration, for one of the sources, and if it must not replace the file that is there."""
+    a calibration, for one of the sources, and where a file is that it must not replace."""
     cure = f"name another with {option}"
     refuse_session(path, cure)
     pair = [path.parent / name for name in _RESULT]
