@@ -34,6 +34,7 @@ _PLACES = (
     ("left", "middle", "right"),
     ("lower left", "lower", "lower right"),
 )
+_MANY_SIGMA = 1000.0
 TOLD_SIGMA = 3.0
 """A parameter is said to have changed by more than this many standard deviations."""
 
@@ -54,8 +55,8 @@ def verdict_sentence(found: Verification) -> str:
         )
     if found.verdict == "other-camera":
         return (
-            "Not this camera as it was calibrated: another camera, zoom, focus or resolution. The "
-            f"two differ by {diff} px over the picture."
+            "Not this camera as it was calibrated: another camera, lens, zoom, focus or "
+            f"resolution, or a wrong file. The two differ by {diff} px over the picture."
         )
     if found.verdict == "degraded":
         return (
@@ -133,6 +134,7 @@ def changes_of(found: Verification) -> list[list[str]]:
         before, now = found.camera.parameters[index], found.fresh.camera.parameters[index]
         change = found.changes[index]
         told = "–" if np.isnan(change) else f"{change:+.1f} σ".replace("-", "−")
+        told = told if np.isnan(change) or abs(change) < _MANY_SIGMA else "over 1000 σ"
         mark = "changed" if abs(change) > TOLD_SIGMA else ""
         rows.append([name, f"{before:.{digits}f}{unit}", f"{now:.{digits}f}{unit}", told, mark])
     return rows

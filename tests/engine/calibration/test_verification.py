@@ -151,7 +151,7 @@ def test_the_difference_in_millimetres_is_that_at_the_boards_distance() -> None:
     fresh = calibrated(1)
     found = verify(replace(fresh.camera, fx=fresh.camera.fx * 1.05), None, fresh)
     assert found.distance_m == pytest.approx(0.48, abs=0.05)
-    focal = np.sqrt(found.camera.fx * found.camera.fy)
+    focal = np.sqrt(fresh.camera.fx * fresh.camera.fy)
     assert found.diff_mm == pytest.approx(found.diff_px / focal * found.distance_m * 1000)
 
 
@@ -184,3 +184,26 @@ def test_a_camera_that_does_not_reach_the_corners_is_refused(
     ):
         with pytest.raises(CalibrationError, match="reaches only"):
             verify(wrong, None, fresh)
+
+
+def test_a_lens_model_that_folds_back_within_the_picture_is_refused(
+    calibrations: list[Calibration],
+) -> None:
+    """All corners are reached, and what no ray reaches was compared by the model's second branch:
+    "the camera has changed by 59 px"."""
+    fresh = calibrations[0]
+    for k1, share in ((-0.6, "24"), (-0.5, "16")):
+        wrong = replace(PAPER_CAMERA, coefficients=(k1, 0.0, 0.0, 0.0, 0.0))
+        with pytest.raises(CalibrationError, match=rf"no ray reaches {share} % of it \(k1 = {k1}"):
+            verify(wrong, None, fresh)
+
+
+def test_an_absurd_distortion_is_no_change_of_the_camera(calibrations: list[Calibration]) -> None:
+    """k1 = 50 was "it no longer holds: the camera has changed by 257 px", with the cure "a loose
+    lens", and an rms of "–"."""
+    fresh = calibrations[0]
+    for coefficients in ((50.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 1e6)):
+        with pytest.raises(CalibrationError, match=r"most of the views \(k1 = "):
+            verify(replace(PAPER_CAMERA, coefficients=coefficients), None, fresh)
+    bent = replace(PAPER_CAMERA, coefficients=(5.0, 0.0, 0.0, 0.0, 0.0))
+    assert verify(bent, None, fresh).verdict == "other-camera"

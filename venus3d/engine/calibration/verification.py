@@ -27,6 +27,7 @@ from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.observation import View, reprojection_errors, rms_distance
 from venus3d.engine.calibration.projection_uncertainty import (
+    grid_pixels,
     projection_diff_map,
     projection_diff_px,
     projection_weight,
@@ -48,8 +49,14 @@ LIMIT_PX = 1.0
 ANOTHER = 0.05
 """A focal length that differs by more than this share, or a principal point by more than this share
 of the picture's width, is no drift."""
+ANOTHER_SHAPE = 0.1
+"""Cameras that differ over the picture as much as by this share of the focal length are two,
+however their focal lengths and principal points agree: no drift bends a lens so."""
 _SEES = 0.9
 """Share of the fresh corners that an existing camera of these pictures sees at least."""
+_FOLDED = 0.05
+"""Share of the picture in which an existing lens model may fold back, as one does in the outermost
+corners if it was calibrated without views there."""
 MAP = (36, 24)
 """Cells of `Verification.diff_map` across and down."""
 
@@ -73,7 +80,7 @@ class Verification:
     """(rows, columns) the difference at the centres of equal cells, pixels; NaN where no ray is."""
     rms_px: float
     """Rms reprojection distance of the fresh corners under the existing camera, each view with its
-    best pose, pixels; NaN if there is no such pose. `fresh.rms_px` is that of the fresh camera."""
+    best pose, pixels. `fresh.rms_px` is that of the fresh camera."""
     distance_m: float
     """Median distance of the board in the fresh views, metres."""
     turned_back_px: float | None
@@ -85,7 +92,7 @@ class Verification:
     @property
     def diff_mm(self) -> float:
         """The difference at the board's distance, across the line of sight, millimetres."""
-        focal = float(np.sqrt(self.camera.fx * self.camera.fy))
+        focal = float(np.sqrt(self.fresh.camera.fx * self.fresh.camera.fy))
         return 1000 * self.diff_px * self.distance_m / focal
 
 
@@ -102,7 +109,8 @@ def verify(
 
     Raises:
         CalibrationError: different picture sizes or lens models, the existing lens does not reach
-            the fresh corners, or the fresh views leave parameters open.
+            the fresh corners or the picture, explains no view, or the fresh views leave parameters
+            open.
     """
     if not all(fresh.free):
         raise CalibrationError("The fresh views do not determine all parameters; take more.")
@@ -122,13 +130,13 @@ def verify(
             f"The camera file has a lens of the model {camera.lens.name}, the fresh views were "
             f"calibrated with {fresh.camera.lens.name}; calibrate them with the same model."
         )
-    seen = np.concatenate([view.observation.corners for view in fresh.views])
-    sees = int(np.count_nonzero(np.isfinite(camera.unproject(seen)[:, 2])))
-    if sees < _SEES * len(seen):
+    _check_lens(camera, fresh)
+    rms_px = _rms_px(camera, fresh, fresh.views)
+    if np.isnan(rms_px):
         raise CalibrationError(
-            f"The camera file is not of this camera: its lens reaches only {sees} of the "
-            f"{len(seen)} corners seen, and folds back before the others; check which file it is, "
-            "and its distortion."
+            "The camera file is of no camera that took these pictures: under it no pose of the "
+            f"board fits most of the views ({_told(camera)}); check which file it is, and its "
+            "distortion."
         )
     found = _compared(camera, covariance, fresh, limit_px)
     if found.verdict not in ("degraded", "other-camera"):
@@ -154,17 +162,44 @@ def _compared(
     return Verification(
         camera=camera,
         fresh=fresh,
-        verdict=_verdict(camera, fresh.camera, changed_px, chance_px, limit_px),
+        verdict=_verdict(camera, fresh.camera, diff_px, changed_px, chance_px, limit_px),
         limit_px=limit_px,
         diff_px=diff_px,
         chance_px=chance_px,
         changed_px=changed_px,
         diff_map=projection_diff_map(camera, fresh.camera, MAP),
-        rms_px=_rms_px(camera, fresh, fresh.views),
+        rms_px=rms_px,
         distance_m=float(np.median([np.linalg.norm(view.pose.t) for view in fresh.views])),
         turned_back_px=None,
         changes=np.divide(moved, sigma, out=np.full(len(sigma), np.nan), where=sigma > 0),
     )
+
+
+def _check_lens(camera: Camera, fresh: Calibration) -> None:
+    """Raise `CalibrationError` for a lens model that folds back where these pictures were seen."""
+    seen = np.concatenate([view.observation.corners for view in fresh.views])
+    sees = int(np.count_nonzero(np.isfinite(camera.unproject(seen)[:, 2])))
+    if sees < _SEES * len(seen):
+        raise CalibrationError(
+            f"The camera file is not of this camera: its lens reaches only {sees} of the "
+            f"{len(seen)} corners seen, and folds back before the others; check which file it is, "
+            "and its distortion."
+        )
+    pixels = grid_pixels(camera.image_size, MAP)
+    pixels = pixels[np.isfinite(fresh.camera.unproject(pixels)[:, 2])]
+    rays = replace(camera, image_circle=None).unproject(pixels)
+    folded = 1 - float(np.isfinite(rays[:, 2]).mean())
+    if folded > _FOLDED:
+        raise CalibrationError(
+            f"The lens model in the camera file folds back within the picture: no ray reaches "
+            f"{100 * folded:.0f} % of it ({_told(camera)}). It is another camera's file, or was "
+            "calibrated without views up to the border; calibrate again."
+        )
+
+
+def _told(camera: Camera) -> str:
+    names = camera.lens.coefficient_names
+    return ", ".join(f"{name} = {camera.named[name]:.4g}" for name in names)
 
 
 def _chance_px(camera: Camera, covariance: Array) -> float:
@@ -184,9 +219,14 @@ def _changed_px(camera: Camera, covariance: Array, moved: Array, views: int) -> 
 
 
 def _verdict(
-    camera: Camera, fresh: Camera, changed_px: float, chance_px: float, limit_px: float
+    camera: Camera,
+    fresh: Camera,
+    diff_px: float,
+    changed_px: float,
+    chance_px: float,
+    limit_px: float,
 ) -> Verdict:
-    if changed_px > 0 and _is_another(camera, fresh):
+    if changed_px > 0 and (_is_another(camera, fresh) or _is_bent(fresh, diff_px)):
         return "other-camera"
     if changed_px > limit_px:
         return "degraded"
@@ -199,13 +239,21 @@ def _is_another(camera: Camera, fresh: Camera) -> bool:
     return bool(np.abs([*focal, *centre]).max() > ANOTHER)
 
 
+def _is_bent(fresh: Camera, diff_px: float) -> bool:
+    # Another focal length moves pixels by their distance from the principal point.
+    radii = np.linalg.norm(grid_pixels(fresh.image_size, MAP) - [fresh.cx, fresh.cy], axis=1)
+    return diff_px > ANOTHER_SHAPE * float(np.sqrt(np.mean(radii**2)))
+
+
 def _rms_px(camera: Camera, fresh: Calibration, views: Sequence[View]) -> float:
-    squares = 0.0
+    """Of the views that have a pose under this camera; NaN if most have none."""
+    squares, corners, fitted = 0.0, 0, 0
     for view in views:
         seen = view.observation
         pose = estimate_pose(camera, fresh.board, seen, view.pose)
         if pose is None:
-            return float("nan")
+            continue
         errors = reprojection_errors(camera, fresh.board, seen, pose)
         squares += seen.count * rms_distance(errors) ** 2
-    return float(np.sqrt(squares / sum(view.observation.count for view in views)))
+        corners, fitted = corners + seen.count, fitted + 1
+    return float(np.sqrt(squares / corners)) if 2 * fitted >= len(views) else float("nan")
