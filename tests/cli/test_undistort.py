@@ -132,3 +132,15 @@ def test_another_size_names_the_way_out(run: Run, folder: Path) -> None:
     out = folder / "out"
     ran = run("undistort", folder / "shots", "--camera", folder / "other", "--output", out)
     assert ran.code == 2 and "--size 320x180" in ran.err
+
+
+def test_a_lens_model_that_folds_back_is_said(run: Run, folder: Path) -> None:
+    """Black pictures were "Written" with exit code 0."""
+    asked = ("undistort", folder / "shots", "--camera", folder, "--output", folder / "out")
+    assert "folds back" not in run(*asked).err
+    for k1, told in ((-0.6, "which is lost"), (-50.0, "nothing to undistort by")):
+        camera = replace(CAMERA, coefficients=(k1, 0.0, 0.0, 0.0, 0.0))
+        export_camera(camera, folder / f"{k1}.yaml", "opencv-yaml")
+        ran = run(*asked[:3], folder / f"{k1}.yaml", "--output", folder / f"out{k1}")
+        assert f"folds back within the picture (k1 = {k1:g}," in ran.err and told in ran.err
+        assert ran.code == (0 if k1 == -0.6 else 2)

@@ -17,7 +17,7 @@ once in a hundred checks for any of them (Bonferroni), have changed; `changed_px
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -34,7 +34,7 @@ from venus3d.engine.calibration.projection_uncertainty import (
 )
 from venus3d.engine.calibration.turned_pictures import turned_camera
 from venus3d.engine.errors import CalibrationError
-from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.camera import FOLDED, Camera, folded_share
 from venus3d.engine.geometry.pose import Array
 
 Verdict = Literal["good", "degraded", "turned", "other-camera", "unclear"]
@@ -54,9 +54,6 @@ ANOTHER_SHAPE = 0.1
 however their focal lengths and principal points agree: no drift bends a lens so."""
 _SEES = 0.9
 """Share of the fresh corners that an existing camera of these pictures sees at least."""
-_FOLDED = 0.05
-"""Share of the picture in which an existing lens model may fold back, as one does in the outermost
-corners if it was calibrated without views there."""
 MAP = (36, 24)
 """Cells of `Verification.diff_map` across and down."""
 
@@ -135,8 +132,8 @@ def verify(
     if np.isnan(rms_px):
         raise CalibrationError(
             "The camera file is of no camera that took these pictures: under it no pose of the "
-            f"board fits most of the views ({_told(camera)}); check which file it is, and its "
-            "distortion."
+            f"board fits most of the views ({camera.told_distortion}); check which file it is, and "
+            "its distortion."
         )
     found = _compared(camera, covariance, fresh, limit_px)
     if found.verdict not in ("degraded", "other-camera"):
@@ -187,19 +184,13 @@ def _check_lens(camera: Camera, fresh: Calibration) -> None:
         )
     pixels = grid_pixels(camera.image_size, MAP)
     pixels = pixels[np.isfinite(fresh.camera.unproject(pixels)[:, 2])]
-    rays = replace(camera, image_circle=None).unproject(pixels)
-    folded = 1 - float(np.isfinite(rays[:, 2]).mean())
-    if folded > _FOLDED:
+    folded = folded_share(camera, pixels)
+    if folded > FOLDED:
         raise CalibrationError(
             f"The lens model in the camera file folds back within the picture: no ray reaches "
-            f"{100 * folded:.0f} % of it ({_told(camera)}). It is another camera's file, or was "
-            "calibrated without views up to the border; calibrate again."
+            f"{100 * folded:.0f} % of it ({camera.told_distortion}). It is another camera's file, "
+            "or was calibrated without views up to the border; calibrate again."
         )
-
-
-def _told(camera: Camera) -> str:
-    names = camera.lens.coefficient_names
-    return ", ".join(f"{name} = {camera.named[name]:.4g}" for name in names)
 
 
 def _chance_px(camera: Camera, covariance: Array) -> float:

@@ -195,6 +195,11 @@ class Camera:
             image_circle=self.image_circle and self.image_circle.scaled(sx, sy),
         )
 
+    @property
+    def told_distortion(self) -> str:
+        """The coefficients for a person: "k1 = -0.3, k2 = 0.1"."""
+        return ", ".join(f"{name} = {self.named[name]:.4g}" for name in self.lens.coefficient_names)
+
     @cached_property
     def angle_limit(self) -> float:
         """Largest angle from the optical axis, rad, that the lens model reaches. Beyond it the
@@ -300,6 +305,17 @@ class Camera:
             np.subtract(arm[:, 2] * gx, arm[:, 0] * gz, out=J[:, 1, row])
             np.subtract(arm[:, 0] * gy, arm[:, 1] * gx, out=J[:, 2, row])
         return J
+
+
+FOLDED = 0.05
+"""Share of the picture in which a lens model may fold back, as one does in the outermost corners if
+it was calibrated without views there."""
+
+
+def folded_share(camera: Camera, pixels: ArrayLike) -> float:
+    """Share of the pixels (n, 2) that no ray reaches, as the lens model folds back before."""
+    rays = replace(camera, image_circle=None).unproject(pixels)
+    return 1 - float(np.isfinite(rays[:, 2]).mean())
 
 
 def planning_camera(camera: Camera) -> Camera:
