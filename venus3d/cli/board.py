@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import webbrowser
 from pathlib import Path
 
@@ -39,7 +40,7 @@ def board_command(options: BoardCommand) -> None:
     if options.save is not None:
         again = is_board_file(options.save)
         path = save_board(board, free_place(options.save, replaces=again, option="--save"))
-        print(f"{path}: give it to the other commands as --board {path}.")
+        print(f"{path}: give it to the other commands as --board {shlex.quote(str(path))}")
         return
     if options.show:
         _show(board, options.output)

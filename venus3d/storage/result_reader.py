@@ -21,6 +21,7 @@ from venus3d.engine.geometry.image_circle import ImageCircle
 from venus3d.engine.geometry.lenses import BROWN5, lens_called
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.regular_file import read_regular
+from venus3d.storage.damaged import DAMAGED
 from venus3d.storage.folder import reason
 from venus3d.storage.result import SCHEMA
 
@@ -87,7 +88,7 @@ def read_result(path: Path | str) -> Result:
         )
     try:
         return _result_of(content)
-    except (ArithmeticError, LookupError, TypeError, ValueError, VenusError) as error:
+    except (*DAMAGED, VenusError) as error:
         raise _no_result(path) from error
 
 

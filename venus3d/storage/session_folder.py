@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.record import SessionState
 from venus3d.engine.guidance.views import CapturedView
+from venus3d.storage.damaged import DAMAGED
 from venus3d.storage.folder import prepare, reason, replace_files, sync_folder, write_bytes
 from venus3d.storage.places import EVENTS, HEADER, VIEWS, is_session
 from venus3d.storage.result import board_summary
@@ -114,7 +115,7 @@ class SessionFolder:
             os.truncate(path, whole)
         try:
             return state_of(events)
-        except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        except DAMAGED as error:
             raise damaged(self.directory) from error
 
     def pictures(self, state: SessionState) -> Iterator[tuple[int, NDArray[np.uint8]]]:

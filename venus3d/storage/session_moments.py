@@ -11,6 +11,7 @@ from typing import Literal
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.record import SessionState
+from venus3d.storage.damaged import DAMAGED
 from venus3d.storage.session_events import state_of
 from venus3d.storage.session_reader import Event, damaged, pictures_by_number, read_journal
 
@@ -46,7 +47,7 @@ def moments_of(directory: Path) -> tuple[Moment, ...]:
     events, _ = read_journal(directory)
     try:
         moments = _moments(directory, events)
-    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+    except DAMAGED as error:
         raise damaged(directory) from error
     if not moments:
         raise StorageError(f"No view was captured in {directory}; there is nothing to show.")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from venus3d.engine.errors import StorageError
 from venus3d.engine.guidance.views import CapturedView
 from venus3d.regular_file import read_regular
+from venus3d.storage.damaged import DAMAGED
 from venus3d.storage.folder import reason
 from venus3d.storage.places import EVENTS, HEADER, VIEWS
 
@@ -99,7 +100,7 @@ def camera_settings(directory: Path) -> dict[str, Any] | None:
     events, _ = read_journal(directory)
     try:
         told = [dict(event["settings"]) for event in events if event["event"] == "camera"]
-    except (LookupError, TypeError, ValueError) as error:
+    except DAMAGED as error:
         raise damaged(directory) from error
     return told[-1] if told else None
 
@@ -136,7 +137,7 @@ def pictures_of(directory: Path, views: Sequence[CapturedView]) -> dict[int, Pat
             for view in views
             if view.number == event["number"] and _has_corners(event, view)
         }
-    except (StorageError, LookupError, TypeError, ValueError):
+    except (*DAMAGED, StorageError):
         return {}
 
 
@@ -174,7 +175,7 @@ def picture_files(directory: Path, tell: Callable[[str], None]) -> list[Path]:
     `tell` receives a sentence for each that is missing. Raises `StorageError` if there is none."""
     try:
         files = _counted(directory)
-    except (StorageError, LookupError, TypeError, ValueError):
+    except (*DAMAGED, StorageError):
         files = sorted((directory / VIEWS).glob("*.png"))
     there = [path for path in files if path.is_file()]
     for path in files:

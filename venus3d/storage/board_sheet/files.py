@@ -93,8 +93,8 @@ def svg_of(sheet: Sheet, title: str) -> str:
 def picture_of_sheet(sheet: Sheet, dpi: float, square_mm: float) -> tuple[NDArray[np.uint8], float]:
     """Grey image of a sheet and its resolution in dots per inch: the one nearest to `dpi` at which
     a square is a whole number of pixels, or its edges blur. Raises `StorageError`."""
-    if not 0 < dpi < 1e6:
-        raise StorageError("The resolution must be positive.")
+    if not 1 <= dpi <= 1e6:
+        raise StorageError(f"--dpi must be a number from 1 to 1000000, not {dpi:g}.")
     square_px = round(square_mm * dpi / MM_PER_INCH)
     # A marker of 8 cells in two thirds of a square still has two pixels a cell.
     if square_px < 24:

@@ -16,6 +16,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.lenses import BROWN5, LENSES
 from venus3d.engine.geometry.nearest_camera import nearest_without_k3
 from venus3d.regular_file import read_regular
+from venus3d.storage.damaged import DAMAGED
 from venus3d.storage.folder import reason, write_bytes
 from venus3d.storage.formats.blender import BLENDER
 from venus3d.storage.formats.colmap import COLMAP
@@ -173,7 +174,7 @@ def import_camera(
     source = format_called(format) if format else _format_of(place, content)
     try:
         return source.read(content, name)
-    except (ArithmeticError, LookupError, TypeError, ValueError, CalibrationError) as error:
+    except (*DAMAGED, CalibrationError) as error:
         raise _none_in(place, source) from error
     except (RecursionError, MemoryError) as error:
         raise _none_in(place, source) from error

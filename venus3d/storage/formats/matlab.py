@@ -17,10 +17,13 @@ from scipy.io import loadmat, savemat, whosmat
 from scipy.io.matlab import MatReadError
 
 from venus3d.storage.formats import values
+from venus3d.storage.formats.mat5 import numeric_arrays
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 
 _NEEDED = ("intrinsicMatrix", "distortionCoefficients", "imageSize")
 _READ = (*_NEEDED, "covariance", "rms")
+_MOST = 100
+"""Numbers in one array: a covariance has fewer."""
 
 
 def write(record: CameraRecord) -> bytes:
@@ -44,15 +47,8 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
     """The camera of such a file. Only small arrays of these names are unpacked."""
     if content[:4] == b"\x89HDF":
         raise ValueError("version 7.3")
-    try:
-        shapes = {name: shape for name, shape, _ in whosmat(io.BytesIO(content)) if name in _READ}
-        if any(math.prod(shape) > 100 for shape in shapes.values()):
-            raise ValueError("too large")
-        found = loadmat(io.BytesIO(content), variable_names=[*shapes])
-    except (OSError, NotImplementedError, AttributeError, MatReadError) as error:
-        raise ValueError("no .mat file") from error
-    if any(np.iscomplexobj(found[name]) for name in shapes):
-        raise ValueError("complex numbers")
+    # A zero among the first bytes is the mark of version 4.
+    found = _of_version_4(content) if 0 in content[:4] else numeric_arrays(content, _READ, _MOST)
     K, distortion, size = (np.asarray(found[name], dtype=np.float64) for name in _NEEDED)
     rows, columns = values.numbers(size.ravel(), 2)
     rms = found.get("rms")
@@ -62,6 +58,19 @@ def read(content: bytes, _name: str | None = None) -> CameraRecord:
         sigma=None if covariance is None else np.sqrt(np.diag(covariance)),
         rms_px=None if rms is None else values.number(np.ravel(rms)[0]),
     )
+
+
+def _of_version_4(content: bytes) -> dict[str, Any]:
+    try:
+        shapes = {name: shape for name, shape, _ in whosmat(io.BytesIO(content)) if name in _READ}
+        if any(math.prod(shape) > _MOST for shape in shapes.values()):
+            raise ValueError("too large")
+        found = loadmat(io.BytesIO(content), variable_names=[*shapes])
+    except (OSError, NotImplementedError, AttributeError, MatReadError) as error:
+        raise ValueError("no .mat file") from error
+    if any(np.iscomplexobj(found[name]) for name in shapes):
+        raise ValueError("complex numbers")
+    return found
 
 
 MATLAB = CameraFormat(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from datetime import datetime, timezone
-from typing import Any, cast
+from typing import cast
 
 import cv2
 import numpy as np
@@ -21,6 +21,8 @@ from venus3d.storage.formats import values
 from venus3d.storage.formats.record import CameraFormat, CameraRecord
 
 _LENSES = ("brown5", "rational", "rational-thin-prism", "fisheye")
+_MOST = 1000
+"""Numbers in a matrix: more are no camera's."""
 _IN_MEMORY = cv2.FILE_STORAGE_MEMORY
 _FLAG_OF = {
     "yaml": cv2.FILE_STORAGE_FORMAT_YAML,
@@ -133,8 +135,18 @@ def _board_of(file: cv2.FileStorage) -> Board | None:
 
 
 def _matrix(file: cv2.FileStorage, key: str) -> Array | None:
-    content: Any = file.getNode(key).mat()
-    return None if content is None else np.asarray(content, dtype=np.float64)
+    # `mat()` writes beyond its memory where rows and columns are not as many as the numbers.
+    node = file.getNode(key)
+    if not node.isMap():
+        return None
+    content, rows, columns = (node.getNode(part) for part in ("data", "rows", "cols"))
+    shape = int(rows.real()), int(columns.real())
+    if not content.isSeq() or min(shape) < 1 or content.size() != shape[0] * shape[1]:
+        raise ValueError("not as many numbers as rows and columns")
+    numbers = [content.at(number) for number in range(min(content.size(), _MOST + 1))]
+    if len(numbers) > _MOST or not all(one.isInt() or one.isReal() for one in numbers):
+        raise ValueError("no small matrix of numbers")
+    return np.array([one.real() for one in numbers]).reshape(shape)
 
 
 def _number(file: cv2.FileStorage, key: str) -> float | None:
