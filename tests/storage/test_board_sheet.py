@@ -175,7 +175,7 @@ def test_resolution_that_makes_no_picture() -> None:
         picture_of_sheet(sheet, 10, 28)
     with pytest.raises(StorageError, match="over 400 million pixels"):
         picture_of_sheet(sheet, 10000, 28)
-    with pytest.raises(StorageError, match="must be positive"):
+    with pytest.raises(StorageError, match="must be a number from 1"):
         picture_of_sheet(sheet, float("nan"), 28)
 
 
