@@ -17,7 +17,7 @@ once in a hundred checks for any of them (Bonferroni), have changed; `changed_px
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -135,19 +135,23 @@ def verify(
             f"board fits most of the views ({camera.told_distortion}); check which file it is, and "
             "its distortion."
         )
-    found = _compared(camera, covariance, fresh, limit_px)
+    found = _compared(camera, covariance, fresh, limit_px, rms_px)
     if found.verdict not in ("degraded", "other-camera"):
         return found
     turned, signs = turned_camera(camera)
     turned_covariance = None if covariance is None else covariance * np.outer(signs, signs)
-    back = _compared(turned, turned_covariance, fresh, limit_px)
+    back = _compared(turned, turned_covariance, fresh, limit_px, rms_px)
     if back.verdict in ("degraded", "other-camera"):
         return found
     return replace(found, verdict="turned", turned_back_px=back.diff_px)
 
 
 def _compared(
-    camera: Camera, covariance: Array | None, fresh: Calibration, limit_px: float
+    camera: Camera,
+    covariance: Array | None,
+    fresh: Calibration,
+    limit_px: float,
+    rms_px: float,
 ) -> Verification:
     joint = fresh.covariance if covariance is None else fresh.covariance + covariance
     diff_px, chance_px = projection_diff_px(camera, fresh.camera), _chance_px(fresh.camera, joint)
