@@ -43,7 +43,8 @@ class Limits:
     max_tilt_deg: float = 55.0
     """Between the board's normal and the line of sight to its centre: beyond, corners blur."""
     nearest: float = 0.2
-    """Least distance of the board's corners from the lens, metres."""
+    """Least distance of the board's corners from the lens, metres; from a wide lens, of its nearest
+    point."""
     farthest: float = 1.2
     """Largest distance, metres."""
     max_depth_ratio: float = 2.2
@@ -163,6 +164,7 @@ _POINTS = (
     Sentence("The middle of the bottom edge"),
     Sentence("The middle of the left edge"),
 )
+_MIDDLE = Sentence("The middle of the board")
 # Each border of the image: that a point is beyond it, and that it is too near it.
 _SIDES = (
     (
@@ -252,7 +254,8 @@ def _sentence(
     """The sentence for a rule that is broken at one place only, and the corner concerned."""
     distances = np.linalg.norm(board.outline @ rotations_of(p)[0].T + p[3:], axis=1)
     nearest, farthest = int(np.argmin(distances)), int(np.argmax(distances))
-    near, far = 1000 * float(distances[nearest]), 1000 * float(distances[farthest])
+    far, near = 1000 * float(distances[farthest]), 1000 * float(seen.near[0])
+    is_inside = near < 1000 * float(distances[nearest]) - 0.5
     closest, most = whole(1000 * limits.nearest), whole(1000 * limits.farthest)
     tilt = np.degrees(np.arccos(np.clip(seen.cosine[0], -1, 1)))
     match rule:
@@ -260,8 +263,9 @@ def _sentence(
             text = BACK if tilt > 90 else TILT.format(value=whole(tilt), limit=limits.max_tilt_deg)
             return text, ()
         case "near":
-            text = NEAR.format(point=_POINTS[nearest], value=whole(near), limit=closest)
-            return text, (nearest,)
+            point = _MIDDLE if is_inside else _POINTS[nearest]
+            text = NEAR.format(point=point, value=whole(near), limit=closest)
+            return text, () if is_inside else (nearest,)
         case "far":
             text = FAR.format(point=_POINTS[farthest], value=whole(far), limit=most)
             return text, (farthest,)

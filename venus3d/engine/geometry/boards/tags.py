@@ -21,12 +21,11 @@ from venus3d.engine.geometry.pose import Array
 if TYPE_CHECKING:
     from venus3d.engine.geometry.board import Board
 
-_JOINED_CELL_PX = 3.0
+_JOINED_CELL_PX = 2.7
 """Pixels that a tag's cell needs where black squares touch the tag's corners: below, its outline
-runs into them. On 90 renders with noise and blur, 30 to 40 % of the AprilGrid's tags are found
-where the distance from one to the next is 24-33 px on its short side (1.8-2.5 px a cell), 63 % at
-33-36 px, 85 % at 36-39 px, 97 % at 39-42 px, all above 45 px; without the squares all from 21 px
-on."""
+runs into them. On 60 renders through three lenses, with noise and blur, 25 % of the AprilGrid's
+tags are found where the distance from one to the next is 21-24 px on its short side, 62 % at
+27-30 px, 82 % at 33-36 px, 92 % at 39-42 px, 99 % above 45 px."""
 _CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
 """Column and row of a tag's corners, clockwise from its top left."""
 
