@@ -24,6 +24,8 @@ from venus3d.engine.sentences import Sentence
 Mask = NDArray[np.bool_]
 SLACK = 1e-9
 """Of a margin: a pose exactly on a limit must not be lost to rounding."""
+_OF_WIDEST = 0.9
+"""Share of the largest square that a wide lens can show at the board's end, asked for at most."""
 WIDEST = float(np.radians(88.0))
 """From the axis to a board's centre: nothing is held behind a lens that sees there."""
 
@@ -67,7 +69,13 @@ class Limits:
         distances become the multiples 0.75 and 4.5 of `z_fill`, as for the default board and a
         usual webcam.
         """
-        limits = Limits(min_square_px=max(Limits.min_square_px, legible_square_px(board)))
+        least = legible_square_px(board)
+        if not camera.lens.is_perspective:
+            # f s z / (z^2 + x^2) at the end x of a board that faces the lens is at most f s / 2 x:
+            # of a wide board no pose may show more.
+            widest = min(camera.fx, camera.fy) * board.square / max(board.width, board.height)
+            least = min(least, _OF_WIDEST * widest)
+        limits = Limits(min_square_px=max(Limits.min_square_px, least))
         room = 1 - 2 * limits.margin
         height_px = camera.height - 2 * limits.margin * camera.width
         z_fill = max(

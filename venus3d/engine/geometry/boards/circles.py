@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from venus3d.engine.geometry.board import Board
 
 _FEWEST = 3
-_LEGIBLE_PX = 10.0
+_LEGIBLE_PX = 12.0
 """Diameter of a circle on its short side, pixels."""
 
 
