@@ -16,16 +16,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.calibration import Calibration
-from venus3d.engine.calibration.observation import (
-    Observation,
-    determines_homography,
-    rms_distance,
-)
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.shared_errors import ViewResidual
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
@@ -141,24 +136,14 @@ def start_with_any_lens(
     numbers: Sequence[int] | None = None,
 ) -> Calibration:
     """`calibrate` with the start-up model, of a pinhole or an equidistant lens, whichever fits.
-    `lens`: the one that is wanted; None: it is found out. Raises `CalibrationError` likewise.
-
-    Views that determine no pinhole, as frontal ones do not, determine a wide lens by how it bends
-    the board: it is taken where it fits and no pinhole does, whatever its focal length.
-    """
+    `lens`: the one that is wanted; None: it is found out. Raises `CalibrationError` likewise."""
 
     def started(which: LensModel) -> Calibration:
         return calibrate(board, observations, model="startup", lens=which, numbers=numbers)
 
     if lens is not None:
         return started(BROWN5 if lens.is_perspective else lens)
-    try:
-        plain = started(BROWN5)
-    except CalibrationError as error:
-        wide = started(FISHEYE)
-        if sees_wide(wide) and wide.rms_px * HOPELESS < _plane_rms_px(board, observations):
-            return wide
-        raise error
+    plain = started(BROWN5)
     if _is_narrow(plain.camera):
         return plain
     try:
@@ -166,27 +151,6 @@ def start_with_any_lens(
     except CalibrationError:
         return plain
     return wide if wide.rms_px * HOPELESS < plain.rms_px else plain
-
-
-def sees_wide(calibration: Calibration) -> bool:
-    """Whether it is of a wide lens that sees more than `WIDE_DEG` across the picture. An
-    equidistant lens of a longer focal length may as well be a webcam with a barrel distortion,
-    whose own is another."""
-    camera = calibration.camera
-    return not camera.lens.is_perspective and fields_of_view_deg(camera)[0] > WIDE_DEG
-
-
-def _plane_rms_px(board: Board, observations: Sequence[Observation]) -> float:
-    """Rms of the homographies nearest to the views: no pinhole's is less."""
-    left: list[Array] = []
-    for seen in observations:
-        points = board.points_of(seen.ids)
-        if determines_homography(points):
-            H, _ = cv2.findHomography(points[:, :2], seen.corners)
-            if H is not None:
-                flat = cv2.perspectiveTransform(points[None, :, :2], H)[0]
-                left.append(seen.corners - np.asarray(flat, dtype=np.float64))
-    return rms_distance(np.concatenate(left)) if left else 0.0
 
 
 def held_out_squares(calibration: Calibration) -> Array:

@@ -25,8 +25,7 @@ class Visibility:
     depth: Array
     """(16, N) along the optical axis, metres."""
     near: Array
-    """(N,) distance of the board's nearest corner from the lens, metres; of its nearest point to a
-    wide lens, which may see the corners of a board whose middle touches it."""
+    """(N,) distance of the board's nearest corner from the lens, metres."""
     far: Array
     """(N,) distance of the farthest, metres."""
     pixels: Array
@@ -65,9 +64,7 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
         R=R,
         cosine=cosine,
         depth=points[2],
-        near=np.sqrt(squares.min(axis=0))
-        if camera.lens.is_perspective
-        else _nearest_point(board, R, t),
+        near=np.sqrt(squares.min(axis=0)),
         far=np.sqrt(squares.max(axis=0)),
         pixels=pixels,
         low=pixels.min(axis=1),
@@ -75,15 +72,6 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
         side=side,
         seen=seen,
     )
-
-
-def _nearest_point(board: Board, R: Array, t: Array) -> Array:
-    """(N,) distance of the board's nearest point: the foot of the lens's perpendicular on its
-    plane, or where the outline is nearest to that."""
-    half = np.array([board.width, board.height]) / 2
-    x, y = (np.clip(-np.sum(R[:, k] * t, axis=0), -half[k], half[k]) for k in (0, 1))
-    with np.errstate(over="ignore"):
-        return np.asarray(np.linalg.norm(R[:, 0] * x + R[:, 1] * y + t, axis=0))
 
 
 @lru_cache(maxsize=8)

@@ -11,7 +11,7 @@ import numpy as np
 
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.calibration import Calibration
-from venus3d.engine.calibration.lens_choice import sees_wide, start_with_any_lens
+from venus3d.engine.calibration.lens_choice import start_with_any_lens
 from venus3d.engine.calibration.observation import Observation, determines_homography
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
@@ -131,14 +131,12 @@ class Startup:
         """Whether a view determines f at all.
 
         A frontal board fits any focal length with a low error, as a longer lens farther away gives
-        the same image. Only a tilt determines f, by the foreshortening of the far edge; or a wide
-        lens itself, by how it bends the board.
+        the same image. Only a tilt determines f, by the foreshortening of the far edge.
         """
         tilt = float(np.degrees(np.arccos(np.clip(abs(found.views[0].pose.R[2, 2]), 0, 1))))
         low, high = _FOV_DEG
         fov = found.camera.fov_deg[0]
-        is_shown = tilt >= _LEAST_TILT_DEG or sees_wide(found)
-        return is_shown and _share(found) <= _LARGEST_SHARE and low < fov < high
+        return tilt >= _LEAST_TILT_DEG and _share(found) <= _LARGEST_SHARE and low < fov < high
 
     def _nearest_fit(self) -> float:
         """The smallest z at which the tilted board fits the image with the margin, metres."""

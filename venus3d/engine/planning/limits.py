@@ -24,8 +24,6 @@ from venus3d.engine.sentences import Sentence
 Mask = NDArray[np.bool_]
 SLACK = 1e-9
 """Of a margin: a pose exactly on a limit must not be lost to rounding."""
-_OF_WIDEST = 0.9
-"""Share of the largest square that a wide lens can show at the board's end, asked for at most."""
 WIDEST = float(np.radians(88.0))
 """From the axis to a board's centre: nothing is held behind a lens that sees there."""
 
@@ -45,8 +43,7 @@ class Limits:
     max_tilt_deg: float = 55.0
     """Between the board's normal and the line of sight to its centre: beyond, corners blur."""
     nearest: float = 0.2
-    """Least distance of the board's corners from the lens, metres; from a wide lens, of its nearest
-    point."""
+    """Least distance of the board's corners from the lens, metres."""
     farthest: float = 1.2
     """Largest distance, metres."""
     max_depth_ratio: float = 2.2
@@ -69,13 +66,7 @@ class Limits:
         distances become the multiples 0.75 and 4.5 of `z_fill`, as for the default board and a
         usual webcam.
         """
-        least = legible_square_px(board)
-        if not camera.lens.is_perspective:
-            # f s z / (z^2 + x^2) at the end x of a board that faces the lens is at most f s / 2 x:
-            # of a wide board no pose may show more.
-            widest = min(camera.fx, camera.fy) * board.square / max(board.width, board.height)
-            least = min(least, _OF_WIDEST * widest)
-        limits = Limits(min_square_px=max(Limits.min_square_px, least))
+        limits = Limits(min_square_px=max(Limits.min_square_px, legible_square_px(board)))
         room = 1 - 2 * limits.margin
         height_px = camera.height - 2 * limits.margin * camera.width
         z_fill = max(
@@ -172,7 +163,6 @@ _POINTS = (
     Sentence("The middle of the bottom edge"),
     Sentence("The middle of the left edge"),
 )
-_MIDDLE = Sentence("The middle of the board")
 # Each border of the image: that a point is beyond it, and that it is too near it.
 _SIDES = (
     (
@@ -262,8 +252,7 @@ def _sentence(
     """The sentence for a rule that is broken at one place only, and the corner concerned."""
     distances = np.linalg.norm(board.outline @ rotations_of(p)[0].T + p[3:], axis=1)
     nearest, farthest = int(np.argmin(distances)), int(np.argmax(distances))
-    far, near = 1000 * float(distances[farthest]), 1000 * float(seen.near[0])
-    is_inside = near < 1000 * float(distances[nearest]) - 0.5
+    near, far = 1000 * float(distances[nearest]), 1000 * float(distances[farthest])
     closest, most = whole(1000 * limits.nearest), whole(1000 * limits.farthest)
     tilt = np.degrees(np.arccos(np.clip(seen.cosine[0], -1, 1)))
     match rule:
@@ -271,9 +260,8 @@ def _sentence(
             text = BACK if tilt > 90 else TILT.format(value=whole(tilt), limit=limits.max_tilt_deg)
             return text, ()
         case "near":
-            point = _MIDDLE if is_inside else _POINTS[nearest]
-            text = NEAR.format(point=point, value=whole(near), limit=closest)
-            return text, () if is_inside else (nearest,)
+            text = NEAR.format(point=_POINTS[nearest], value=whole(near), limit=closest)
+            return text, (nearest,)
         case "far":
             text = FAR.format(point=_POINTS[farthest], value=whole(far), limit=most)
             return text, (farthest,)
