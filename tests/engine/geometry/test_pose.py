@@ -44,8 +44,8 @@ def test_own_axes_are_the_same_turns_in_the_other_order(p: tuple[float, ...]) ->
 def test_vector_describes_the_pose_even_in_gimbal_lock(p: tuple[float, ...], axes: str) -> None:
     pose = Pose.from_vector(p, axes=axes)  # type: ignore[arg-type]
     again = Pose.from_vector(pose.vector(axes), axes=axes)  # type: ignore[arg-type]
-    # Near 90 degrees arcsin keeps half of the digits: sqrt(1e-16) rad.
-    assert pose.angle_to_deg(again) < 1e-5
+    # Within 1e-7 rad (6e-6 degrees) scipy takes it for locked, and two turns are off by that.
+    assert pose.angle_to_deg(again) < 1.3e-5
     np.testing.assert_allclose(again.t, pose.t)
 
 
