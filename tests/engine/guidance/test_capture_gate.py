@@ -15,11 +15,11 @@ from tests.engine.board_pictures import picture_of
 from tests.engine.guidance.test_session import Rig
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.picture_quality import picture_quality
+from venus3d.engine.calibration.picture_quality import least_sharpness, picture_quality
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.capture_gate import least_sharpness, refusal
+from venus3d.engine.guidance.capture_gate import refusal
 from venus3d.engine.guidance.work import Settings
 
 Picture = NDArray[np.uint8]
@@ -88,7 +88,7 @@ def test_out_of_focus_is_judged_by_the_views_before_and_by_the_picture_width(
     assert refusal(sharp, Board()) is None and refusal(soft, Board()) is None
     why = refusal(soft, Board(), usual_sharpness=sharp.sharpness)
     assert why is not None and "Out of focus" in why
-    assert least_sharpness(3840, float("nan")) == pytest.approx(least_sharpness(1280, np.nan) / 3)
+    assert least_sharpness(3840) == pytest.approx(least_sharpness(1280) / 3)
 
 
 def test_motion_counts_by_the_time_of_one_frame(picture: Picture) -> None:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from venus3d.engine.amounts import figure, whole
-from venus3d.engine.calibration import fit_checks
+from venus3d.engine.calibration import fit_checks, picture_checks
 from venus3d.engine.calibration.board_shape import FEWEST_VIEWS
 from venus3d.engine.calibration.calibration import Calibration, largest_angle_deg
 from venus3d.engine.calibration.diagnosis import Diagnosis, DiagnosisKind, worst_first
@@ -381,12 +381,13 @@ def _depths(calibration: Calibration) -> Array:
 _CHECKS = (
     _Check(1, 1, _impossible, needs_full=False),
     _Check(3, 3, _small),
+    _Check(3, 2, picture_checks.blurred),
     _Check(5, 2, _parallel_or_weak),
     _Check(5, 3, _folding),
     _Check(2, 2, other_cameras),
-    _Check(2, 2, fit_checks.left_out),
-    _Check(2, 2, fit_checks.turned),
-    _Check(2, 2, fit_checks.repeats),
+    _Check(2, 2, picture_checks.left_out),
+    _Check(2, 2, picture_checks.turned),
+    _Check(2, 2, picture_checks.repeats),
     _Check(1, 1, fit_checks.shape),
     _Check(FEWEST_VIEWS, FEWEST_VIEWS, fit_checks.pattern),
     _Check(4, 4, _outlying),

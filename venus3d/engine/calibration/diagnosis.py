@@ -15,6 +15,7 @@ DiagnosisKind = Literal[
     "unread-markers",
     "two-boards",
     "small-board",
+    "blurred-pictures",
     "impossible-distance",
     "fisheye-lens",
     "wrong-lens",

@@ -1,4 +1,4 @@
-"""Signs that the model does not describe these pictures: what was left out, and what is wrong.
+"""Signs that the model does not describe these pictures: lens, focal length, board or shutter.
 
 Part of `checks.diagnose`. The patterns are measured in `residual_patterns`, the board's bow and
 stretch are estimated by `board_shape`.
@@ -12,10 +12,10 @@ import numpy as np
 
 from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.board_diagnoses import MEASURE_TAGS
-from venus3d.engine.calibration.calibration import Calibration, LeftOut, LeftOutReason
+from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.focal_changes import focal_change
-from venus3d.engine.calibration.observation import View
+from venus3d.engine.calibration.picture_checks import MOST_NAMED, name_of
 from venus3d.engine.calibration.residual_patterns import (
     ALIKE,
     ON_THE_LENS,
@@ -25,50 +25,12 @@ from venus3d.engine.calibration.residual_patterns import (
     neighbour_correlation,
     rolling_motion,
 )
-from venus3d.engine.calibration.turned_pictures import turned_views
 from venus3d.engine.sentences import Sentence, listed
 
 ON_THE_BOARD = 0.5
 """Share of the residuals that a bent board must explain to be named."""
 SOME = 1 / 3
 """Share of the views up to which those in motion are named: of more, others explain as much."""
-MANY_LEFT_OUT = 0.1
-"""Share of the corners of one view, or of all, that is not left out without a word."""
-_MOST_NAMED = 5
-
-_LEFT_OUT: dict[LeftOutReason, tuple[tuple[Sentence, Sentence], tuple[Sentence, Sentence]]] = {
-    "undetermined": (
-        (
-            Sentence(
-                "View {views} was left out: it shows too few corners, or corners on one line only, "
-                "and fixes no pose."
-            ),
-            Sentence("Show more of the board there, or leave it out."),
-        ),
-        (
-            Sentence(
-                "Views {views} were left out: each shows too few corners, or corners on one line "
-                "only, and fixes no pose."
-            ),
-            Sentence("Show more of the board there, or leave them out."),
-        ),
-    ),
-    "misfit": (
-        (
-            Sentence("View {views} was left out: it fits no pose of this board."),
-            Sentence(
-                "Look at it: is it another board, or was it misread or blurred? Take it again."
-            ),
-        ),
-        (
-            Sentence("Views {views} were left out: each fits no pose of this board."),
-            Sentence(
-                "Look at them: is it another board, or was it misread or blurred? Take them again."
-            ),
-        ),
-    ),
-}
-"""Cause and cure, for one view and for several."""
 _BOWED: tuple[tuple[Sentence, Sentence], ...] = (
     (
         Sentence(
@@ -108,12 +70,6 @@ _TAGS_MEASURED = Sentence(
     "In the pictures the tags are {found} mm wide where it is {square} mm from one tag to the "
     "next, which is not as given. The calibration allows for it."
 )
-_GONE_FROM_ONE = Sentence(
-    "{out} of {every} corners fit no view and were left out, most of them in view {views}."
-)
-_GONE_FROM_MANY = Sentence(
-    "{out} of {every} corners fit no view and were left out, most of them in views {views}."
-)
 _ALIKE = Sentence(
     "neighbouring corners are off alike (correlation {correlation:.2f}; rms {rms} px where the "
     "corners are good for {noise} px)"
@@ -142,31 +98,6 @@ _TAKE_AGAIN = (
     Sentence("Leave them out, or take them again while nothing moves."),
 )
 
-_TURNED_OUT = (
-    Sentence(
-        "View {views} was left out: its picture is turned by 180° against the others. The "
-        "principal point is at ({x}, {y}) px in it and at ({cx}, {cy}) px in the others."
-    ),
-    Sentence(
-        "Views {views} were left out: their pictures are turned by 180° against the others. The "
-        "principal point is at ({x}, {y}) px in them and at ({cx}, {cy}) px in the others."
-    ),
-)
-_TURNED_IN = (
-    Sentence(
-        "The picture of view {views} is turned by 180° against the others, and so is the "
-        "principal point: the estimate of it lies in between."
-    ),
-    Sentence(
-        "The pictures of views {views} are turned by 180° against the others, and so is the "
-        "principal point: the estimate of it lies in between."
-    ),
-)
-_TURN_BACK = Sentence(
-    "Turn back what a phone or a program turned, so that all pictures lie as the camera read "
-    "them, and calibrate again; a camera held upside down turns nothing."
-)
-_MOST_TURNED = 12
 _OTHER_FOCAL = (
     Sentence(
         "The picture of view {views} has a focal length that is {share} % {than} that of the "
@@ -183,17 +114,8 @@ _ONE_FOCAL = Sentence(
     "calibrate those of each focal length by themselves."
 )
 
-
 _BENDS = Sentence("The lens bends in a way that the model {lens} does not describe: {alike}.")
 _ANY_LENS = Sentence("Calibrate with --lens auto, which finds the model.")
-_REPEATED = Sentence(
-    "Of {every} views {different} are different: views {views} repeat others and do not count, as "
-    "what repeats brings nothing new."
-)
-_REPEATED_ONE = Sentence(
-    "Of {every} views {different} are different: view {views} repeats another one and does not "
-    "count, as what repeats brings nothing new."
-)
 
 
 def shape(calibration: Calibration) -> Iterator[Diagnosis]:
@@ -241,79 +163,6 @@ def shape(calibration: Calibration) -> Iterator[Diagnosis]:
         )
 
 
-def left_out(calibration: Calibration) -> Iterator[Diagnosis]:
-    """Views and many corners that the calibration does without."""
-    for reason, (single, plural) in _LEFT_OUT.items():
-        ones = [one for one in calibration.left_out if one.reason == reason]
-        if ones:
-            cause, cure = plural if len(ones) > 1 else single
-            yield Diagnosis(
-                "left-out-view",
-                cause.format(views=listed([_name(one) for one in ones], _MOST_NAMED)),
-                cure,
-                tuple(one.number for one in ones),
-            )
-    counts = {
-        v.number: (0 if v.left_out is None else v.left_out.count, v.observation.count)
-        for v in calibration.views
-    }
-    out = sum(gone for gone, _ in counts.values())
-    every = out + sum(kept for _, kept in counts.values())
-    worst = tuple(n for n, (gone, kept) in counts.items() if gone > MANY_LEFT_OUT * (gone + kept))
-    if worst or out > MANY_LEFT_OUT * every:
-        yield Diagnosis(
-            "left-out-corners",
-            (_GONE_FROM_ONE if len(worst) == 1 else _GONE_FROM_MANY).format(
-                out=out,
-                every=every,
-                views=listed([str(n) for n in worst or counts], _MOST_NAMED),
-            ),
-            Sentence(
-                "Look for glare, a hand over the board or blur there, and take those views again."
-            ),
-            worst,
-        )
-
-
-def turned(calibration: Calibration) -> Iterator[Diagnosis]:
-    """Pictures that are turned by 180° among the others."""
-    ones = [one for one in calibration.left_out if one.reason == "turned"]
-    if ones:
-        camera = calibration.camera
-        x, y = camera.width - 1 - camera.cx, camera.height - 1 - camera.cy
-        places = {"x": x, "y": y, "cx": camera.cx, "cy": camera.cy}
-        numbers = tuple(one.number for one in ones)
-        cause = _TURNED_OUT[len(ones) > 1].format(
-            views=listed([_name(one) for one in ones], _MOST_TURNED),
-            **{name: f"{value:.1f}" for name, value in places.items()},
-        )
-    else:
-        numbers = turned_views(calibration)
-        if not numbers:
-            return
-        names = [_name(view) for view in calibration.views if view.number in numbers]
-        cause = _TURNED_IN[len(numbers) > 1].format(views=listed(names, _MOST_TURNED))
-    yield Diagnosis("turned-pictures", cause, _TURN_BACK, numbers)
-
-
-def repeats(calibration: Calibration) -> Iterator[Diagnosis]:
-    """Views that count once with another one."""
-    ones = [one for one in calibration.left_out if one.reason == "repeat"]
-    if not ones:
-        return
-    different = len(calibration.views)
-    yield Diagnosis(
-        "repeated-views",
-        (_REPEATED if len(ones) > 1 else _REPEATED_ONE).format(
-            every=different + len(ones),
-            different=different,
-            views=listed([_name(o) for o in ones], _MOST_NAMED),
-        ),
-        Sentence("Move and tilt the board between views."),
-        tuple(one.number for one in ones),
-    )
-
-
 def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
     """Residuals that neighbouring corners share, by the lens, the board or the shutter; or pictures
     of another focal length."""
@@ -328,9 +177,9 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
         return
     change = focal_change(calibration)
     if change is not None:
-        names = [_name(view) for view in calibration.views if view.number in change.numbers]
+        names = [name_of(view) for view in calibration.views if view.number in change.numbers]
         cause = _OTHER_FOCAL[len(names) > 1].format(
-            views=listed(names, _MOST_TURNED),
+            views=listed(names, MOST_NAMED),
             share=figure(100 * abs(change.factor - 1)),
             than=_LONGER if change.factor > 1 else _SHORTER,
         )
@@ -370,15 +219,11 @@ def _rolling(calibration: Calibration, numbers: tuple[int, ...], alike: str) -> 
     return Diagnosis(
         "rolling-shutter",
         _ROLLING_SOME[len(moved) > 1].format(
-            views=listed([_name(view) for view in moved]), alike=alike
+            views=listed([name_of(view) for view in moved]), alike=alike
         ),
         _TAKE_AGAIN[len(moved) > 1],
         numbers,
     )
-
-
-def _name(one: LeftOut | View) -> str:
-    return f"{one.number} ({one.observation.name})" if one.observation.name else f"{one.number}"
 
 
 def _measured(value: float, sigma: float) -> str:

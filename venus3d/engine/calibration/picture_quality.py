@@ -31,6 +31,10 @@ WASHED_OUT = 0.4
 """Black that is brighter than this share of the way from the board's black to its white is washed
 out. On photographs without glare it is at most 0.34, where a gloss is seen up to 0.6."""
 
+LEAST_SHARPNESS = 0.24
+"""In pictures up to 1280 px wide (docs/operations.md)."""
+_SHARP_WIDTH = 1280
+
 
 @dataclass(frozen=True)
 class PictureQuality:
@@ -122,3 +126,9 @@ def _plain_black(board: Board) -> NDArray[np.bool_]:
     at = np.clip(np.floor(around * _TEXTURE_PX).astype(int), 0, last)
     printed = texture[at[..., 1], at[..., 0]] < 128
     return np.asarray((printed[:, None] | ~_PARTS).all(axis=2), dtype=np.bool_)
+
+
+def least_sharpness(width: int) -> float:
+    """The sharpness (`Observation.sharpness`) that pictures of this width need: in wider ones the
+    same blur as a share of the picture."""
+    return LEAST_SHARPNESS * min(1.0, _SHARP_WIDTH / width)

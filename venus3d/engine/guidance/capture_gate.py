@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from venus3d.engine.calibration.observation import Observation
-from venus3d.engine.calibration.picture_quality import picture_quality
+from venus3d.engine.calibration.picture_quality import least_sharpness, picture_quality
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.sentences import Sentence
 
@@ -20,15 +20,12 @@ MOST_WHITE = 254.0
 """Grey value from which white is burnt out."""
 MOST_WASHED_OUT = 0.08
 """Share of the corners whose black is washed out."""
-LEAST_SHARPNESS = 0.24
-"""In pictures up to 1280 px wide; in wider ones the same blur as a share of the picture."""
 LEAST_OF_USUAL = 0.6
 """Share of the usual sharpness of this session's views."""
 MOST_MOTION_PX = 1.0
 """Motion within a frame's time, for which a rolling shutter shears the board."""
 _FRAME_S = 1 / 30
 """The longest time that a rolling shutter usually takes."""
-_SHARP_WIDTH = 1280
 
 _TOO_DARK = Sentence(
     "Too dark: the board's white is only {contrast:.0f} grey values above its black, not "
@@ -74,13 +71,9 @@ def refusal(
     motion_px *= min(1.0, _FRAME_S / since_s) if since_s > 0 else 1.0
     if motion_px > MOST_MOTION_PX:
         return _MOVING.format(motion=motion_px, most=MOST_MOTION_PX)
-    least = least_sharpness(seen.image_size[0], usual_sharpness)
+    least = least_sharpness(seen.image_size[0])
+    if not math.isnan(usual_sharpness):
+        least = max(least, LEAST_OF_USUAL * usual_sharpness)
     if 0 < seen.sharpness < least:  # 0: not measured
         return _BLURRED.format(width=1 / seen.sharpness, most=1 / least)
     return None
-
-
-def least_sharpness(width: int, usual: float) -> float:
-    """The sharpness that is needed in pictures of this width."""
-    least = LEAST_SHARPNESS * min(1.0, _SHARP_WIDTH / width)
-    return least if math.isnan(usual) else max(least, LEAST_OF_USUAL * usual)
