@@ -293,3 +293,39 @@ def test_a_name_that_is_too_long_ends_in_one_sentence(
         ("calibrate", tilted_pictures, "--output", long),
     ):
         assert "(file name too long)" in run(*command).sentence
+
+
+@pytest.mark.parametrize(
+    ("study", "name"),
+    [
+        ("flatness", "rows.csv"),
+        ("flatness", "table.md"),
+        ("bench", "rows.csv"),
+        ("table3 --quick", "rows.csv"),
+        ("table3 --quick", "rows.journal.jsonl"),
+        ("figures", "verdicts.md"),
+        ("figures", "figure7.svg"),
+        ("table1 sim", "rows.csv"),
+        ("table2 PICTURES", "table.md"),
+        ("halves PICTURES", "rows.csv"),
+    ],
+)
+def test_a_study_replaces_no_other_file(
+    run: Run, tilted_pictures: Path, tmp_path: Path, study: str, name: str
+) -> None:
+    """It says so before its work, of which nothing is left then."""
+    (tmp_path / name).write_text("mine")
+    asked = study.replace("PICTURES", str(tilted_pictures)).split()
+    sentence = run("study", *asked, "--output", tmp_path).sentence
+    assert name in sentence and "name another" in sentence
+    assert contents(tmp_path) == {tmp_path / name: b"mine"}
+
+
+def test_a_study_replaces_what_it_made(run: Run, tmp_path: Path) -> None:
+    asked = ("study", "flatness", "--repeats", 1, "--output", tmp_path)
+    assert run(*asked).code == 0
+    before = contents(tmp_path)
+    assert {path.name for path in before} == {"rows.csv", "table.md"}
+    assert run(*asked, "--seed", 1).code == 0
+    after = contents(tmp_path)
+    assert after.keys() == before.keys() and after != before

@@ -103,10 +103,12 @@ def test_what_is_there_is_not_done_again_and_more_can_follow(tmp_path: Path) -> 
         run_trials(drawn, TRIALS, rows, jobs=1, setup="b")
 
 
-@pytest.mark.parametrize("text", ["no journal\n", "{}\n", '{"setup": ""}\n{"trial": 1\n'])
+@pytest.mark.parametrize(
+    "text", ["no journal", "no journal\n", "{}\n", '{"setup": ""}\n{"trial": 1\n']
+)
 def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> None:
     journal = tmp_path / "rows.journal.jsonl"
     journal.write_text(text)
-    with pytest.raises(StorageError, match="is damaged or no journal of a study"):
+    with pytest.raises(StorageError, match=r"is (damaged|no journal of a study); name another"):
         run_trials(drawn, TRIALS, tmp_path / "rows.csv", jobs=1)
     assert journal.read_text() == text

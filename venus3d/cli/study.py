@@ -26,6 +26,11 @@ from venus3d.cli.study_options import (
 from venus3d.engine.errors import VenusError
 from venus3d.options import check_range
 from venus3d.storage.folder import prepare, write_bytes
+from venus3d.storage.places import free_place
+from venus3d.storage.products import is_made, product_place, write_product
+
+_TABLE, _VERDICTS, _ROWS = "table.md", "verdicts.md", "rows.csv"
+_MADE = "a study's table"
 
 
 def study(options: StudyOptions) -> None:
@@ -52,13 +57,16 @@ def study(options: StudyOptions) -> None:
 
 def _figures(options: FiguresOptions) -> None:
     from venus3d.study.figures import figures_of, run_figures, verdicts_text
-    from venus3d.study.plots import draw_figure, pyplot
+    from venus3d.study.plots import FIGURE, draw_figure, figure_files, pyplot
 
     check_range("--views", options.views, 3, 200)
-    folder = prepare(options.output)
+    folder = _prepared(options.output, _VERDICTS)
+    for figure in figures_of(options.camera):
+        for path in figure_files(figure, folder):
+            product_place(path, FIGURE)
     pyplot()  # check now, not after an hour of calibrating
     rows = run_figures(
-        folder / "rows.csv",
+        folder / _ROWS,
         views=options.views,
         repeats=options.repeats,
         seed=options.seed,
@@ -66,7 +74,7 @@ def _figures(options: FiguresOptions) -> None:
         jobs=options.jobs,
         dask=options.dask,
     )
-    _deliver(verdicts_text(rows, options.camera), folder, "verdicts.md")
+    _deliver(verdicts_text(rows, options.camera), folder, _VERDICTS)
     for figure in figures_of(options.camera):
         _tell_written(*draw_figure(rows, figure, folder))
 
@@ -74,10 +82,10 @@ def _figures(options: FiguresOptions) -> None:
 def _bench(options: BenchOptions) -> None:
     from venus3d.study.bench import bench, bench_table
 
-    folder = prepare(options.output)
-    bars = bench(folder / "rows.csv", seed=options.seed, repeats=options.repeats, jobs=options.jobs)
+    folder = _prepared(options.output)
+    bars = bench(folder / _ROWS, seed=options.seed, repeats=options.repeats, jobs=options.jobs)
     print(bench_table(bars))
-    _tell_written(folder / "rows.csv")
+    _tell_written(folder / _ROWS)
     if options.json:
         print(json.dumps([asdict(bar) for bar in bars]))
 
@@ -93,7 +101,7 @@ def _table1(options: Table1Options) -> None:
     check_range("--held-out-percent", options.held_out_percent, 1, 90)
     check_range("--same-percent", options.same_percent, 0, 20)
     board = options.board.board()
-    folder = prepare(options.output)
+    folder = _prepared(options.output)
     pools: list[ViewPool] = []
     for spec in dict.fromkeys(options.sources):
         if spec == "sim":
@@ -116,7 +124,7 @@ def _table1(options: Table1Options) -> None:
     rows = run_trials(
         run_table1,
         table1_trials(pools, options.repeats, options.seed, held_out, options.max_views),
-        folder / "rows.csv",
+        folder / _ROWS,
         setup=json.dumps(setup),
         jobs=options.jobs,
         dask=options.dask,
@@ -132,13 +140,13 @@ def _table2(options: Table2Options) -> None:
 
     check_range("--frames", options.frames, 1, 1_000_000)
     board = options.board.board()
-    folder = prepare(options.output)
+    folder = _prepared(options.output)
     with search_progress() as on_count:
         clip = load_clip(options.source, board, on_count=on_count)
     for note in clip.notes:
         print_note(f"{options.source}: {note}")
     costs = run_table2(clip, options.frames, options.threads, options.seed)
-    write_bytes(folder / "rows.csv", csv_of(table2_rows(costs)))
+    write_bytes(folder / _ROWS, csv_of(table2_rows(costs)))
     _deliver(table2_text(costs), folder)
 
 
@@ -147,12 +155,12 @@ def _table3(options: Table3Options) -> None:
     from venus3d.study.table3 import run_table3, table3_text, table3_trials
 
     options.assume.check()
-    folder = prepare(options.output)
+    folder = _prepared(options.output)
     setup = {"table": 3, "version": __version__, "assumptions": asdict(options.assume)}
     rows = run_trials(
         run_table3,
         table3_trials(options.seed, options.people, options.assume, sensitivity=not options.quick),
-        folder / "rows.csv",
+        folder / _ROWS,
         setup=json.dumps(setup),
         jobs=options.jobs,
         dask=options.dask,
@@ -169,14 +177,14 @@ def _halves(options: HalvesOptions) -> None:
     check_range("--cuts", options.cuts, 1, 100_000)
     check_range("--same-percent", options.same_percent, 0, 20)
     board = options.board.board()
-    folder = prepare(options.output)
+    folder = _prepared(options.output)
     same = options.same_percent / 100
     with search_progress() as on_count:
         pool = pool_of(options.source, board, same=same, lens=options.lens, on_count=on_count)
     for note in pool.notes:
         print_note(f"{options.source}: {note}")
     rows = halves(pool, options.cuts, options.seed)
-    write_bytes(folder / "rows.csv", csv_of(rows))
+    write_bytes(folder / _ROWS, csv_of(rows))
     _deliver(halves_text(pool, rows), folder)
 
 
@@ -184,16 +192,27 @@ def _flatness(options: FlatnessOptions) -> None:
     from venus3d.study.flatness import flatness, flatness_text
     from venus3d.study.runner import csv_of
 
-    folder = prepare(options.output)
+    folder = _prepared(options.output)
     rows = flatness(options.repeats, options.seed)
-    write_bytes(folder / "rows.csv", csv_of(rows))
+    write_bytes(folder / _ROWS, csv_of(rows))
     _deliver(flatness_text(rows), folder)
 
 
-def _deliver(text: str, folder: Path, name: str = "table.md") -> None:
+def _prepared(folder: Path, table: str = _TABLE) -> Path:
+    """The folder, where a study may write: its rows are an earlier run's if its table or journal is
+    beside them. Raises `StorageError`."""
+    from venus3d.study.runner import is_journal, journal_of
+
+    rows = prepare(folder) / _ROWS
+    product_place(folder / table, _MADE)
+    free_place(rows, replaces=is_made(folder / table, _MADE) or is_journal(journal_of(rows)))
+    return folder
+
+
+def _deliver(text: str, folder: Path, name: str = _TABLE) -> None:
     """Print a table, and write it beside its rows."""
     print(text)
-    _tell_written(folder / "rows.csv", write_bytes(folder / name, f"{text}\n".encode()))
+    _tell_written(folder / _ROWS, write_product(folder / name, f"{text}\n".encode(), _MADE))
 
 
 def _tell_written(*paths: Path) -> None:

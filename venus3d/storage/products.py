@@ -27,7 +27,7 @@ def write_product(path: Path, content: bytes, kind: str, option: str = "--output
 def product_place(path: Path, kind: str, *sources: Path, option: str = "--output") -> Path:
     """`path`, if a command may write a product of this kind there (`free_place`): nothing is there,
     or an earlier one. Raises `StorageError`."""
-    return free_place(path, *sources, replaces=_is_made(path, kind), option=option)
+    return free_place(path, *sources, replaces=is_made(path, kind), option=option)
 
 
 def mark_of(kind: str) -> str:
@@ -35,7 +35,8 @@ def mark_of(kind: str) -> str:
     return f"made by venus3d: {kind}"
 
 
-def _is_made(path: Path, kind: str) -> bool:
+def is_made(path: Path, kind: str) -> bool:
+    """Whether a file is a product of this kind."""
     if not path.is_file():
         return False
     with suppress(OSError), path.open("rb") as file:
@@ -58,7 +59,7 @@ def _marked(path: Path, content: bytes, kind: str) -> bytes:
             return content + (8 + len(mark)).to_bytes(4, "big") + b"free" + mark
         case ".pdf":
             return content + b"%" + mark + b"\n"
-        case ".html" | ".svg":
+        case ".html" | ".svg" | ".md":
             return content + b"<!-- " + mark + b" -->\n"
         case _:
             raise ValueError(f"a file named {path.name} has no place for a mark")

@@ -10,13 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from venus3d.storage.folder import write_bytes
+from venus3d.storage.products import write_product
 from venus3d.study.figures import FIRST_VIEWS, INDICATORS, Figure, logarithms
 from venus3d.study.runner import Row, needed
 from venus3d.study.simulated import ARMS
 
 # Okabe and Ito's vermilion and blue: distinguishable by everybody, and in grey.
 _COLOURS = ("#D55E00", "#0072B2")
+FIGURE = "a study's figure"
+"""The kind of product that a figure's files are."""
 _INK, _QUIET = "#222222", "#777777"
 
 
@@ -27,8 +29,8 @@ def pyplot() -> Any:
 
 
 def draw_figure(rows: Sequence[Row], figure: Figure, directory: Path) -> tuple[Path, Path]:
-    """Write `figureN.png` and `figureN.svg`. Raises `StorageError`, and `VenusError` without
-    matplotlib."""
+    """Write both files of a figure (`figure_files`). Raises `StorageError`, and `VenusError`
+    without matplotlib."""
     plt = pyplot()
     with plt.rc_context(
         {
@@ -50,11 +52,14 @@ def draw_figure(rows: Sequence[Row], figure: Figure, directory: Path) -> tuple[P
             png, svg = (_drawn(canvas, kind) for kind in ("png", "svg"))
         finally:
             plt.close(canvas)
+    png_file, svg_file = figure_files(figure, directory)
+    return write_product(png_file, png, FIGURE), write_product(svg_file, svg, FIGURE)
+
+
+def figure_files(figure: Figure, directory: Path) -> tuple[Path, Path]:
+    """`figureN.png` and `figureN.svg`."""
     stem = f"figure{figure.number}"
-    return (
-        write_bytes(directory / f"{stem}.png", png),
-        write_bytes(directory / f"{stem}.svg", svg),
-    )
+    return directory / f"{stem}.png", directory / f"{stem}.svg"
 
 
 def _subtitle(rows: Sequence[Row], figure: Figure) -> str:

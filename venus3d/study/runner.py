@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -20,11 +20,14 @@ from typing import Any, Protocol, TypeVar
 import cv2
 
 from venus3d.engine.errors import StorageError, VenusError
+from venus3d.regular_file import read_regular
 from venus3d.storage.folder import write_bytes
 from venus3d.threads.signals import on_stop_signal
 
 Value = str | int | float
 Row = dict[str, Value]
+_BEGINNING = b'{"setup": '
+"""Of a journal."""
 REACH_S = 15.0
 """Timeout for a Dask scheduler, seconds."""
 
@@ -70,7 +73,7 @@ def run_trials(
     keys = [trial.key for trial in trials]
     if len(set(keys)) < len(keys):
         raise ValueError("two trials have the same key")
-    journal = rows_file.with_suffix(".journal.jsonl")
+    journal = journal_of(rows_file)
     done = _opened(journal, setup)
     missing = [trial for trial in trials if trial.key not in done]
     tqdm: Any = needed("tqdm", "study").tqdm
@@ -193,12 +196,27 @@ def opencv_threads(count: int) -> Generator[None]:
         cv2.setNumThreads(before)
 
 
+def journal_of(rows_file: Path) -> Path:
+    """The journal beside a file of rows."""
+    return rows_file.with_suffix(".journal.jsonl")
+
+
+def is_journal(path: Path) -> bool:
+    """Whether a file begins as a study's journal does."""
+    with suppress(OSError):
+        return read_regular(path, len(_BEGINNING)) == _BEGINNING
+    return False
+
+
 def _opened(journal: Path, setup: str) -> dict[str, list[Row]]:
     """The finished trials of an earlier run of this set-up; starts a journal if there is none."""
     try:
-        text = journal.read_text("utf-8") if journal.exists() else ""
+        text = read_regular(journal).decode() if journal.exists() else ""
     except (OSError, UnicodeError) as error:
         raise StorageError(f"{journal} cannot be read ({error}); name another output.") from error
+    anew = "name another output, or delete it and the rows beside it to begin anew."
+    if text and not is_journal(journal):
+        raise StorageError(f"{journal} is no journal of a study; {anew}")
     try:
         # Anything after the last newline was truncated.
         first, *rest = [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()] or [
@@ -207,15 +225,9 @@ def _opened(journal: Path, setup: str) -> dict[str, list[Row]]:
         before = first["setup"]
         done = {line["trial"]: line["rows"] for line in rest}
     except (ValueError, TypeError, LookupError) as error:
-        raise StorageError(
-            f"{journal} is damaged or no journal of a study; name another output, or delete it to "
-            "begin anew."
-        ) from error
+        raise StorageError(f"{journal} is damaged; {anew}") from error
     if before != setup:
-        raise VenusError(
-            f"{journal} belongs to another run ({before}); name another output, or delete it to "
-            "begin anew."
-        )
+        raise VenusError(f"{journal} belongs to another run ({before}); {anew}")
     write_bytes(journal, "".join(json.dumps(line) + "\n" for line in [first, *rest]).encode())
     return done
 
