@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from importlib.metadata import version
 from itertools import chain, count
-from operator import attrgetter
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 import msgspec
 import numpy as np
-import tyro
 from numpy.typing import NDArray
 
+from venus3d.cli.given import given_over
 from venus3d.cli.known_start import KnownStart, known_start
 from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.record import SessionState
-from venus3d.options import Switch
 from venus3d.scene.pages.guide.options import GuideOptions
 from venus3d.sources.camera_settings import SETTING_NAMES, CameraSettings
 from venus3d.storage.folder import prepare
@@ -116,37 +114,14 @@ def resumed_options(arguments: Sequence[str], directory: Path) -> GuideOptions:
         set_last = CameraSettings(**{name: last.get(name) for name in SETTING_NAMES})
         before = replace(before, camera=set_last)
 
-    def given_again(default: GuideOptions) -> GuideOptions:
-        # A switch can only be given to be on.
-        off = _switched(default, lambda _name, _on: False)
-        given = tyro.cli(GuideOptions, prog="venus3d guide", args=arguments, default=off)
-        return _switched(given, lambda name, on: on or attrgetter(name)(default))
-
-    options = given_again(before)
+    options = given_over(before, "guide", arguments)
     if options.source != before.source:
-        options = given_again(replace(before, camera=CameraSettings()))
+        options = given_over(replace(before, camera=CameraSettings()), "guide", arguments)
     if not options.record or (options.output or directory).resolve() != directory.resolve():
         raise VenusError(
             "--resume goes on in the session's own folder; leave out --output and --no-record."
         )
     return options
-
-
-def _switched(options: GuideOptions, on: Callable[[str, bool], bool]) -> GuideOptions:
-    """The options with each switch, "flip" or "board.legacy", on or off."""
-
-    def changed(part: Any, prefix: str) -> Any:
-        hints = get_type_hints(type(part), include_extras=True)
-        new: dict[str, Any] = {}
-        for one in fields(part):
-            value, name = getattr(part, one.name), prefix + one.name
-            if is_dataclass(value):
-                new[one.name] = changed(value, f"{name}.")
-            elif hints[one.name] == Switch:
-                new[one.name] = on(name, value)
-        return replace(part, **new)
-
-    return changed(options, "")
 
 
 def _resumed(options: GuideOptions, directory: Path, tell: Callable[[str], None]) -> KeptSession:
