@@ -71,6 +71,15 @@ def test_board_find_and_guide_go_on(run: Run, shots: Path, tmp_path: Path) -> No
     assert any("00.jpg (empty)" in warning for warning in ran.json["warnings"])
 
 
+def test_guide_names_them_when_it_finds_them(run: Run, shots: Path, tmp_path: Path) -> None:
+    """Not only at its end: whoever reads it then can still copy them again."""
+    asked = ("guide", shots, "--headless", "--method", "random", "--output", tmp_path / "out")
+    ran = run(*asked, "--max-views", 6)
+    assert ran.code == 0
+    lines = [line.strip() for line in ran.err.splitlines()]
+    assert lines.index(SAID) < next(i for i, line in enumerate(lines) if "View 4" in line)
+
+
 def test_the_library_warns(shots: Path) -> None:
     with pytest.warns(UserWarning, match=r"00\.jpg \(empty\), 03\.jpg"):
         calibration = venus3d.calibrate(str(shots), venus3d.Board())

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -17,7 +18,9 @@ import numpy as np
 import pytest
 
 from tests.cli.conftest import Ran
+from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.engine.geometry.pose import Pose
+from venus3d.storage.formats import export_camera
 
 Run = Callable[..., Ran]
 Photographs = Callable[[str, Sequence[Pose]], Path]
@@ -176,9 +179,93 @@ def test_camera_file_that_holds_none(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "camera.yaml"
     path.write_text("%YAML:1.0\n---\nfocal: 3\n")
     assert run("decompose", 0, 0, 0, 0, 0, 500, "--camera", path).sentence == (
-        f"There is no camera in {path}; a camera.yaml holds image_width, image_height, "
-        "camera_matrix and distortion_coefficients."
+        f"There is no camera in {path} as OpenCV's YAML holds it; docs/formats.md says what it "
+        "must hold. If it is of another format, name that with --format (venus3d import makes a "
+        "camera.yaml of it)."
     )
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "measure --camera FILE",
+        "undistort PICTURES --camera FILE",
+        "decompose 10 0 0 0 0 400 --camera FILE",
+        "guide PICTURES --headless --no-record --from FILE",
+        "teach --camera FILE",
+        "practice --camera FILE",
+        "trial --camera FILE",
+    ],
+)
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"fx": 1e9, "fy": 1e9}, "would see 7.334e-05° (fx = 1e+09,"),
+        ({"fx": 0.83, "fy": 0.83}, "would see 179.9° (fx = 0.83,"),
+        ({"cx": 1e6}, "no ray reaches 100 % of it"),
+    ],
+)
+def test_a_camera_that_cannot_be(
+    run: Run,
+    tilted_pictures: Path,
+    tmp_path: Path,
+    command: str,
+    changed: dict[str, float],
+    told: str,
+) -> None:
+    """It was measured, taught and guided with, without a word."""
+    file = tmp_path / "camera.json"
+    export_camera(replace(PAPER_CAMERA, **changed), file, "json")
+    asked = command.replace("FILE", str(file)).replace("PICTURES", str(tilted_pictures))
+    sentence = run(*asked.split()).sentence
+    assert told in sentence and "camera file" in sentence
+
+
+def test_decompose_takes_any_camera_file(run: Run, tmp_path: Path) -> None:
+    printed: set[str] = set()
+    for name in ("opencv-yaml", "ros", "colmap", "mrcal", "json", "matlab"):
+        export_camera(PAPER_CAMERA, tmp_path / name, name)
+        asked = ("decompose", 20, 0, 0, 0, 0, 400, "--camera", tmp_path / name)
+        ran = run(*asked, "--output", tmp_path / "steps")
+        assert ran.code == 0
+        printed.add(ran.out)
+    assert len(printed) == 1
+
+
+def test_a_folder_in_place_of_a_camera_file(run: Run, tmp_path: Path) -> None:
+    """What is in it is what to give."""
+    sentence = run("import", tmp_path).sentence
+    assert "a folder with neither a result.json nor a camera.yaml" in sentence
+    export_camera(PAPER_CAMERA, tmp_path / "camera.yaml")
+    assert f"give its camera.yaml: {tmp_path}/camera.yaml." in run("import", tmp_path).sentence
+    (tmp_path / "result.json").touch()
+    assert f"result.json, which holds the covariance as well: {tmp_path}/result.json." in (
+        run("import", tmp_path).sentence
+    )
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "board --output -",
+        "board --save -",
+        "calibrate shots --output -",
+        "export camera.json --to ros --output -",
+        "import camera.json --output=-",
+        "report shots --output -",
+        "replay shots --export -",
+        "teach --export -",
+        "guide sim --headless --output -",
+        "study flatness --output -",
+    ],
+)
+def test_stdout_is_no_place_for_results(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    """A folder or a file of that name was made."""
+    monkeypatch.chdir(tmp_path)
+    assert "would write to stdout" in run(*command.split()).sentence
+    assert not list(tmp_path.iterdir())
 
 
 def test_camera_size_that_is_none(run: Run) -> None:

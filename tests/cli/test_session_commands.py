@@ -48,10 +48,23 @@ def test_calibrate_takes_the_sessions_board(run: Run, kept_session: Path, tmp_pa
     assert run("calibrate", session, "--json").json["board"]["square_mm"] == 56.0
     given = run("calibrate", session, "--json", "--board.square-mm", 30, "--board.marker-mm", 22.5)
     assert given.json["board"]["square_mm"] == 30.0
+    usual = run("calibrate", session, "--json", "--board.square-mm", 28, "--board.marker-mm", 21)
+    assert usual.json["board"]["square_mm"] == 28.0
+    header["options"]["board"]["columns"] = 7
+    (session / "session.json").write_text(json.dumps(header))
+    assert run("calibrate", session, "--json", "--board.columns", 9).json["board"] == {
+        **usual.json["board"],
+        "square_mm": 56.0,
+        "marker_mm": 42.0,
+    }
+    (session / "session.json").write_text('{"schema": 1}')
+    assert "give --board.* too" in run("calibrate", session).sentence
+    (session / "session.json").write_text("nonsense")
+    assert run("calibrate", session, "--board.columns", 9).code == 0
 
 
 def test_calibrate_of_a_session_without_a_picture(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "session.json").write_text('{"schema": 1}')
+    (tmp_path / "session.json").write_text('{"schema": 1, "options": {"board": {}}}')
     assert "without a picture" in run("calibrate", tmp_path).sentence
 
 
@@ -87,6 +100,21 @@ def test_from_what_does_not_go_together(
     assert "1280 x 720" in small.sentence
     assert "cannot be read" in run(*asked, "--from", tmp_path / "none.yaml").sentence
     assert not (tmp_path / "on" / "session.json").exists()
+
+
+def test_from_takes_the_board_of_the_views(
+    run: Run, kept_session: Path, tilted_pictures: Path, tmp_path: Path
+) -> None:
+    """Unless another is given, also the usual one; the new session tells it to whoever reads it."""
+    result = json.loads((kept_session / "result.json").read_text())
+    result["board"].update(square_mm=56.0, marker_mm=42.0)
+    session = shutil.copytree(kept_session, tmp_path / "session")
+    (session / "result.json").write_text(json.dumps(result))
+    asked = ("guide", tilted_pictures, "--headless", "--method", "random", "--max-views", 7)
+    asked = (*asked, "--from", session, "--output", tmp_path / "on")
+    assert "another board" in run(*asked, "--board.square-mm", 28, "--board.marker-mm", 21).sentence
+    assert run(*asked).code == 0
+    assert run("calibrate", tmp_path / "on", "--json").json["board"]["square_mm"] == 56.0
 
 
 def test_a_source_that_cannot_be_opened_leaves_no_session(run: Run, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout, suppress
 from functools import reduce
 from operator import or_
+from pathlib import Path
 from typing import Annotated, Any, TextIO, cast
 
 import tyro
@@ -127,21 +128,12 @@ def _run(given: list[str], output: Printed) -> int:
                 "The trial is a command of its own: venus3d trial [SOURCE]; --trial-poses is its "
                 "--poses."
             )
+        arguments = with_board_file(given)
         options = tyro.cli(
-            _COMMAND,
-            prog="venus3d",
-            description=DESCRIPTION,
-            args=with_board_file(given) or ["--help"],
+            _COMMAND, prog="venus3d", description=DESCRIPTION, args=arguments or ["--help"]
         )
-        if isinstance(options, GuideOptions) and options.resume is not None:
-            if options.known_camera is not None:
-                raise VenusError(
-                    "--resume goes on with a session, and --from begins one; give one of them."
-                )
-            # Only now: what it reads no other command waits for.
-            from venus3d.cli.kept_session import resumed_options
-
-            options = resumed_options(with_board_file(given)[1:], options.resume)
+        _check_places(options)
+        options = _on_what_was(options, arguments[1:])
         # On a kill or a closed terminal the captured views are kept, as with Ctrl-C.
         with on_stop_signal(_interrupt, ctrl_c=False), redirect_stdout(cast(TextIO, output)):
             code = _command_of(options)(options)
@@ -161,6 +153,39 @@ def _run(given: list[str], output: Printed) -> int:
         print(printable(f"venus3d: {stopped}."), file=sys.stderr)
         return INTERRUPTED
     return code if isinstance(code, int) else OK
+
+
+def _check_places(options: object) -> None:
+    """Refuse the name by which other programs write to stdout: a folder would be made of it."""
+    for part in (options, getattr(options, "what", None)):
+        for name in ("output", "save", "export"):
+            if getattr(part, name, None) == Path("-"):
+                raise VenusError(
+                    f"--{name} - would write to stdout, which holds what is printed; name a file "
+                    "or a folder."
+                )
+
+
+def _on_what_was(options: object, arguments: Sequence[str]) -> object:
+    """The options over those of the session or the result that the command goes on from."""
+    # Imported only now: what these read no other command waits for.
+    if isinstance(options, GuideOptions) and options.resume is not None:
+        if options.known_camera is not None:
+            raise VenusError(
+                "--resume goes on with a session, and --from begins one; give one of them."
+            )
+        from venus3d.cli.kept_session import resumed_options
+
+        return resumed_options(arguments, options.resume)
+    if isinstance(options, GuideOptions) and options.known_camera is not None:
+        from venus3d.cli.known_start import with_known_board
+
+        return with_known_board(options, arguments)
+    if isinstance(options, CalibrateOptions):
+        from venus3d.cli.calibrate import with_sessions_board
+
+        return with_sessions_board(options, arguments)
+    return options
 
 
 def _interrupt() -> None:

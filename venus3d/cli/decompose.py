@@ -22,8 +22,8 @@ from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.planning.limits import Limits, refusals
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
-from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.folder import prepare
+from venus3d.storage.formats import camera_in
 from venus3d.storage.products import product_place, write_product
 
 PICTURE_WIDTH = 960
@@ -34,7 +34,7 @@ def decompose_command(options: DecomposeOptions) -> None:
     """Print the steps and write their images. Raises `VenusError` for a user's mistake."""
     board = options.board.board()
     options.limits.check()
-    camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
+    camera = PAPER_CAMERA if options.camera is None else camera_in(options.camera).camera
     target = _target(options, board, camera)
     folder = prepare(options.output)
     for number in range(1, 5):

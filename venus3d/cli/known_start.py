@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from pathlib import Path
 
+import msgspec
 import numpy as np
 
+from venus3d.cli.given import given_over
 from venus3d.engine.calibration.observation import whole
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
@@ -18,7 +21,8 @@ from venus3d.engine.guidance.views import CapturedView
 from venus3d.engine.planning.heuristic_poses import HeuristicState
 from venus3d.options import BoardOptions
 from venus3d.scene.pages.guide.options import GuideOptions
-from venus3d.storage.formats import record_in
+from venus3d.storage.board_file import board_text
+from venus3d.storage.formats import camera_in
 from venus3d.storage.formats.record import CameraRecord
 from venus3d.storage.result_reader import Result, read_result
 from venus3d.storage.session_reader import pictures_of
@@ -45,7 +49,7 @@ def known_start(options: GuideOptions, tell: Callable[[str], None]) -> KnownStar
         state = _state_of(read_result(path), options, path)
         tell(f"Going on from the {len(state.views)} views in {path}.")
         return KnownStart(state, pictures_of(path.parent, state.views))
-    camera = _camera_of(record_in(path))
+    camera = _camera_of(camera_in(path))
     how = (
         "as well as it says that they are known"
         if camera.has_uncertainty
@@ -56,6 +60,17 @@ def known_start(options: GuideOptions, tell: Callable[[str], None]) -> KnownStar
         "that of the new views alone."
     )
     return KnownStart(camera=camera)
+
+
+def with_known_board(options: GuideOptions, arguments: Sequence[str]) -> GuideOptions:
+    """With the board of the result that `--from` names, but for the options that the command's
+    arguments give. Raises `StorageError`."""
+    assert options.known_camera is not None
+    path = _file_in(options.known_camera)
+    if not _is_result(path):
+        return options
+    board = msgspec.toml.decode(board_text(_as_given(read_result(path).board)), type=BoardOptions)
+    return given_over(replace(GuideOptions(), board=board), "guide", arguments)
 
 
 def _file_in(path: Path) -> Path:
@@ -82,8 +97,8 @@ def _camera_of(record: CameraRecord) -> KnownCamera:
 
 
 def _state_of(result: Result, options: GuideOptions, path: Path) -> SessionState:
-    board = replace(result.board, bow=(0.0, 0.0), stretch=0.0)
-    if options.board != BoardOptions() and not _is_same(options.board.board(), board):
+    board = _as_given(result.board)
+    if not _is_same(options.board.board(), board):
         raise StorageError(
             f"The views in {path} are of another board than the options say; leave --board.* out, "
             "or give the camera.yaml beside it to begin without its views."
@@ -118,7 +133,14 @@ def _state_of(result: Result, options: GuideOptions, path: Path) -> SessionState
     )
 
 
+def _as_given(board: Board) -> Board:
+    """Without what was found out of its shape."""
+    return replace(board, bow=(0.0, 0.0), stretch=0.0)
+
+
 def _is_same(given: Board, read: Board) -> bool:
     """But for what is read from the pictures."""
-    as_read = replace(given, legacy=read.legacy, inverted=read.inverted, first_id=read.first_id)
-    return replace(as_read, marker=read.marker) == read
+    alike = attrgetter("kind", "columns", "rows", "dictionary")
+    # Millimetres lose the last digits.
+    lengths = [(board.square, board.stretch) for board in (given, read)]
+    return alike(given) == alike(read) and np.allclose(*lengths, rtol=1e-9, atol=1e-12)

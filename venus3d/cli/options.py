@@ -82,9 +82,10 @@ class DecomposeOptions:
     board: BoardOptions = field(default_factory=BoardOptions)
     limits: LimitOptions = field(default_factory=LimitOptions)
     camera: Annotated[
-        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(usual: the simulated one)")
+        Path | None, arg(metavar="FILE", help_behavior_hint="(usual: the simulated one)")
     ] = None
-    """A camera.yaml with the camera to use."""
+    """The camera to use: a result.json, a camera.yaml, any other camera file, or the folder of a
+    calibration."""
     output: Annotated[Path, arg(metavar="DIR")] = Path("steps")
     """Folder for the pictures step-1.png to step-4.png."""
 

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from venus3d.cli.options import UndistortOptions
 from venus3d.cli.report import print_note
-from venus3d.engine.calibration.projection_uncertainty import grid_pixels
-from venus3d.engine.errors import CalibrationError, StorageError, VenusError
-from venus3d.engine.geometry.camera import FOLDED, Camera, folded_share
+from venus3d.engine.calibration.sight import folds_back, lost_share
+from venus3d.engine.errors import StorageError, VenusError
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.undistortion import Undistortion
 from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame
@@ -28,9 +28,6 @@ from venus3d.storage.folder import prepare, reason, write_bytes
 from venus3d.storage.formats import OPENCV_YAML, CameraRecord, encode, record_in
 from venus3d.storage.places import free_place
 
-_GRID = (36, 24)
-"""Pixels across and down at which a lens model is looked at."""
-_MOST_FOLDED = 0.5
 _CLOCK = 90_000
 """Ticks per second of the written video."""
 
@@ -70,17 +67,10 @@ def undistort_command(options: UndistortOptions) -> int:
 
 def _check_lens(camera: Camera) -> None:
     """Say how much of the pictures a lens model loses; raise `CalibrationError` if most."""
-    # What a fisheye does not reach is outside its image circle.
-    folded = folded_share(camera, grid_pixels(camera.image_size, _GRID))
-    if not camera.lens.is_perspective or folded <= FOLDED:
-        return
-    said = (
-        f"The camera's lens model folds back within the picture ({camera.told_distortion}): no ray "
-        f"reaches {100 * folded:.0f} % of it,"
-    )
-    if folded > _MOST_FOLDED:
-        raise CalibrationError(f"{said} so there is nothing to undistort by; calibrate again.")
-    print_note(f"Mind: {said} which is lost; calibrate again with views up to the border.")
+    lost = lost_share(camera)
+    if lost:
+        said = folds_back(camera, lost)
+        print_note(f"Mind: {said}, which is lost; calibrate again with views up to the border.")
 
 
 def _wrote_before(folder: Path) -> bool:

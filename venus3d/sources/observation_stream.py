@@ -22,6 +22,7 @@ from venus3d.sources.folder import Folder
 from venus3d.sources.frame import Frame, Source
 from venus3d.sources.live import Live
 from venus3d.sources.looped import Looped
+from venus3d.sources.source_news import Remarks
 from venus3d.sources.video import Video
 from venus3d.sources.watched_folder import WatchedFolder
 from venus3d.threads.flow import Flow
@@ -64,6 +65,12 @@ class ObservationStream:
         self._running.set()
         self._failure: BaseException | None = None
         self._read_s = time.monotonic()
+        self._remarks = Remarks()
+
+    @property
+    def remarks(self) -> int:
+        """How many remarks on the source were printed."""
+        return self._remarks.count
 
     @property
     def silent_s(self) -> float:
@@ -145,6 +152,7 @@ class ObservationStream:
             if isinstance(self.source, (Video, Live)):
                 self.source.resume()
         frame = self.source.read()
+        self._remarks.look(self.source)
         if frame is None:
             self._begin_again()
             return

@@ -1,4 +1,4 @@
-"""Tells the terminal that a live source is gone, opened again, and back."""
+"""Tells the terminal that a live source is gone, opened again, and back; and its remarks."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from venus3d.sources.reconnection import Outage
 _TOLD_TRIES = (1, 2, 4)
 _EVERY = 30
 """Later tries, of which one comes every 10 s, are told every five minutes."""
+_MOST_REMARKS = 10
 
 
 def tell_of_trouble(source: Source, tell: Callable[[str], None] | None = None) -> None:
@@ -24,6 +25,28 @@ def tell_of_trouble(source: Source, tell: Callable[[str], None] | None = None) -
     it is printed to stderr, as stdout holds results only."""
     if isinstance(source, Live):
         source.on_trouble = _News(source.name, tell or _print)
+
+
+class Remarks:
+    """What a source notes, told once, when it is found: a damaged picture, a rotation tag."""
+
+    def __init__(self, tell: Callable[[str], None] | None = None) -> None:
+        """`tell` is called with each; by default it is printed to stderr."""
+        self._tell = tell or _print
+        self._told: set[str] = set()
+
+    @property
+    def count(self) -> int:
+        """How many have been told."""
+        return len(self._told)
+
+    def look(self, source: Source) -> None:
+        """Tell what is new; call it after each frame."""
+        for note in source.notes:
+            # Each damaged picture changes the note: the rest is told at the end.
+            if note not in self._told and self.count < _MOST_REMARKS:
+                self._told.add(note)
+                self._tell(note)
 
 
 def _print(text: str) -> None:

@@ -12,7 +12,7 @@ from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.known_camera import KnownCamera, KnownStart
-from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.session import KNOWN_IS_ANOTHER, Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.storage.session_events import captured_event, state_event, state_of
@@ -64,6 +64,27 @@ def test_the_result_is_that_of_the_views_alone(
     assert first.calibration is not None
     np.testing.assert_allclose(first.calibration.camera.parameters, alone.camera.parameters)
     np.testing.assert_allclose(first.calibration.covariance, alone.covariance)
+
+
+def test_a_camera_that_cannot_see_the_board_so_is_left_behind(
+    default_board: Board, paper_camera: Camera, rng: np.random.Generator
+) -> None:
+    """No view was ever captured. Single blurred pictures, and the right camera, change nothing."""
+    settings = Settings(auto_capture=False, method="random")
+    bent = replace(paper_camera, coefficients=(-5.0, 20.0, 0.0, 0.0, 0.0))
+    longer = replace(paper_camera, fx=3 * paper_camera.fx, fy=3 * paper_camera.fy)
+    beside = replace(paper_camera, cx=1e6)
+    for camera in (bent, longer, beside, paper_camera):
+        known = KnownCamera.of(camera)
+        session = Session(default_board, paper_camera.image_size, settings, known=known)
+        warnings = [
+            session.observe(observe(paper_camera, default_board, vector, rng, 0.1)).warnings
+            for vector in [*GOOD[:4], *GOOD[:4]]
+        ]
+        assert not any(warnings[:4])
+        assert (KNOWN_IS_ANOTHER in warnings[4]) == (camera != paper_camera)
+        assert (session.state.known is None) == (camera != paper_camera)
+        assert session.capture(), "without it a view is a view"
 
 
 def test_it_is_in_the_journal(

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
+from html import unescape
 
 import numpy as np
 import pytest
@@ -81,6 +83,25 @@ def test_a_click_beside_the_plane_is_told_and_changes_nothing(page: MeasurePage)
         page.click(np.array(away), 1.0)
     assert not page.state.points
     assert page._remark == texts.MISSED  # pyright: ignore[reportPrivateUsage]
+
+
+def test_a_board_that_the_camera_cannot_see_so_is_told() -> None:
+    """Lengths were measured, or the board was asked for while it was there."""
+    bent = replace(PAPER_CAMERA, coefficients=(-5.0, 20.0, 0.0, 0.0, 0.0))
+    beside = replace(PAPER_CAMERA, cx=1e6)
+    for camera in (bent, beside, PAPER_CAMERA):
+        by = MeasuringCamera(camera)
+        with closing(MeasurePage("127.0.0.1", free_port(), by, BOARD)) as page:
+            told: list[bool] = []
+            for _ in range(6):
+                page.show(seen())
+                told.append(page.is_wrong)
+            assert told == [False] * 4 + [camera != PAPER_CAMERA] * 2
+            text = page._text  # pyright: ignore[reportPrivateUsage]
+            expected = texts.FIRST if camera == PAPER_CAMERA else "not as this camera would see it"
+            wait_until(lambda text=text, expected=expected: expected in unescape(text.content))
+            page.measure_by(MeasuringCamera(PAPER_CAMERA), BOARD)
+            assert not page.is_wrong
 
 
 def test_a_held_picture_is_asked_for_once_each_time(page: MeasurePage) -> None:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.board_pose import contradicts, estimate_pose
 from venus3d.engine.calibration.checks import Diagnoses
 from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.diagnosis import Diagnosis, joined
@@ -47,6 +47,11 @@ from venus3d.engine.planning.settings import Cost, Method
 from venus3d.engine.planning.target import Target
 from venus3d.engine.sentences import Sentence, said_by
 
+KNOWN_IS_ANOTHER = Sentence(
+    "The board does not look as the known camera would see it: it is another camera, zoom or "
+    "focus. The session goes on without it."
+)
+_CONTRADICTED = 5
 _NOT_KEPT = Sentence("The last view was not kept: {error}")
 
 
@@ -96,6 +101,7 @@ class Session:
         self._figures = LoopFigures()
         self._tracker = PoseTracker(board, self._image_size, self.settings)
         self._keep_going, self._lost, self._number = False, "", 0
+        self._contradicted = 0  # observations in a row
 
     # -- frames and commands -----------------------------------------------------------------------
 
@@ -120,6 +126,8 @@ class Session:
             observation, self.camera, self._target, self._captured.usual_sharpness
         )
         self._number += 1
+        if self._phase == "startup" and self._known is not None:
+            self._check_known()
         self._watch_taken_back()
         may_capture = (
             self.settings.auto_capture
@@ -131,6 +139,17 @@ class Session:
             if best is not None or self._is_useful():
                 self.capture(best)
         return self.snapshot()
+
+    def _check_known(self) -> None:
+        """Do without the known camera if the board looks as it cannot see it."""
+        tracker = self._tracker
+        wrong = contradicts(self.camera, self.board, tracker.observation, tracker.pose)
+        self._contradicted = self._contradicted + 1 if wrong else 0
+        if self._contradicted >= _CONTRADICTED:
+            self._known = None
+            self._restart(self.board)
+            self._lost = KNOWN_IS_ANOTHER
+            self._warnings = (KNOWN_IS_ANOTHER,)
 
     def capture(self, chosen: Observation | None = None) -> bool:
         """Capture the current observation as a view, or one `chosen` from this hold at the target.

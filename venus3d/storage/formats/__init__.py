@@ -11,6 +11,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from venus3d.engine.calibration.calibration import Calibration
+from venus3d.engine.calibration.sight import lost_share
 from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.lenses import BROWN5, LENSES
@@ -184,18 +185,41 @@ def record_in(path: Path | str, format: str | None = None, name: str | None = No
     """The camera of a file, or of a folder's result.json or camera.yaml. Raises `StorageError`."""
     place = Path(path)
     if place.is_dir():
-        found = [
-            place / file for file in ("result.json", "camera.yaml") if (place / file).is_file()
-        ]
+        found = _files_in(place)
         if not found:
-            raise StorageError(
-                f"{place} has neither a result.json nor a camera.yaml; give the file itself."
-            )
+            raise _no_file(place)
         place = found[0]
     return import_camera(place, format, name=name)
 
 
+def camera_in(path: Path | str) -> CameraRecord:
+    """`record_in` for a camera to look through: raises `CalibrationError` for one that cannot have
+    taken a picture of a board."""
+    record = record_in(path)
+    lost_share(record.camera)
+    return record
+
+
+def _files_in(folder: Path) -> list[Path]:
+    """What a calibration's folder holds of its camera, the most telling first."""
+    paths = (folder / name for name in ("result.json", "camera.yaml"))
+    return [path for path in paths if path.is_file()]
+
+
+def _no_file(folder: Path) -> StorageError:
+    found = _files_in(folder)
+    if not found:
+        return StorageError(
+            f"{folder} is a folder with neither a result.json nor a camera.yaml; give the file "
+            "itself."
+        )
+    more = ", which holds the covariance as well" * (found[0].suffix == ".json")
+    return StorageError(f"{folder} is a folder; give its {found[0].name}{more}: {found[0]}.")
+
+
 def _content_of(path: Path) -> bytes:
+    if path.is_dir():
+        raise _no_file(path)
     try:
         content = read_regular(path, LARGEST_FILE + 1)
     except OSError as error:
@@ -217,15 +241,17 @@ def _format_of(path: Path, content: bytes) -> CameraFormat:
         return named
     if not looks:
         raise StorageError(
-            f"The format of {path} cannot be told; name it with --format: {', '.join(FORMATS)}."
+            f"The format of {path} cannot be told; name it with --format (venus3d import makes a "
+            f"camera.yaml of it): {', '.join(FORMATS)}."
         )
     return looks[0]
 
 
 def _none_in(path: Path, source: CameraFormat) -> StorageError:
     return StorageError(
-        f"There is no camera in {path} as {source.title} holds it; see docs/formats.md, or name "
-        "another --format."
+        f"There is no camera in {path} as {source.title} holds it; docs/formats.md says what it "
+        "must hold. If it is of another format, name that with --format (venus3d import makes a "
+        "camera.yaml of it)."
     )
 
 

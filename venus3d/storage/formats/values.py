@@ -177,6 +177,7 @@ def chosen(cameras: Mapping[str, Any], name: str | None, title: str) -> Any:
         shown = [*cameras][:8]
         listed = ", ".join(shown) + (", …" if len(cameras) > len(shown) else "")
         raise StorageError(
-            f"{title} holds {len(cameras)} cameras; name one of them with --name: {listed}."
+            f"{title} holds {len(cameras)} cameras; name one of them with --name: {listed} "
+            "(venus3d import makes a camera.yaml of it)."
         )
     return cameras[name]

@@ -26,9 +26,10 @@ class PracticeOptions:
 
     board: BoardOptions = field(default_factory=BoardOptions)
     camera: Annotated[
-        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(usual: a simulated webcam)")
+        Path | None, arg(metavar="FILE", help_behavior_hint="(usual: a simulated webcam)")
     ] = None
-    """The calibrated camera that is practised with."""
+    """The calibrated camera that is practised with: a result.json, a camera.yaml, any other camera
+    file, or the folder of a calibration."""
     seed: int = 0
     """One number that makes the target poses repeat."""
     language: LanguageOption = None
@@ -55,10 +56,9 @@ class TrialOptions:
 
     source: Annotated[Positional[str], arg(metavar="SOURCE")] = "sim"
     """sim, a camera's number or device, or a stream's address."""
-    camera: Annotated[
-        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(sim: its own)")
-    ] = None
-    """The calibrated camera that the trial looks through."""
+    camera: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(sim: its own)")] = None
+    """The calibrated camera that the trial looks through: a result.json, a camera.yaml, any other
+    camera file, or the folder of a calibration."""
     participant: Annotated[
         str | None, arg(metavar="NAME", help_behavior_hint="(usual: P1, P2, ...)")
     ] = None

@@ -40,8 +40,8 @@ from venus3d.sources.interactive import open_interactive
 from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.sim import Simulation
 from venus3d.sources.source_news import tell_of_trouble
-from venus3d.storage.camera_yaml import read_camera_yaml
 from venus3d.storage.exercise import ExerciseFile, ExerciseRow
+from venus3d.storage.formats import camera_in
 from venus3d.threads.latency import low_latency
 
 PRACTICE_FILE, TRIAL_FILE = "practice.csv", "trial.csv"
@@ -54,7 +54,7 @@ def run_practice(options: PracticeOptions) -> None:
     """Serve the page until Ctrl-C. Raises `VenusError` for whatever the user can fix,
     `KeyboardInterrupt` if nothing was written."""
     options.check()
-    camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
+    camera = PAPER_CAMERA if options.camera is None else camera_in(options.camera).camera
     path = options.output / PRACTICE_FILE
     settings = PracticeSettings.of(camera, options.board.board(), options.seed, str(path))
     with ExitStack() as stack:
@@ -244,7 +244,7 @@ def _camera(options: TrialOptions, source: Source) -> Camera:
     if options.camera is None:
         assert isinstance(source, Simulation)
         return source.truth
-    camera = read_camera_yaml(options.camera)
+    camera = camera_in(options.camera).camera
     width, height = source.image_size
     if camera.width * height != camera.height * width:
         raise VenusError(

@@ -11,6 +11,7 @@ from venus3d.scene.pages.guide import terminal_texts
 from venus3d.sources.board_tracker import Tracker
 from venus3d.sources.frame import Source
 from venus3d.sources.sim import Simulation
+from venus3d.sources.source_news import Remarks
 
 # About ten times what the simulated hand takes for a target.
 _PATIENCE_FRAMES = 400
@@ -25,7 +26,7 @@ def run_headless(
     Returns a sentence on any other end (the source failed after captured views, or the simulated
     hand got stuck); the views are kept. Raises `SourceError` if the source failed before.
     """
-    waited, views = 0, 0
+    waited, views, remarks = 0, 0, Remarks()
     try:
         if session.pending is not None:  # a session that is gone on with
             keep(session.run_pending())
@@ -33,6 +34,7 @@ def run_headless(
             if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
                 return terminal_texts.HAND_TOO_FAR
             frame = source.read()
+            remarks.look(source)
             if frame is None:
                 break
             session.observe(tracker.track(frame))

@@ -71,6 +71,7 @@ class LiveGuide:
         )
         self._stats = FlowNews(self._flow, viewer) if stats else None
         self._silent_since = self._said = ""
+        self._remarks = 0
         self._by_keys = KeyMoves()
         self._on_camera, self._camera = on_camera, CameraSettings()
         self._thinking = WorkProcess(session.note_calibrated)
@@ -130,6 +131,12 @@ class LiveGuide:
         if refusal is not None:
             self._viewer.warn(translated_error(refusal))
 
+    def _tell_of_remarks(self) -> None:
+        """Point to what was printed of a recording; a camera's is on the page."""
+        if self._stream.remarks > self._remarks and not self._stream.source.is_live:
+            self._viewer.warn(texts.SOURCE_REMARK)
+        self._remarks = self._stream.remarks
+
     def _tell_of_the_end(self) -> None:
         """Leave the reason on the page, whose server ends with the source."""
         since = self._silent_since or f"{datetime.now():%H:%M:%S}"
@@ -157,6 +164,7 @@ class LiveGuide:
         observation = self._stream.take(timeout=0.05)
         self._tell_of_silence()
         self._tell_of_camera()
+        self._tell_of_remarks()
         if self._stats is not None:
             self._stats.tell(self._stream.source)
         asked = self._viewer.drain_intents()

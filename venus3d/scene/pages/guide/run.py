@@ -16,7 +16,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.known_camera import KnownCamera
 from venus3d.engine.guidance.record import Recorder, SessionState
-from venus3d.engine.guidance.session import Session
+from venus3d.engine.guidance.session import KNOWN_IS_ANOTHER, Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.languages import translated
@@ -112,6 +112,8 @@ def run_guide(
 
         def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
             said = (*source.notes, *tracker.notes, *snapshot.warnings, *notes)
+            if known is not None and session.state.known is None:
+                said = (*said, KNOWN_IS_ANOTHER)
             # No more views come: judge the set as it is.
             found = (
                 tracker.explain_misses()
@@ -149,7 +151,7 @@ def run_guide(
         for number, picture in pictures:
             viewer.keep_view(number, picture)
         warned = source.notes if isinstance(source, Live) else ()
-        announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes, *warned)
+        announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes)
         on_viewer(viewer)
         # What is said from here on is for the page.
         stack.enter_context(viewer.language.spoken())

@@ -33,6 +33,7 @@ NO_PICTURES_END = (
 NO_PICTURES_CURE = (
     "What was captured is kept. Look at the camera's cable, or at what sends the stream."
 )
+SOURCE_REMARK = "What is to be known of the source's pictures is printed in the terminal."
 FLOW = (
     "{came:.0f} pictures/s come, {searched:.0f} are searched, {sent:.0f} are sent, {age:.0f} ms "
     "old. Of {all} so far {skipped:.0%} were not searched and {damaged} were damaged."

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.board_pose import contradicts, estimate_pose
 from venus3d.engine.calibration.measurement import MeasuringCamera, measure, on_plane
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
@@ -45,6 +45,8 @@ _HIT = 0.7
 """Standard deviation of a click's coordinate, in pixels of the screen."""
 _EDGES_MM = (10.0, 200.0, 5.0)
 _SCALE_PERCENT = 1
+_STRANGE = 5
+"""Pictures in a row of which one or two may be blurred."""
 
 
 class MeasurePage(Page[MeasureState]):
@@ -67,6 +69,7 @@ class MeasurePage(Page[MeasureState]):
         self._by, self._board = by, board
         self._seen: tuple[Observation, Pose | None] | None = None
         self._remark = ""
+        self._strange = 0  # pictures in a row
         self._open()
 
     @property
@@ -74,9 +77,14 @@ class MeasurePage(Page[MeasureState]):
         """(width, height) of the pictures of the camera that is measured with."""
         return self._by.camera.image_size
 
+    @property
+    def is_wrong(self) -> bool:
+        """Whether the last pictures show the board as this camera cannot see it."""
+        return self._strange >= _STRANGE
+
     def measure_by(self, by: MeasuringCamera, board: Board) -> None:
         """Measure with another camera from now on, and begin anew."""
-        self._seen, self._by, self._board = None, by, board
+        self._seen, self._by, self._board, self._strange = None, by, board, 0
         self.clear()
 
     def show(self, observation: Observation) -> None:
@@ -86,6 +94,8 @@ class MeasurePage(Page[MeasureState]):
         pose = (
             estimate_pose(camera, self._board, observation, before) if observation.count else None
         )
+        strange = contradicts(camera, self._board, observation, pose)
+        self._strange = self._strange + 1 if strange else 0
         self._seen = (observation, pose)
         self.wake()
 
@@ -198,18 +208,22 @@ class MeasurePage(Page[MeasureState]):
         self._lens.show_picture(straight.straightened(rgb), straight.plane)
 
     def _text_html(self, state: MeasureState, seen: tuple[Observation, Pose | None] | None) -> str:
-        if seen is None or seen[1] is None:
+        if self.is_wrong:
+            what = say.WRONG
+        elif seen is None or seen[1] is None:
             what = say.NO_BOARD
         elif state.tool == "cube":
             what = say.CUBE
         else:
             what = (say.FIRST, say.SECOND, say.AGAIN)[len(state.points)]
+        attention = " class='v-attention'" if self.is_wrong else ""
+        told = f"<p{attention}>{escape(what)}</p>"
         found = "" if state.measured is None else f"<div class='v-measured'>{_length(state)}</div>"
         held = f"<div class='v-line'>{escape(say.HELD)}</div>" if state.held else ""
         remark = f"<div class='v-line v-attention'>{escape(self._remark)}</div>" * bool(
             self._remark
         )
-        return f"<div class='v-measure'>{found}<p>{escape(what)}</p>{held}{remark}</div>"
+        return f"<div class='v-measure'>{found}{told}{held}{remark}</div>"
 
     def _note_html(self, state: MeasureState) -> str:
         if state.tool == "cube":

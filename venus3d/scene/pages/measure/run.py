@@ -13,13 +13,13 @@ from venus3d.engine.geometry.camera import PAPER_CAMERA
 from venus3d.scene.pages.measure import terminal_texts
 from venus3d.scene.pages.measure.options import MeasureOptions
 from venus3d.scene.pages.measure.page import MeasurePage
-from venus3d.scene.web.page import announce_page
+from venus3d.scene.web.page import announce, announce_page
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.frame import Source
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.observation_stream import ObservationStream
 from venus3d.sources.source_news import tell_of_trouble
-from venus3d.storage.formats import record_in
+from venus3d.storage.formats import camera_in
 from venus3d.storage.result_reader import read_result
 
 _RESULT = "result.json"
@@ -54,24 +54,28 @@ def run_measure(options: MeasureOptions) -> None:
             reopen=lambda: _opened(options, board),
         )
         page.on_hold = stream.pause
+        told = False
 
         def step() -> None:
+            nonlocal told
             seen = stream.take(timeout=0.05)
             if seen is not None:
                 page.show(seen)
+            if page.is_wrong and not told:
+                told = True
+                announce(terminal_texts.WRONG.format(name=options.camera or options.source))
 
         stream.run(step)
         stream.check()
 
 
 def _known(options: MeasureOptions) -> tuple[MeasuringCamera, Board]:
-    """The camera with what its file says of it; the board as found in its calibration, if it is the
-    one that is held."""
+    """The camera with what its file says of it; the board that is held."""
     board = options.board.board()
     if options.camera is None:
         return MeasuringCamera(PAPER_CAMERA), board
     file = options.camera / _RESULT if options.camera.is_dir() else options.camera
-    record = record_in(options.camera)
+    record = camera_in(options.camera)
     if file.name == _RESULT and Path(file).is_file():
         noise_px = read_result(file).calibration.residual_sigma_px
         return MeasuringCamera(record.camera, record.covariance, noise_px), board

@@ -14,6 +14,11 @@ ACTIONS_LABEL = "Picture"
 CLEAR, HOLD = "Clear ⌫", "Hold ␣"
 ACTIONS_HINT = "Clear takes the points away. Hold stops the picture, so that clicks are exact."
 NO_BOARD = "Show the board: lengths are measured on its plane."
+WRONG = (
+    "The board is seen, but not as this camera would see it, so lengths would be wrong: its file "
+    "is of another camera, zoom or focus, or the board is another one. Start again with the right "
+    "--camera or --board."
+)
 FIRST = "Click the first point on the board's plane: on the board, or on what lies flat with it."
 SECOND = "Click the second point."
 AGAIN = "Click again to begin a new length."

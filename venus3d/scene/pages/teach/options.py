@@ -22,9 +22,10 @@ class TeachOptions:
     """A lesson's name, or a lesson file of your own (.toml)."""
     board: BoardOptions = field(default_factory=BoardOptions)
     camera: Annotated[
-        Path | None, arg(metavar="CAMERA.YAML", help_behavior_hint="(usual: a simulated webcam)")
+        Path | None, arg(metavar="FILE", help_behavior_hint="(usual: a simulated webcam)")
     ] = None
-    """The calibrated camera that is taught with."""
+    """The calibrated camera that is taught with: a result.json, a camera.yaml, any other camera
+    file, or the folder of a calibration."""
     export: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
     """Write the lesson to a file and end: .html (plays offline), .png (a sheet of the four steps),
     .mp4 or .gif (the animation)."""

@@ -25,13 +25,13 @@ from venus3d.scene.pages.teach.view_model import AnalysePose, PoseAnalysis
 from venus3d.scene.web.page import announce_page
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.tabs import TabServer
-from venus3d.storage.camera_yaml import read_camera_yaml
+from venus3d.storage.formats import camera_in
 from venus3d.threads.latency import low_latency
 
 
 def run_teach(options: TeachOptions) -> None:
     """Serve the page until Ctrl-C. Raises `VenusError` for whatever the user can fix."""
-    camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
+    camera = PAPER_CAMERA if options.camera is None else camera_in(options.camera).camera
     analyse = PoseAnalysis(camera, options.board.board())
     lessons, chosen = _lessons(options.lesson)
     with ExitStack() as stack:
@@ -149,7 +149,7 @@ def export_lesson(
 ) -> tuple[tuple[bytes, ...], tuple[str, ...]]:
     """The chosen lesson's files of this type, and notes: why the painter drew them if OpenGL did
     not, and which poses leave the picture. Raises `VenusError` for whatever the user can fix."""
-    camera = PAPER_CAMERA if options.camera is None else read_camera_yaml(options.camera)
+    camera = PAPER_CAMERA if options.camera is None else camera_in(options.camera).camera
     analyse = PoseAnalysis(camera, options.board.board())
     lesson = lesson_of(options.lesson, options.language or "en")
     language = PageLanguage(lesson.language or options.language)
