@@ -232,6 +232,29 @@ def test_decompose_takes_any_camera_file(run: Run, tmp_path: Path) -> None:
     assert len(printed) == 1
 
 
+def test_a_name_where_cameras_have_none(run: Run, tmp_path: Path) -> None:
+    """It was ignored."""
+    export_camera(PAPER_CAMERA, tmp_path / "camera.yaml")
+    asked = ("import", tmp_path / "camera.yaml", "--output", tmp_path / "other.yaml")
+    assert "leave out --name" in run(*asked, "--name", "cam1").sentence
+
+
+def test_a_report_is_html(run: Run, kept_session: Path, tmp_path: Path) -> None:
+    """Other names ended in a traceback, or were given to a file that is none of the kind."""
+    for name in ("report.pdf", "report.txt"):
+        sentence = run("report", kept_session, "--output", tmp_path / name).sentence
+        assert "name it .html" in sentence
+    assert not list(tmp_path.iterdir())
+    assert run("report", kept_session, "--output", tmp_path / "new").code == 0
+    assert (tmp_path / "new" / "report.html").is_file()
+
+
+def test_a_folder_of_a_session_as_source_names_its_pictures(run: Run, kept_session: Path) -> None:
+    for asked in (("undistort", kept_session, "--camera", kept_session), ("board", "--find")):
+        sentence = run(*asked, *([kept_session] if asked[-1] == "--find" else [])).sentence
+        assert f"there are some in {kept_session}/views: give that" in sentence
+
+
 def test_a_folder_in_place_of_a_camera_file(run: Run, tmp_path: Path) -> None:
     """What is in it is what to give."""
     sentence = run("import", tmp_path).sentence

@@ -43,8 +43,8 @@ _CODES: dict[Verdict, int] = {
 def verify_command(options: VerifyOptions) -> int:
     """Compare, print, write; the exit code is 0 for good, 1 for changed, 3 for unclear.
     Raises `VenusError` for a user's mistake."""
-    if not options.limit > 0:
-        raise VenusError("--limit must be more than 0 px.")
+    if not 0 < options.limit < float("inf"):
+        raise VenusError("--limit must be a number of pixels, more than 0.")
     record = record_in(options.file, options.format, options.name)
     page, numbers = (Path(), Path()) if options.output is None else _places(options.output)
     live = options.source == "sim" or is_live(options.source)

@@ -82,9 +82,14 @@ class Folder:
         # Tables, notes and earlier results lie beside the images: nobody misses them.
         images = [path for path in entries if _has_picture_name(path) or is_image(path)]
         if not images:
+            deeper = next((one for one in sorted(entries) if _holds_images(one)), None)
             raise SourceError(
                 f"The folder {shown(directory)} holds no images; "
-                "it needs PNG, JPEG, TIFF or BMP files right inside it."
+                + (
+                    "it needs PNG, JPEG, TIFF or BMP files right inside it."
+                    if deeper is None
+                    else f"there are some in {shown(deeper)}: give that."
+                )
             )
         return Folder(sorted(images, key=_natural))
 
@@ -160,6 +165,13 @@ class Folder:
         if frame.image_size != self._size:
             raise SourceError(f"The image {shown(path)} changed its size meanwhile; start again.")
         return frame
+
+
+def _holds_images(path: Path) -> bool:
+    try:
+        return path.is_dir() and any(one.suffix.lower() in SUFFIXES for one in path.iterdir())
+    except OSError:
+        return False
 
 
 def _has_picture_name(path: Path) -> bool:

@@ -173,6 +173,8 @@ def import_camera(
     place = Path(path)
     content = _content_of(place)
     source = format_called(format) if format else _format_of(place, content)
+    if name is not None and source not in (KALIBR, COLMAP):
+        raise StorageError(f"{_start(source)} holds one camera, without a name; leave out --name.")
     try:
         return source.read(content, name)
     except (*DAMAGED, CalibrationError) as error:

@@ -177,7 +177,8 @@ def chosen(cameras: Mapping[str, Any], name: str | None, title: str) -> Any:
         shown = [*cameras][:8]
         listed = ", ".join(shown) + (", …" if len(cameras) > len(shown) else "")
         raise StorageError(
-            f"{title} holds {len(cameras)} cameras; name one of them with --name: {listed} "
+            f"{title} holds {len(cameras)} camera{'s' * (len(cameras) > 1)}; name one of them with "
+            f"--name: {listed} "
             "(venus3d import makes a camera.yaml of it)."
         )
     return cameras[name]
