@@ -167,6 +167,8 @@ def test_what_is_given_again_counts_also_where_it_is_the_usual(
         max_views=3,
         flip=True,
         auto_capture=False,
+        headless=True,
+        json=True,
         board=BoardOptions(columns=7, legacy=True),
     )
     kept = opened_session(begun, print)
@@ -178,7 +180,8 @@ def test_what_is_given_again_counts_also_where_it_is_the_usual(
     def resumed(*arguments: str) -> GuideOptions:
         return resumed_options(["--resume", str(directory), *arguments], directory)
 
-    before = replace(begun, output=None, resume=directory)
+    # Without a page, and printed as JSON, is one run alone: no option could undo it.
+    before = replace(begun, output=None, resume=directory, headless=False, json=False)
     assert resumed() == before
     assert resumed("sim", "--max-views", "20") == replace(before, source="sim", max_views=20)
     assert resumed("--auto-capture", "--headless").auto_capture

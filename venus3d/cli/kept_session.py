@@ -37,7 +37,7 @@ SESSIONS = Path("venus3d-sessions")
 """Where sessions are kept for which no folder is named."""
 _PACKAGES = ("venus3d", "numpy", "scipy", "opencv-contrib-python-headless", "viser")
 # What belongs to one run, not to the session.
-_OF_THE_RUN = ("resume", "output", "record")
+_OF_THE_RUN = ("resume", "output", "record", "headless", "json")
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +109,8 @@ def resumed_options(arguments: Sequence[str], directory: Path) -> GuideOptions:
     """The options of a session that is gone on with: its own, and those that are given again. The
     camera's settings are those set last, if the source is the same. Raises `StorageError`."""
     before = options_of(read_header(directory), directory)
+    # A switch cannot be given to be off; older sessions hold these.
+    before = replace(before, headless=False, json=False)
     last = camera_settings(directory)
     if last is not None:
         set_last = CameraSettings(**{name: last.get(name) for name in SETTING_NAMES})

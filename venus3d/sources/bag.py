@@ -77,7 +77,9 @@ class Bag:
             raise
         except Exception as error:  # a damaged bag raises anything
             self.close()
-            raise SourceError(f"{self._name} cannot be read as a bag ({error}).") from error
+            raise SourceError(
+                f"{self._name} cannot be read as a bag ({error}); record or copy it again."
+            ) from error
         if self._first is None:
             self.close()
             raise SourceError(f"{self._name} holds no picture of {connection.topic}.")

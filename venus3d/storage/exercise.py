@@ -19,6 +19,7 @@ from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.printable import is_seen
 from venus3d.engine.sentences import Sentence
+from venus3d.storage.folder import reason
 
 ExerciseKind = Literal["practice", "trial"]
 Outcome = Literal["reached", "given up"]
@@ -138,8 +139,7 @@ class ExerciseFile:
             self._file: TextIO = path.open("a+", newline="", encoding="utf-8")
         except OSError as error:
             raise StorageError(
-                f"{path} cannot be written ({(error.strerror or str(error)).lower()}); choose "
-                "another folder with --output."
+                f"{path} cannot be written ({reason(error)}); choose another folder with --output."
             ) from error
         try:
             self._file.seek(0)
