@@ -138,7 +138,7 @@ def test_a_lens_model_that_folds_back_is_said(run: Run, folder: Path) -> None:
     """Black pictures were "Written" with exit code 0."""
     asked = ("undistort", folder / "shots", "--camera", folder, "--output", folder / "out")
     assert "folds back" not in run(*asked).err
-    for k1, told in ((-0.6, "which is lost"), (-50.0, "nothing to undistort by")):
+    for k1, told in ((-0.6, "which is lost"), (-50.0, "nothing to see by")):
         camera = replace(CAMERA, coefficients=(k1, 0.0, 0.0, 0.0, 0.0))
         export_camera(camera, folder / f"{k1}.yaml", "opencv-yaml")
         ran = run(*asked[:3], folder / f"{k1}.yaml", "--output", folder / f"out{k1}")
