@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from venus3d.cli.options import UndistortOptions
 from venus3d.cli.report import print_note
-from venus3d.engine.calibration.sight import folds_back, lost_share
+from venus3d.engine.calibration.camera_plausibility import folds_back, lost_share
 from venus3d.engine.errors import StorageError, VenusError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.undistortion import Undistortion

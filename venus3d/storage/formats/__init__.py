@@ -11,7 +11,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from venus3d.engine.calibration.calibration import Calibration
-from venus3d.engine.calibration.sight import lost_share
+from venus3d.engine.calibration.camera_plausibility import lost_share
 from venus3d.engine.errors import CalibrationError, StorageError
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.lenses import BROWN5, LENSES
