@@ -32,12 +32,12 @@ def report_command(options: ReportOptions) -> None:
     folder = file.parent
     place = folder if options.output is None else options.output
     place = place / "report.html" if place.is_dir() or not place.suffix else place
+    product_place(place, _MADE, file)
     if place.suffix.lower() != ".html":
         raise StorageError(
             f"The report is one HTML file, not a {place.suffix}; name it .html. The browser prints "
             "it, also into a PDF."
         )
-    product_place(place, _MADE, file)
     numbers = [view.number for view in result.calibration.views]
     told = ReportInput(
         result.calibration,

@@ -34,7 +34,8 @@ def run_headless(
             if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
                 return terminal_texts.HAND_TOO_FAR
             frame = source.read()
-            remarks.look(source)
+            if not isinstance(source, Simulation):  # its own are told at the end
+                remarks.look(source)
             if frame is None:
                 break
             session.observe(tracker.track(frame))
