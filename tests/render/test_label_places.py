@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from venus3d.render.label_places import HEIGHT_PX, places_apart
 from venus3d.render.shapes import LabelShape
+from venus3d.render.text_drawing import pill_picture
 from venus3d.render.viewpoints import SceneCamera
 
 WINDOW = (922, 1080)
@@ -47,6 +48,35 @@ def test_no_label_covers_another_and_the_first_stays() -> None:
             dx, dy = np.abs(places[i] - places[j])
             letters = 7.5 * (len(labels[i].text) + len(labels[j].text)) / 2
             assert dy >= HEIGHT_PX - 1e-3 or dx > letters
+
+
+def test_a_label_leaves_the_tip_of_an_arrow_free() -> None:
+    """A small window's label covered the head, which says where to."""
+    rng = np.random.default_rng(5)
+    moved = 0
+    for _ in range(50):
+        amount = label("−66°", *rng.normal([0, 0, 0.45], 0.02))
+        tip = amount.position + rng.normal(0, 0.02, 3)
+        (place,) = places_apart([amount], VIEW, WINDOW, [tip])
+        at, head = pixels_of(np.array([place, tip]))
+        pill = pill_picture(amount.text, amount.colour, 26)
+        aside, above = np.abs(at - head)
+        assert aside > pill.shape[1] / 2 or above > pill.shape[0] / 2
+        moved += not np.allclose(place, amount.position)
+    assert 5 < moved < 45, "only where it has to"
+
+
+def test_a_caption_stays_where_it_is_as_wide_as_it_is() -> None:
+    """Taken for wider than it is, a step's caption was moved onto another step's board."""
+    # Beside each other, 2 px apart.
+    f = WINDOW[1] / 2 / np.tan(VIEW.fov_rad / 2)
+    texts = ("−66°", "4 Rotate −87°")
+    half = [pill_picture(text, (0, 0, 0), 26).shape[1] / 2 for text in texts]
+    first = np.array([0.0, 0.0, 0.4])
+    depth = float(VIEW.axes[2] @ (first - VIEW.position))
+    second = first + VIEW.axes[0] * (sum(half) + 2 + 4) * depth / f
+    labels = [label(text, *at) for text, at in zip(texts, (first, second), strict=True)]
+    np.testing.assert_allclose(places_apart(labels, VIEW, WINDOW), [first, second], atol=1e-9)
 
 
 def test_labels_that_are_far_apart_and_those_behind_the_eye_stay() -> None:

@@ -78,7 +78,7 @@ def test_a_picture_says_when_the_board_leaves_the_image(
     assert warned(outside)
 
 
-def test_a_done_step_has_no_arrow_and_amounts_can_be_left_out(
+def test_a_done_step_has_no_arrow_and_letters_can_be_left_out(
     gl: Offscreen, paper_camera: Camera, default_board: Board
 ) -> None:
     """A picture without a number stays true while the amount beside it falls."""
@@ -89,5 +89,5 @@ def test_a_done_step_has_no_arrow_and_amounts_can_be_left_out(
         far = np.abs(picture.result().astype(int) - step_colour(2, True)).sum(axis=2)
         return int((far < 90).sum())
 
-    whole, bare, done = coloured(), coloured(amounts=False), coloured(done=True)
+    whole, bare, done = coloured(), coloured(letters=False), coloured(done=True)
     assert whole > bare + 20 and bare > 300 and done == 0

@@ -109,7 +109,7 @@ def content_of(shapes: Iterable[Shape], steps: Iterable[Step] = ()) -> Content:
         np.array([_surface(board) for board in boards]).reshape(-1, 3),
         _facing(b.pose for b in boards),
         np.array(arrows).reshape(-1, 2, 3),
-        next((_picture(s) for s in framed if isinstance(s, FrustumShape)), np.zeros(3)),
+        picture_among(framed),
         tuple(step for step in steps if not step.is_idle),
     )
 
@@ -142,6 +142,11 @@ def _surface(board: MeshShape | LineShape) -> Array:
     """(20, 3) a grid of points on a board."""
     low, high = np.min(own := _own_points(board), axis=0), np.max(own, axis=0)
     return board.pose.apply(low + _GRID * (high - low))
+
+
+def picture_among(shapes: Iterable[Shape]) -> Array:
+    """(3,) half width, half height and depth of the frustum's picture; zeros without one."""
+    return next((_picture(s) for s in shapes if isinstance(s, FrustumShape)), np.zeros(3))
 
 
 def _picture(shape: FrustumShape) -> Array:
@@ -231,12 +236,19 @@ def _hidden(content: Content, eyes: Array) -> Array:
     """(D,) share of the boards that the frustum's picture hides from each eye (D, 3)."""
     if not len(content.surface):
         return np.zeros(len(eyes))
-    half, depth = content.picture[:2], content.picture[2]
-    rays = content.surface[None] - eyes[:, None]
-    # Where the line of sight passes the picture's plane, as a share of the way to the board.
-    share = (depth - eyes[:, None, 2]) / np.where(np.abs(rays[..., 2]) < 1e-9, 1e-9, rays[..., 2])
+    return np.mean(shares_at_picture(content.surface, eyes, content.picture) < 1, axis=1)
+
+
+def shares_at_picture(points: Array, eyes: Array, picture: Array) -> Array:
+    """(D, N) the share of the way from each eye (D, 3) to each of these points (N, 3) at which the
+    line of sight passes the frustum's `picture` (`picture_among`); 1 where it does not."""
+    rays = points[None] - eyes[:, None]
+    share = (picture[2] - eyes[:, None, 2]) / np.where(
+        np.abs(rays[..., 2]) < 1e-9, 1e-9, rays[..., 2]
+    )
     across = np.abs(eyes[:, None, :2] + share[..., None] * rays[..., :2])
-    return np.mean((share > 0) & (share < 1) & np.all(across < half, axis=2), axis=1)
+    passes = (share > 0) & (share < 1) & np.all(across < picture[:2], axis=2)
+    return np.where(passes, share, 1.0)
 
 
 def sight_angles_deg(content: Content, eyes: Array) -> tuple[Array, Array]:

@@ -8,29 +8,43 @@ import numpy as np
 
 from venus3d.engine.geometry.pose import Array
 from venus3d.render.shapes import LabelShape
+from venus3d.render.text_drawing import pill_width
 from venus3d.render.viewpoints import SceneCamera
 
 HEIGHT_PX = 30.0
 """Of a label, with a gap below it."""
-_LETTER_PX, _ENDS_PX = 9.0, 24.0
+PILL_PX = 0.86 * HEIGHT_PX
+"""Height of the label itself."""
+_BESIDE_PX = 4.0
+_TIP_PX = 9.0
+"""Half the width of what is kept free at an arrow's tip."""
 _NEAR = 0.02
 
 
 def places_apart(
-    labels: Sequence[LabelShape], view: SceneCamera, window_px: tuple[int, int]
+    labels: Sequence[LabelShape],
+    view: SceneCamera,
+    window_px: tuple[int, int],
+    tips: Sequence[Array] = (),
 ) -> list[Array]:
     """A point (3,) for each label, camera frame, metres: its own, or one below or above it in the
-    window where an earlier label would cover it, and beside it where the window would cut it."""
+    window where an earlier label or an arrow's tip (3,) would be covered, and beside it where the
+    window would cut it."""
     focal = window_px[1] / 2 / np.tan(view.fov_rad / 2)
     taken: list[tuple[float, float, float]] = []  # middle and half width, pixels
     places: list[Array] = []
+    for tip in tips:
+        x, y, z = view.axes @ (tip - view.position)
+        if z >= _NEAR:
+            taken.append((focal * x / z, focal * y / z, _TIP_PX))
     for label in labels:
         x, y, z = view.axes @ (label.position - view.position)
         if z < _NEAR:  # behind the eye
             places.append(label.position)
             continue
         at = focal * np.array([x, y]) / z
-        half = (_LETTER_PX * len(label.text) + _ENDS_PX) / 2
+        # Drawn finely, as it is in the scene: letters of whole pixels are wider or narrower.
+        half = pill_width(label.text, round(4 * PILL_PX)) / 8 + _BESIDE_PX / 2
         column, room = float(at[0]), window_px[0] / 2 - half
         if abs(column) < window_px[0] / 2 and room > 0:
             column = float(np.clip(column, -room, room))

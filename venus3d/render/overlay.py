@@ -32,14 +32,22 @@ _POINTS = 13  # along an axis, which a lens bends
 _OPACITY = 0.6
 
 
-def draw_axes(rgb: Picture, camera: Camera, board: Board, now: Pose | None, target: Pose) -> None:
+def draw_axes(
+    rgb: Picture,
+    camera: Camera,
+    board: Board,
+    now: Pose | None,
+    target: Pose,
+    letters: float = 1.0,
+) -> None:
     """Draw the axes of the current board (solid) and of the target (dashed) on an RGB picture, in
-    place. The camera may have another image size."""
+    place. The camera may have another image size. A small picture needs larger `letters`."""
     seen = camera.scaled((rgb.shape[1], rgb.shape[0]))
     length = _AXIS_LENGTH * min(board.width, board.height)
+    letter_scale = letters * rgb.shape[1] / 1000
     if now is not None:
-        _frame(rgb, seen, now, length, dashed=False)
-    _frame(rgb, seen, target, length, dashed=True)
+        _frame(rgb, seen, now, length, letter_scale, dashed=False)
+    _frame(rgb, seen, target, length, letter_scale, dashed=True)
 
 
 def draw_outline(
@@ -64,7 +72,9 @@ def _stroke(rgb: Picture) -> int:
     return max(2, round(rgb.shape[1] / 240))
 
 
-def _frame(rgb: Picture, camera: Camera, pose: Pose, length: float, *, dashed: bool) -> None:
+def _frame(
+    rgb: Picture, camera: Camera, pose: Pose, length: float, letter_scale: float, *, dashed: bool
+) -> None:
     along = np.linspace(0.0, 1.0, _POINTS)[:, None]
     # Farthest first, so that nearer parts cover it.
     for axis in sorted(range(3), key=lambda i: -float(pose.R[2, i])):
@@ -77,7 +87,7 @@ def _frame(rgb: Picture, camera: Camera, pose: Pose, length: float, *, dashed: b
         else:
             draw_line(rgb, points, colour, width + 3, closed=False)
         name = "XYZ"[axis]
-        _letter(rgb, points, name + "'" if dashed else name, colour)
+        _letter(rgb, points, name + "'" if dashed else name, colour, letter_scale)
     _dot(rgb, camera.project(pose.t[None])[0], hollow=dashed)
 
 
@@ -92,12 +102,11 @@ def _head(rgb: Picture, points: Array, colour: Colour, width: int) -> None:
     draw_line(rgb, head, colour, width, closed=False)
 
 
-def _letter(rgb: Picture, points: Array, text: str, colour: Colour) -> None:
+def _letter(rgb: Picture, points: Array, text: str, colour: Colour, scale: float) -> None:
     tip, direction = points[-1], points[-1] - points[0]
     norm = float(np.linalg.norm(direction))
     if not (np.isfinite(norm) and (np.abs(tip) < 1e4).all()):
         return
-    scale = rgb.shape[1] / 1000
     place = tip + (direction / norm if norm > 1 else np.array([1.0, -1.0])) * 26 * scale
     (w, h), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 2)
     corner = (round(place[0] - w / 2), round(place[1] + h / 2))

@@ -56,11 +56,11 @@ class Projections:
         size: tuple[int, int] = (480, 270),
         dark: bool = True,
         header: bool = True,
-        amounts: bool = True,
+        letters: bool = True,
     ) -> Pictures:
         """Futures of the RGB pictures of steps 1 ... 4, each of `size` plus a `header` above;
         returns at once. The arguments are those of `of_step`."""
-        key = (steps, camera, board, done, size, dark, header, amounts)
+        key = (steps, camera, board, done, size, dark, header, letters)
         with self._lock:
             if key not in self._kept:
                 one, two, three, four = (
@@ -72,7 +72,7 @@ class Projections:
                         size=size,
                         dark=dark,
                         header=header,
-                        amounts=amounts,
+                        letters=letters,
                     )
                     for step, is_done in zip(steps, done, strict=True)
                 )
@@ -93,19 +93,22 @@ class Projections:
         dark: bool = True,
         supersample: int = 2,
         header: bool = True,
-        amounts: bool = True,
+        letters: bool = True,
     ) -> Future[Picture]:
         """The picture of one step; not cached. Drawn `supersample` times as large and shrunk.
 
         Args:
             done: no arrow, since nothing is to be done.
             header: the step's number, title and words above.
-            amounts: the amount beside the arrow; without, the picture stays true while it falls.
+            letters: amount, axis and a warning of corners outside; without, the picture stays true
+                while the amount falls. In a tile, a third as large, they could not be read.
         """
 
         def shapes() -> tuple[Shape, ...]:
             described = describe_step(board, camera, step, dark=dark, instruct=not done)
-            return described if amounts else tuple(s for s in described if not _is_amount(s))
+            if letters:
+                return described
+            return tuple(shape for shape in described if not isinstance(shape, LabelShape))
 
         return self._offscreen.submit(
             camera,
@@ -115,16 +118,12 @@ class Projections:
             supersample=supersample,
             finish=partial(with_step_header, step=step, dark=dark)
             if header
-            else partial(_alone, step=None if done else step, dark=dark),
+            else partial(_alone, step=step if letters and not done else None, dark=dark),
         )
 
 
-def _is_amount(shape: Shape) -> bool:
-    return isinstance(shape, LabelShape) and shape.name.endswith("/label")
-
-
 def _alone(picture: Picture, step: Step | None, dark: bool) -> Picture:
-    """The picture in its frame; `step` is None for one that is done, which warns of nothing."""
+    """The picture in its frame, with a warning if corners of this step are outside."""
     told = picture if step is None else with_corner_banner(picture, step, dark)
     return _framed(told, ground(dark).camera)
 
@@ -192,10 +191,15 @@ def with_corner_banner(picture: Picture, step: Step, dark: bool) -> Picture:
     return np.asarray(image)
 
 
+def corners_outside_text(corners: int) -> str:
+    """That so many corners are outside the image; empty for none."""
+    if not corners:
+        return ""
+    return texts.ONE_CORNER_OUTSIDE if corners == 1 else texts.CORNERS_OUTSIDE.format(count=corners)
+
+
 def _banner(draw: ImageDraw.ImageDraw, size: tuple[int, int], corners: int, dark: bool) -> None:
-    colours = ground(dark)
-    text = texts.ONE_CORNER_OUTSIDE if corners == 1 else texts.CORNERS_OUTSIDE.format(count=corners)
-    # A tile in a low window is a third as wide as its picture: as large as there is room.
+    colours, text = ground(dark), corners_outside_text(corners)
     face = fitting_font(text, round(size[0] * 0.08), 0.95 * size[0], bold=True)
     half, tall = face.getlength(text) / 2 + 8, round(size[0] * 0.07)
     middle, bottom = size[0] / 2, size[1] - 5

@@ -56,8 +56,7 @@ def wrapped_lines(text: str, face: Any, width_px: float) -> tuple[str, ...]:
 @lru_cache(maxsize=256)
 def pill_picture(text: str, colour: Colour, height_px: int) -> NDArray[np.uint8]:
     """A label as RGBA (H, W, 4): white on a dark pill with an edge of this colour."""
-    face = font(round(0.56 * height_px), bold=True)
-    width = round(max(face.getlength(text) + 0.8 * height_px, height_px))
+    face, width = _pill_font(height_px), pill_width(text, height_px)
     image = Image.new("RGBA", (width, height_px), (*_PILL, 0))
     draw = ImageDraw.Draw(image)
     # On light ground the colours are dark, and so is the pill.
@@ -81,13 +80,26 @@ def pill_picture(text: str, colour: Colour, height_px: int) -> NDArray[np.uint8]
     return np.asarray(image)
 
 
+@lru_cache(maxsize=256)
+def pill_width(text: str, height_px: int) -> int:
+    """Width of a label's picture, pixels."""
+    return round(max(_pill_font(height_px).getlength(text) + 0.8 * height_px, height_px))
+
+
+def _pill_font(height_px: int) -> Any:
+    return font(round(0.56 * height_px), bold=True)
+
+
 def paint_labels(
-    picture: NDArray[np.uint8], labels: Sequence[LabelShape], camera: Camera
+    picture: NDArray[np.uint8],
+    labels: Sequence[LabelShape],
+    camera: Camera,
+    height: float = 1 / 9,
 ) -> NDArray[np.uint8]:
-    """RGB picture with the labels at their points as `camera` sees them. A label just outside is
-    drawn at the border; one behind the camera is left out."""
+    """RGB picture with the labels, of this share of its height, at their points as `camera` sees
+    them. A label just outside is drawn at the border; one behind the camera is left out."""
     image = Image.fromarray(picture)
-    tall = int(np.clip(image.height / 9, 15, 56))
+    tall = int(np.clip(height * image.height, 15, 56))
     taken: list[tuple[float, float, float, float]] = []
     for label in labels:
         x, y = (float(v) for v in camera.project(label.position))

@@ -167,6 +167,26 @@ def test_a_browser_that_is_seconds_late_is_no_person(
         assert sent(client, PATIENCE_S, 1)
 
 
+def test_one_strange_view_in_a_flight_is_no_person_and_two_are(rig: CameraRig) -> None:
+    """A busy browser reported a view of its own making: the flight ended there, with nothing of
+    what had been asked for in the window."""
+    with RawClient(port_of(rig)) as client:
+        client.backlog()
+        client.look(**USUAL)
+        assert sent(client, PATIENCE_S, 1)
+        client.look(position=EYE.tolist(), look_at=AT.tolist())
+        sent(client, 0.3)
+        for eye, strange in ((1.5 * EYE, 1), (EYE, 2)):
+            rig.refit(lambda _, eye=eye: SceneCamera(eye, AT, 0.7))
+            assert sent(client, PATIENCE_S, 3)
+            for count in range(strange):
+                aside = np.array([0.1 + 0.05 * count, 0.0, 0.0])
+                client.look(position=(1.2 * EYE + aside).tolist(), look_at=AT.tolist())
+            places = sent(client, 1.5)
+            assert any(np.allclose(place, eye) for place in places) == (strange == 1)
+            client.look(position=eye.tolist(), look_at=AT.tolist())
+
+
 def test_a_view_that_a_person_has_turned_stays_until_it_is_fitted_again(rig: CameraRig) -> None:
     def framing(aspect: float) -> SceneCamera:
         return SceneCamera(EYE * aspect, AT, 0.7)

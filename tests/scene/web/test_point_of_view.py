@@ -14,7 +14,9 @@ import viser.transforms as tf
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
+from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
+from venus3d.render.frustum import DEPTH, frustum
 from venus3d.render.shapes import LabelShape, MeshShape
 from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera
 from venus3d.scene.web.camera_rig import CameraRig
@@ -67,6 +69,23 @@ def test_an_arrow_looks_the_same_and_is_nearer_until_another_tab_looks_from_else
             other.look(position=(0.5, -0.5, 1.0), look_at=(0.0, 0.0, 0.5))
             wait_until(lambda: len(server.get_clients()) == 2 and settled(view))
             np.testing.assert_allclose(vertices_of(view), there, atol=1e-6)
+
+
+def test_an_arrow_is_before_the_camera_s_picture_also_where_that_is_near_the_eye(
+    server: LocalServer, paper_camera: Camera
+) -> None:
+    """Seen from behind the camera, its picture hid the arrow but for a stub."""
+    eye = (-0.02, -0.01, -0.1)
+    view = SceneView(server)
+    view.draw((ARROW, frustum(paper_camera)), dark=True)
+    there = PLACE.apply(np.asarray(ARROW.mesh.vertices, np.float64))
+    with RawClient(server.get_port()) as tab:
+        tab.look(position=eye, look_at=(0.0, 0.0, 0.5))
+        wait_until(lambda: server.get_clients() and settled(view))
+        places = vertices_of(view)
+        assert (places[:, 2] < DEPTH).all(), "on the eye's side of the picture"
+        shares = np.linalg.norm(places - eye, axis=1) / np.linalg.norm(there - eye, axis=1)
+        assert shares.min() > 0.25, "and behind the labels"
 
 
 def test_nothing_is_drawn_for_an_eye_that_is_still_flying(server: LocalServer) -> None:

@@ -6,7 +6,16 @@ from concurrent.futures import Future
 
 import numpy as np
 
-from venus3d.scene.web.projections_panel import Picture, Tiles, encoded
+from tests.ports import free_port
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import decompose
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.engine.guidance.remaining import RemainingStep, RemainingSteps
+from venus3d.scene.web.projections_panel import Picture, ProjectionsPanel, Tiles, encoded
+from venus3d.scene.web.server import start_server
+from venus3d.scene.web.theme import Theme
 
 
 def finish(futures: tuple[Future[Picture], ...], grey: int) -> str:
@@ -39,3 +48,30 @@ def test_pictures_of_a_target_come_together() -> None:
 
     tiles.forget()
     assert tiles.shown() is None
+
+
+def test_a_tile_warns_of_corners_outside_in_letters_of_the_page(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """In the picture, a third as large as it is drawn, they were 8 px high."""
+    # The move takes a part of the board out of the image, and the swing brings it back.
+    steps = decompose(
+        Pose.from_vector([0, -60, 0, 0.15, 0, 0.4]), camera=paper_camera, board=default_board
+    )
+    outside = [len(step.corners_outside) for step in steps]
+    assert outside[0] > 1 and outside[3] == 0
+    one, two, three, four = (RemainingStep(step, False, step_prompt(step)) for step in steps)
+    server, _ = start_server("127.0.0.1", free_port())
+    panel = ProjectionsPanel(server.gui)
+
+    def shown(first: RemainingStep) -> list[str]:
+        remaining = RemainingSteps((first, two, three, four), 1, None)
+        panel.show(remaining, ("a", "b", "c", "d"), 1, Theme(True))
+        return panel._tiles.content.split("<div class='v-tile")[1:]
+
+    tiles = shown(one)
+    for tile, count in zip(tiles, outside, strict=True):
+        assert (f"{count} corners leave the image" in tile) == (count > 1)
+        assert ("v-warning" in tile) == (count > 0)
+    assert "v-warning" not in shown(RemainingStep(one.step, True, one.prompt))[0], "it is done"
+    server.stop()

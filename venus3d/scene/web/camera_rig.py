@@ -213,6 +213,8 @@ class _Tab:
     first: SceneCamera | None = None
     """What the browser showed when it came; "Reset View" may lead back there."""
     reported: SceneCamera | None = None
+    strange: bool = False
+    """Whether the browser has last reported a view on the way that it was not sent."""
     turned_at: float | None = None
     """When a person began to move the camera away from the page's view; None while it shows it."""
     told: bool = False
@@ -281,7 +283,11 @@ class _Tab:
             return
         shown = (*(view for _, view in self.sent), *resets)
         known = (*shown, *map(_before_up, shown))
-        if not _is_mixed(seen, known) and before is not None and _is_turned(before, seen):
+        turned = not _is_mixed(seen, known) and before is not None and _is_turned(before, seen)
+        # A busy browser was once late in the middle of a flight with a view of its own making; a
+        # person's movement goes on.
+        sure, self.strange = self.settled or self.strange, turned
+        if turned and sure:
             self.settled, self.start = True, None
             self.turned_at = time.monotonic()
 

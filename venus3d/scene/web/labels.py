@@ -15,7 +15,7 @@ import numpy as np
 import viser
 
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.render.label_places import HEIGHT_PX, places_apart
+from venus3d.render.label_places import PILL_PX, places_apart
 from venus3d.render.shapes import LabelShape
 from venus3d.render.text_drawing import pill_picture
 from venus3d.render.viewpoints import SceneCamera
@@ -135,7 +135,7 @@ class SceneLabel:
 
     def _pictured(self, node: Any, kind: str, text: str) -> Any:
         """The pill, made if there is none, with this text in the shape's colour."""
-        look = text, self._shape.colour, round(_FINE * HEIGHT_PX * 0.86)
+        look = text, self._shape.colour, round(_FINE * PILL_PX)
         if self._looks.get(kind) == look:
             return node
         self._looks[kind] = look
@@ -167,15 +167,16 @@ def put_labels(
     labels: Sequence[tuple[LabelShape, SceneLabel]],
     view: SceneCamera | None,
     window_px: tuple[int, int],
+    tips: Sequence[Array] = (),
 ) -> None:
-    """Place these labels: pills that face this view and do not cover each other; viser's own
-    without a view."""
+    """Place these labels: pills that face this view and cover neither each other nor the arrows'
+    tips, (3,) each; viser's own without a view."""
     if view is None:
         for _, label in labels:
             label.put_plain()
         return
     metres_per_px = 2 * float(np.tan(view.fov_rad / 2)) / max(window_px[1], 1)
     facing = Pose(view.axes.T, view.position).wxyz
-    places = places_apart([shape for shape, _ in labels], view, window_px)
+    places = places_apart([shape for shape, _ in labels], view, window_px, tips)
     for (_, label), place in zip(labels, places, strict=True):
         label.put_pill(place, view, facing, metres_per_px)

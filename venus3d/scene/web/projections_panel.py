@@ -22,7 +22,7 @@ from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.languages import translated
 from venus3d.render.palette import step_style
-from venus3d.render.projections import Projections
+from venus3d.render.projections import Projections, corners_outside_text
 from venus3d.render.redrawing import still_shows
 from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.drawing import Failures
@@ -92,28 +92,42 @@ def _tile(
     theme: Theme,
     wording: Wording,
 ) -> str:
-    fact = words = ""
+    fact = words = warning = ""
     if remaining is not None:
         step = remaining.step(number)
         left = say.DONE if step.done else step_amount(step.step)
         fact = say.TILE_FACT.format(number=number, fact=left)
         words = translated(step.prompt.text(wording))
+        warning = "" if step.done else corners_outside_text(len(step.step.corners_outside))
         fact = escape(fact) if step.done else f"{escape(fact)}<em> {say.TO_GO}</em>"
-    return tile_html("steps", number, source, fact, words, theme, is_on=is_on)
+    return tile_html("steps", number, source, fact, words, theme, is_on=is_on, warning=warning)
 
 
 def tile_html(
-    name: str, number: int, source: str, fact: str, words: str, theme: Theme, *, is_on: bool = False
+    name: str,
+    number: int,
+    source: str,
+    fact: str,
+    words: str,
+    theme: Theme,
+    *,
+    is_on: bool = False,
+    warning: str = "",
 ) -> str:
     """One step's tile: number, title, a fact (HTML), words, and its picture in the set of this
-    name."""
+    name, with a warning over its lower edge."""
     mark = " v-on" if is_on else ""
     return (
         f"<div class='v-tile{mark}' style='--step:{theme.steps[number - 1]}'>"
         f"<div class='v-told'><b>{number}</b><strong>{step_style(number).title}"
         f"<small>{fact}</small></strong><span>{escape(words)}</span></div>"
-        f"{_inside(name, number, source)}</div>"
+        f"{_inside(name, number, source)}{warning_html(warning)}</div>"
     )
+
+
+def warning_html(warning: str) -> str:
+    """A warning over the lower edge of a tile's picture; nothing for none."""
+    return f"<div class='v-warning'>{escape(warning)}</div>" if warning else ""
 
 
 def _inside(name: str, number: int, source: str) -> str:
@@ -212,7 +226,7 @@ class RemainingTiles(Tiles):
             done=remaining.done,
             dark=dark,
             header=False,
-            amounts=False,
+            letters=False,
         )
         self._drawn = remaining
         self.expect(key, pictures)

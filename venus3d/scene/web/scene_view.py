@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.render.facing_arrows import facing
+from venus3d.render.framing import picture_among, shares_at_picture
 from venus3d.render.palette import ground
 from venus3d.render.shapes import (
     FrustumShape,
@@ -39,12 +40,13 @@ Host = viser.ViserServer | viser.ClientHandle
 """Where a page or a scene lives: all tabs, or one."""
 
 _FRUSTUM_PICTURE_WIDTH = 320
-_NEARER, _IN_FRONT = 0.45, "-in-front"
-"""Share of the way from the eye at which shapes are drawn that nothing may hide: smaller and
-nearer, so that they look the same. Twice as far as labels: at 0.25, an arrow's end that was nearer
-than a label covered its letters. Each is a node of its own beside the one in its true place,
-since a browser applies a node's position at once but its scale only when it comes to it: a shape
-that is near already and not yet small fills the window."""
+_NEARER: dict[str, float] = {"-in-front": 0.45, "-nearer": 0.3, "-nearest": 0.2}
+"""Shares of the way from the eye at which shapes are drawn that nothing may hide: smaller and
+nearer, so that they look the same. The first is twice as far as labels: at 0.25, an arrow's end
+that was nearer than a label covered its letters. The others are for a camera near the eye, whose
+picture would be before the first. Each is a node of its own beside the one in its true place, since
+a browser applies a node's position at once but its scale only when it comes to it: a shape that is
+near already and not yet small fills the window."""
 _PULSE_S, _PULSE_OPACITY = 0.7, 0.9
 """How long the end of a new step is stronger, once, and how strong."""
 _ENDS = re.compile("/steps/[1-4]/after")
@@ -102,13 +104,12 @@ class SceneView:
     def names(self) -> tuple[str, ...]:
         """Names of the visible shapes."""
         nodes = tuple(self._nodes.items())  # another thread may be drawing
-        return tuple(name.removesuffix(_IN_FRONT) for name, node in nodes if node.handle.visible)
+        return tuple(_true_name(name) for name, node in nodes if node.handle.visible)
 
     def node(self, name: str) -> Any:
         """viser's handle of a drawn shape, for binding gestures; None before it is drawn."""
-        nearer, found = self._nodes.get(name + _IN_FRONT), self._nodes.get(name)
-        if nearer is not None and nearer.handle.visible:
-            return nearer.handle
+        nearer = [self._nodes[name + end] for end in _NEARER if name + end in self._nodes]
+        found = next((node for node in nearer if node.handle.visible), self._nodes.get(name))
         return None if found is None else found.handle
 
     def draw(self, shapes: tuple[Shape, ...], *, dark: bool) -> None:
@@ -116,8 +117,8 @@ class SceneView:
         self._drawn = shapes, dark
         view, at_rest = self._drawn_from = self._view_now()
         if view is not None and at_rest and not self._plain_labels:
-            eye = view.position
-            shapes = tuple(_in_front(facing(shape, view), eye) for shape in shapes)
+            eye, picture = view.position, picture_among(shapes)
+            shapes = tuple(_in_front(facing(shape, view), eye, picture) for shape in shapes)
         with self._host.atomic():
             for shape in shapes:
                 self._draw_one(shape, dark)
@@ -130,7 +131,8 @@ class SceneView:
                 for shape in shapes
                 if isinstance(shape, LabelShape)
             ]
-            put_labels(labels, None if self._plain_labels else view, self._view.window_px)
+            seen_from = None if self._plain_labels else view
+            put_labels(labels, seen_from, self._view.window_px, _tips(self._drawn[0]))
             self._changing = [label for _, label in labels if label.is_changing]
             self._pulse()
 
@@ -215,7 +217,7 @@ class SceneView:
     def _create(self, shape: Shape, dark: bool) -> Any:
         scene = self._host.scene
         if isinstance(shape, MeshShape):
-            scale = _NEARER if shape.name.endswith(_IN_FRONT) else 1.0
+            scale = _NEARER.get(shape.name.removeprefix(_true_name(shape.name)), 1.0)
             if shape.textured:
                 return scene.add_mesh_trimesh(
                     shape.name, shape.mesh, scale=scale, **_place(shape.pose), cast_shadow=False
@@ -280,12 +282,30 @@ class SceneView:
         )
 
 
-def _in_front(shape: Shape, eye: Array) -> Shape:
-    """A shape that nothing may hide, nearer to the eye (3,); others as they are."""
+def _in_front(shape: Shape, eye: Array, picture: Array) -> Shape:
+    """A shape that nothing may hide, nearer to the eye (3,), and before the frustum's `picture`
+    (`picture_among`); others as they are."""
     if not (isinstance(shape, MeshShape) and shape.on_top):
         return shape
-    pose = Pose(shape.pose.R, eye + _NEARER * (shape.pose.t - eye))
-    return replace(shape, name=shape.name + _IN_FRONT, pose=pose)
+    points = shape.pose.apply(np.asarray(shape.mesh.vertices, np.float64))
+    hidden_from = shares_at_picture(points, eye[None], picture).min()
+    fits = (name for name, share in _NEARER.items() if share < hidden_from)
+    name = next(fits, tuple(_NEARER)[-1])
+    pose = Pose(shape.pose.R, eye + _NEARER[name] * (shape.pose.t - eye))
+    return replace(shape, name=shape.name + name, pose=pose)
+
+
+def _tips(shapes: Sequence[Shape]) -> list[Array]:
+    """(3,) where each arrow points."""
+    arrows = (shape for shape in shapes if isinstance(shape, MeshShape))
+    return [arrow.pose.apply(arrow.ends)[1] for arrow in arrows if arrow.ends is not None]
+
+
+def _true_name(name: str) -> str:
+    """A shape's name, of whichever of its nodes."""
+    for end in _NEARER:
+        name = name.removesuffix(end)
+    return name
 
 
 def _same_kind(old: Shape, new: Shape) -> bool:

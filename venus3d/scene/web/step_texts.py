@@ -19,8 +19,8 @@ PICTURE_LEGEND = (
     ("dots", "corners"),
 )
 
-TILES_TITLE = "The four steps from here, as the camera sees them"
-TILES_FROM_UPRIGHT = "The four steps from an upright board, as the camera sees them"
+TILES_TITLE = "Four steps from here, as the camera sees them"
+TILES_FROM_UPRIGHT = "Four steps from upright, as the camera sees them"
 TILES_HINT = (
     "Each picture shows the board after its step; all four in a row bring the board from where it "
     "is held now to the target. They are drawn again when a step is done or the board is elsewhere."

@@ -33,6 +33,9 @@ from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 Picture = NDArray[np.uint8]
 ORANGE: dict[bool, Colour] = {True: (255, 140, 0), False: (190, 90, 0)}
 """The target's outline in space, on dark and on light ground."""
+_LABEL_HEIGHT, _LETTERS = 0.15, 1.7
+"""Letters can be read where a low window shows the picture half as large as it is drawn: a label's
+share of its height, and how much larger an axis's letter is than in a trial's large picture."""
 _AXIS_LENGTH = 0.6  # of the board's shorter side
 _DASHES = 7
 _POINTS = 25  # along an arrow, which an arc or a lens bends
@@ -70,8 +73,10 @@ def picture_finish(view: PracticeViewModel) -> Callable[[Any], Any] | None:
         own = np.ascontiguousarray(picture)
         if view.help == "steps":
             return _draw_step(own, camera, board, target, step)
-        draw = draw_axes if view.help == "axes" else draw_outline
-        draw(own, camera, board, view.pose, target)
+        if view.help == "axes":
+            draw_axes(own, camera, board, view.pose, target, _LETTERS)
+        else:
+            draw_outline(own, camera, board, view.pose, target)
         return own
 
     return finish
@@ -166,7 +171,7 @@ def _draw_step(
                 draw_line(rgb, ends, colour, max(1, width - 1), closed=False)
     for points, share in _arrows(board, camera, step):
         _draw_arrow(rgb, seen.project(points), colour, share * width)
-    return paint_labels(rgb, labels, seen)
+    return paint_labels(rgb, labels, seen, _LABEL_HEIGHT)
 
 
 def _arrows(board: Board, camera: Camera, step: Step) -> list[tuple[Array, float]]:

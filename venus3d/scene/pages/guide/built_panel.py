@@ -11,6 +11,7 @@ from venus3d.engine.amounts import step_amount
 from venus3d.engine.guidance.prompts import Wording, step_prompt
 from venus3d.engine.planning.target import Target
 from venus3d.languages import translated
+from venus3d.render.projections import corners_outside_text
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.web.projections_panel import Sources, pictures_html, tile_html
 from venus3d.scene.web.theme import Theme
@@ -45,6 +46,7 @@ def built_html(target: Target, sources: Sources, theme: Theme, wording: Wording)
             escape(say.BUILT_FACT.format(number=step.number, amount=step_amount(step))),
             translated(step_prompt(step).text(wording)),
             theme,
+            warning=corners_outside_text(len(step.corners_outside)),
         )
         for step, source in zip(target.steps, sources, strict=True)
     )

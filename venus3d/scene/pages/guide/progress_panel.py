@@ -10,7 +10,7 @@ from viser import uplot
 
 from venus3d.engine.amounts import figure
 from venus3d.engine.geometry.pose import Array
-from venus3d.engine.guidance.convergence import Progress, last_gain
+from venus3d.engine.guidance.convergence import Convergence, Progress, last_gain
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.languages import number, translated
@@ -43,9 +43,8 @@ def _outcome(snapshot: Snapshot) -> str:
     """The last view's gain, and how many more views it takes."""
     lines = [brought_text(snapshot.history)]
     if snapshot.forecast is not None and snapshot.phase != "finished":
-        judged = snapshot.convergence
-        unsettled = judged is not None and not judged.converged
-        lines.append(f"<b>{forecast_text(snapshot.forecast, unsettled=unsettled)}</b>")
+        why = _unsettled_text(snapshot.convergence)
+        lines.append(f"<b>{forecast_text(snapshot.forecast, why)}</b>")
     if snapshot.calibration is not None and snapshot.calibration.lens_reason:
         lines.append(escape(translated(snapshot.calibration.lens_reason)))
     return "".join(f"<div class='v-line'>{line}</div>" for line in lines if line)
@@ -63,12 +62,24 @@ def brought_text(history: Sequence[Progress]) -> str:
     return say.LAST_VIEW.format(before=figure(before), now=now, promised=extra)
 
 
-def forecast_text(forecast: Forecast, *, unsettled: bool = False) -> str:
-    """About how many more views, with the interval; `unsettled` if a parameter has not settled."""
+def _unsettled_text(judged: Convergence | None) -> str:
+    """How many parameters have not settled; empty if all have, or before they are judged."""
+    if judged is None or judged.converged:
+        return ""
+    count, total = len(judged.unsettled), len(judged.parameters)
+    if count == total:
+        return say.FORECAST_NONE_SETTLED
+    if count == 1:
+        return say.FORECAST_ONE_UNSETTLED
+    return say.FORECAST_SOME_UNSETTLED.format(count=count, all=total)
+
+
+def forecast_text(forecast: Forecast, why: str = "") -> str:
+    """About how many more views, with the interval; `why` more are asked for where the uncertainty
+    is small enough."""
     goal = say.FORECAST_GOAL.format(error=forecast.wanted_px)
     low, high, views = forecast.low, forecast.high, forecast.views
     if views == 0:
-        why = say.FORECAST_UNSETTLED if unsettled else ""
         return say.FORECAST_REACHED.format(error=forecast.wanted_px, why=why)
     if views is None or low is None:
         least = forecast.looked_ahead if low is None else low

@@ -377,7 +377,7 @@ class Viewer(Page[ViewState]):
         if key != self._built.key:
             camera, board = snapshot.camera, snapshot.board
             pictures = self._projections.of(
-                target.steps, camera, board, dark=state.dark, header=False
+                target.steps, camera, board, dark=state.dark, header=False, letters=False
             )
             self._built.expect(key, pictures)
             pictures[-1].add_done_callback(lambda _: self.wake())

@@ -18,7 +18,7 @@ from venus3d.render.map_pictures import (
     largest_shift_px,
 )
 from venus3d.render.palette import step_style
-from venus3d.render.projections import Picture
+from venus3d.render.projections import Picture, corners_outside_text
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.comparison import comparison_words
 from venus3d.scene.pages.teach.learner import TabView
@@ -26,6 +26,7 @@ from venus3d.scene.pages.teach.scene_shapes import amount_text
 from venus3d.scene.pages.teach.state import TeachState
 from venus3d.scene.pages.teach.view_model import TaughtPose
 from venus3d.scene.web.lesson_text import lesson_text_html
+from venus3d.scene.web.projections_panel import warning_html
 from venus3d.scene.web.theme import Theme
 
 _LISTED = 3
@@ -155,7 +156,7 @@ def _step_card(step: Step, colour: str) -> str:
         f"<i>{escape(amount)}</i><span>{escape(words)}</span>"
         f"<span class='v-held'>{held}</span></div>"
         f"<div class='v-shot' data-shot='taught-{step.number}' role='img' aria-label=\"{alt}\">"
-        "</div></div>"
+        f"</div>{warning_html(corners_outside_text(len(step.corners_outside)))}</div>"
     )
 
 

@@ -19,7 +19,7 @@ from venus3d.render.annotated_picture import draw_line
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.palette import ground, picture_background, text_on
 from venus3d.render.projections import Picture, Projections
-from venus3d.render.shapes import Colour
+from venus3d.render.shapes import Colour, LabelShape
 from venus3d.render.text_drawing import fitting_font
 from venus3d.scene.pages.teach import texts
 from venus3d.scene.pages.teach.scene_shapes import camera_shapes_at
@@ -42,13 +42,15 @@ class TeachPictures:
         self._lock = Lock()
 
     def camera_picture(self, taught: TaughtPose, state: TeachState, *, fine: bool) -> Picture:
-        """The camera's current view, RGB; a refused pose is marked."""
+        """The camera's current view, RGB; a refused pose is marked. Without letters, which nobody
+        could read in so small a picture: the scene has them."""
         width, supersample = _FINE if fine else _QUICK
+        shapes = camera_shapes_at(taught, state)
         return self._kept_or(
             (*camera_key(state), fine),
             lambda: self._offscreen.submit(
                 taught.camera,
-                camera_shapes_at(taught, state),
+                tuple(shape for shape in shapes if not isinstance(shape, LabelShape)),
                 background=picture_background(state.dark),
                 size=_size(taught.camera, width),
                 supersample=supersample,
@@ -69,7 +71,7 @@ class TeachPictures:
                 dark=dark,
                 supersample=supersample,
                 header=False,
-                amounts=False,  # the tile says it, in letters that can be read
+                letters=False,
             ),
         )
 
