@@ -74,3 +74,20 @@ def test_keys_are_the_pages_again_when_a_field_is_done_with(page: Any) -> None:
     page.keyboard.press("Enter")
     move_right(page, "a name")
     assert name.input_value() == "Lil" and note.count() == 0
+
+
+def test_a_folder_is_unfolded_by_keys_too(page: Any) -> None:
+    """Some of what a page has was out of reach without a mouse."""
+    folder = page.locator("[role=button]", has_text="Move the board with sliders")
+    slider = page.locator("[role=slider]").first
+    slider.wait_for(state="visible")
+    before = page.inner_text(".v-do")
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        if "sliders" in page.evaluate("document.activeElement.innerText").split("\n")[0]:
+            break
+    assert folder.evaluate("e => e === document.activeElement")
+    for key, state in (("Enter", "hidden"), ("Space", "visible")):
+        page.keyboard.press(key)
+        slider.wait_for(state=state)
+    assert page.inner_text(".v-do") == before, "the page's own key is not meant"

@@ -8,6 +8,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.exercise import LEVELS
 from venus3d.engine.guidance.prompts import step_prompt
+from venus3d.scene.pages.exercise.html import practice_card_html
 from venus3d.scene.pages.exercise.practice import Practice, PracticeSettings
 from venus3d.scene.pages.exercise.view_model import (
     ChooseLevel,
@@ -20,6 +21,7 @@ from venus3d.scene.pages.exercise.view_model import (
 )
 from venus3d.scene.web.board_keys import BOARD_KEYS
 from venus3d.scene.web.pose_texts import NUDGES
+from venus3d.scene.web.theme import Theme
 
 
 @pytest.fixture
@@ -167,3 +169,15 @@ def test_a_name_that_a_spreadsheet_would_run_is_harmless(settings: PracticeSetti
     assert trainee.name == "1+1"
     ask(trainee, Rename("  "), 0.0)
     assert trainee.name.startswith("guest")
+
+
+def test_a_move_is_told_without_the_parts_that_are_right_already(
+    settings: PracticeSettings,
+) -> None:
+    """It said "move the board 1 mm to the right and ...", where a key moves by 2 mm."""
+    trainee = Practice(settings, 1)
+    ask(trainee, ChooseLevel(6), 0.0)
+    target = view_of(trainee, 0).target
+    ask(trainee, MoveBoard(target.moved([-0.001, 0.0, -0.08]), "gizmo"), 1.0)
+    told = practice_card_html(view_of(trainee, 1), Theme(True))
+    assert "Move the board 80 mm away from the camera." in told

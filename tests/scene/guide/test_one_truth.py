@@ -168,7 +168,7 @@ class Recorded(Projections):
         if "done" in how:  # not those of the pose from upright
             self.done = how["done"]
             self.steps = steps
-            assert not how["amounts"], "a picture has no number that could contradict the words"
+            assert not how["letters"], "a picture has no number that could contradict the words"
         picture: Future[Any] = Future()
         picture.set_result(np.zeros((9, 16, 3), np.uint8))
         return picture, picture, picture, picture
@@ -276,7 +276,7 @@ def cards_say(viewer: Viewer) -> dict[str, Any]:
         ],
         "pictures": [int(picture) for *_, picture in cards],
         "card on": [int(number) for on, number, *_ in cards if on],
-        "from upright": "from an upright board" in html,
+        "from upright": "Four steps from upright" in html,
         "reader": re.findall(r">For the (holder|camera): ", html),
     }
 

@@ -109,15 +109,15 @@ def remaining_steps(
         # A board that covers its target is there, whatever a step's own tolerance says.
         steps, done = match.steps, (True,) * 4 if match.reached else match.within
     one, two, three, four = (
-        RemainingStep(step, is_done, STEP_DONE if is_done else _prompt(step, match))
+        RemainingStep(step, is_done, STEP_DONE if is_done else instruction(step, match))
         for step, is_done in zip(steps, done, strict=True)
     )
     active = done.index(False) + 1 if False in done else 4
     return RemainingSteps((one, two, three, four), active, match)
 
 
-def _prompt(step: Step, match: Match | None) -> Prompt:
-    """The instruction, of a move without the parts that are right already."""
+def instruction(step: Step, match: Match | None) -> Prompt:
+    """What to do in a step, of a move without the parts that are right already."""
     if match is None or step.axis is not None:
         return step_prompt(step)
     return translation_prompt(step.translation, match.part_limit_mm)

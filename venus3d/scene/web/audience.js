@@ -101,7 +101,7 @@
       clearTimeout(waiting);
       const now = document.querySelector(".v-say"), speech = document.querySelector(".v-speech");
       if (!on.voice) speechSynthesis.cancel();
-      else if (now && speech) speak(now.textContent, speech.lang);
+      else if (now && speech) speak(now.dataset.spoken, speech.lang);
     }
     show();
   });

@@ -1,11 +1,12 @@
 /* Keys belong to the page again once a field is done with: after a choice, Enter or Esc, and after a
    key that a number cannot contain, which the page then gets. While a field has them, the page says
-   so. The browser sends keys to the element that has the focus, and viser hears none from a field. */
+   so. A folder is unfolded by Enter or the space bar as well. The browser sends keys to the element that has the focus, and viser hears none from a field. */
 (() => {
   const FIELD = "input, textarea";
   const TICKED = "input[type=checkbox], input[type=radio]";
   const NUMBER = ".mantine-NumberInput-input";
   const OTHERS = "[class*=Spotlight]";
+  const FOLDER = ".mantine-Paper-root[data-with-border] > .mantine-Paper-root[style*='cursor: pointer']";
   let note = null;
 
   const field = () => {
@@ -47,6 +48,19 @@
       document.body.dispatchEvent(
         new KeyboardEvent("keydown", { key, code, shiftKey, bubbles: true, cancelable: true }),
       );
+    }
+  }, true);
+  // viser's folders are unfolded by the mouse only.
+  addEventListener("keydown", (event) => {
+    if (event.key === "Tab") {
+      for (const header of document.querySelectorAll(`${FOLDER}:not([tabindex])`)) {
+        header.tabIndex = 0;
+        header.setAttribute("role", "button");
+      }
+    } else if ((event.key === "Enter" || event.key === " ") && event.target.matches?.(FOLDER)) {
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      event.target.click();
     }
   }, true);
   addEventListener("change", (event) => event.target.matches?.(TICKED) && release());

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from contextlib import suppress
 from html import escape
@@ -43,9 +44,11 @@ class PanelStyle:
             show_share_button=False,
             brand_color=theme.brand,
         )
+        lost = f"<style>:root{{--lost:{json.dumps(texts.LOST, ensure_ascii=False)}}}</style>"
         for sheet in self._sheets:
             sheet.content = (
-                f"{theme.sheet}<i class='v-typing' hidden data-typing='{escape(texts.TYPING)}'></i>"
+                f"{theme.sheet}{lost}"
+                f"<i class='v-typing' hidden data-typing='{escape(texts.TYPING)}'></i>"
             )
         return True
 

@@ -52,6 +52,7 @@ ACTION_FAILED_WHY = (
     "It failed inside the program ({cause}). Nothing is lost, and all else goes on. The terminal "
     "has the details."
 )
+LOST = "No connection to the program. This page goes on by itself once it runs again."
 TAB_BROKEN = "This page has stopped after an error. Reload it to continue."
 SWITCHED_ON = "✓ {label}"
 """Label of a button whose option is on."""

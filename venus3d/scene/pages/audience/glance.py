@@ -14,6 +14,7 @@ import numpy as np
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.dial import dial_html, tick_html
+from venus3d.scene.pages.audience.sound import spoken
 from venus3d.scene.pages.audience.state import AudienceState
 from venus3d.scene.pages.audience.view_model import AudienceViewModel
 from venus3d.scene.web.theme import Theme, style_sheet
@@ -36,6 +37,7 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
         dial = f"<div class='v-sign'>{escape(moment.badge)}</div>"
     left = f"{moment.left:.2f}" if moment.kind == "step" else ""
     said = moment.sentence.replace(" mm", "\u00a0mm")  # no line break between number and unit
+    aloud = escape(spoken(moment.sentence), quote=True)
     lost = escape(texts.LOST).format(since="<b></b>")
     views = 0 if snapshot is None else snapshot.captured_count
     return (
@@ -44,7 +46,7 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
         f"<span>{escape(moment.title)}</span></div>"
         f"<div class='v-dial'>{dial}</div>{_chips(moment, theme)}"
         f"<div class='v-views'>{texts.VIEWS[min(views, 2)].format(count=views)}</div></div>"
-        f"<div class='v-say' aria-live='polite'>{escape(said)}</div>"
+        f"<div class='v-say' aria-live='polite' data-spoken='{aloud}'>{escape(said)}</div>"
         f"<div class='v-lost'><span>{lost}</span></div></div>"
     )
 

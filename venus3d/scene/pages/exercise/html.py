@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from venus3d.engine.amounts import degrees, size_deg, size_mm
-from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN, step_prompt
+from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN
+from venus3d.engine.guidance.remaining import instruction
 from venus3d.languages import number, translated
 from venus3d.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
 from venus3d.render.palette import STEP_STYLES, hex_of
@@ -67,7 +68,8 @@ def _practice_card(view: PracticeViewModel, theme: Theme) -> tuple[str, str, str
     style = STEP_STYLES[step.number - 1]
     amount = _amounts(view)[step.number - 1]
     colour = theme.steps[step.number - 1]
-    return colour, str(step.number), style.title, translated(step_prompt(step).camera), amount
+    words = translated(instruction(step, view.match).camera)
+    return colour, str(step.number), style.title, words, amount
 
 
 def _amounts(view: PracticeViewModel) -> tuple[str, ...]:
