@@ -74,6 +74,15 @@ def test_page_shows_state_scene_projections_and_progress(
     chips = page.locator(".v-chips").bounding_box()
     assert chips["y"] + chips["height"] <= lefts[0]["y"] + lefts[0]["height"]
     assert lefts[-1]["y"] + lefts[-1]["height"] == pytest.approx(720, abs=1), "down to the bottom"
+    title, amount = page.evaluate(
+        """() => {
+            const title = document.createRange();
+            title.selectNodeContents(document.querySelector(".v-title").lastChild);
+            const amount = document.querySelector(".v-amount");
+            return [title.getBoundingClientRect().right, amount.getBoundingClientRect().left];
+        }"""
+    )
+    assert title < amount, "the amount was over the title"
 
 
 def test_the_newest_of_many_views_is_in_the_strip_until_somebody_scrolls(
