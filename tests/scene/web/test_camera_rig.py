@@ -102,6 +102,10 @@ def test_a_browser_that_never_answers_is_left_alone_in_the_end(
         wait_until(lambda: not rig.is_due and rig.arrived)
         assert len(sent(client, 1.0)) <= 5
         assert sent(client, 1.0) == []
+        client.look(**USUAL)  # it was only slow, and shows another view
+        assert np.allclose(sent(client, PATIENCE_S, 1), EYE)
+        client.look(position=EYE.tolist(), look_at=AT.tolist())
+        assert stays(client, 1.7)
 
 
 def test_a_person_who_turns_an_unconfirmed_view_is_left_alone(rig: CameraRig) -> None:

@@ -206,6 +206,8 @@ class _Tab:
     settled: bool = False
     """Whether the browser has shown the goal, or never will, or a person has moved the camera."""
     resent: int = 0
+    left_alone: bool = False
+    """Whether the view was sent often enough to a browser that did not confirm it."""
     sent_at: float = 0.0
     sent: tuple[tuple[float, SceneCamera], ...] = ()
     """The newest views, and when they were sent: what the browser reports back. Replaced as a
@@ -290,6 +292,9 @@ class _Tab:
         if turned and sure:
             self.settled, self.start = True, None
             self.turned_at = time.monotonic()
+        elif self.left_alone and not turned and not _is_same(seen, self.goal):
+            # It was only slow, and stands where nobody wants it: once more.
+            self.settled, self.left_alone, self.resent = False, False, _RESENT - 1
 
     def tell(self) -> None:
         """Tell the person, once, that the camera is theirs now, and how to give it back."""
@@ -303,10 +308,10 @@ class _Tab:
         self.aspect, self.sent_at = self.window, time.monotonic()
         goal = framing(self.aspect)
         if self.goal is None or _difference(goal, self.goal) > 1e-6:
-            self.settled, self.resent = False, 0
+            self.settled, self.left_alone, self.resent = False, False, 0
         elif again:
             self.resent += 1
-            self.settled = self.resent >= _RESENT
+            self.settled = self.left_alone = self.resent >= _RESENT
         self.goal = goal
         shown, done, start = self.goal, (self.sent_at - self.begun) / FLIGHT_SECONDS, self.start
         if start is not None and done < 1:
