@@ -17,9 +17,10 @@ from venus3d.render.framing import FLATTEST_ARROW_DEG
 from venus3d.render.shapes import MeshShape, Shape
 from venus3d.render.viewpoints import SceneCamera
 
-_LENGTH, _BEND, _WIDTH = 0.16, 0.45, 0.012
-"""From end to end, of the distance from the eye; the bend and half the width at most, of that
-length and that distance."""
+_SHORTEST, _LONGEST = 0.08, 0.16
+"""From end to end, of the distance from the eye; in between as long as the arrow itself."""
+_BEND, _WIDTH = 0.45, 0.075
+"""The bend and half the width at most, of that length."""
 _HEAD_WIDTH, _HEAD_SHARE = 2.6, 0.3
 _THIN = 0.4
 """Width at the far end, of that at the near one."""
@@ -58,7 +59,8 @@ def _facing(arrow: MeshShape, view: SceneCamera) -> MeshShape:
     length = float(np.linalg.norm(direction))
     direction = direction / length if length > 1e-4 else np.array([0.0, -1.0])
     grows = bool(local[1, 2] < local[0, 2])
-    mesh = _bent(_LENGTH * distance, _WIDTH * distance, grows)
+    true = float(np.linalg.norm(tip - tail))
+    mesh = _bent(float(np.clip(true, _SHORTEST * distance, _LONGEST * distance)), grows)
     aside = np.array([-direction[1], direction[0]])
     # The mesh's x runs from tail to tip, its y to the bent side.
     R = np.column_stack([direction @ axes[:2], aside @ axes[:2], axes[2]])
@@ -67,7 +69,7 @@ def _facing(arrow: MeshShape, view: SceneCamera) -> MeshShape:
     )
 
 
-def _bent(length: float, half_width: float, grows: bool) -> trimesh.Trimesh:
+def _bent(length: float, grows: bool) -> trimesh.Trimesh:
     """A flat arrow in z = 0 from (-length / 2, 0) to (length / 2, 0), bent towards +y, metres."""
     share = np.linspace(0, 1, _STEPS)[:, None]
     start, bend, end = np.array([[-0.5, 0.0], [0.0, 2 * _BEND], [0.5, 0.0]]) * length
@@ -75,7 +77,7 @@ def _bent(length: float, half_width: float, grows: bool) -> trimesh.Trimesh:
     along = 2 * (1 - share) * (bend - start) + 2 * share * (end - bend)
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     aside = np.column_stack([-along[:, 1], along[:, 0]])
-    thin, thick = _THIN * half_width, half_width
+    thin, thick = _THIN * _WIDTH * length, _WIDTH * length
     first, last = (thin, thick) if grows else (thick, thin)
     width = first + (last - first) * share
     neck = int((1 - _HEAD_SHARE) * _STEPS)
