@@ -14,6 +14,7 @@ from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
+from venus3d.languages import PageLanguage
 from venus3d.render.describe import SceneOptions, describe, describe_step
 from venus3d.render.frustum import DEPTH, border_segments, frustum
 from venus3d.render.redrawing import looks_alike
@@ -257,3 +258,19 @@ def test_what_has_not_changed_is_the_same_object(
         assert other - along == expected
     other = {s.name: s for s in describe(snapshot, SceneOptions(step=3))}
     assert "/steps/3/arrow" in other and "/steps/2/arrow" not in other
+
+
+def test_two_pages_of_one_program_each_speak_their_language(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """What is kept of the scene was kept in the language of the page that asked first."""
+    snapshot, steps = moment(TARGETS["moderate"], paper_camera, default_board)
+    for strip, expected in (
+        (False, {"en": "Target", "de": "Ziel"}),
+        (True, {"en": "Move", "de": "Verschieben"}),
+    ):
+        for code, word in expected.items():
+            with PageLanguage(code).spoken():
+                shapes = describe(snapshot, SceneOptions(strip=strip), steps)
+            texts = [shape.text for shape in shapes if isinstance(shape, LabelShape)]
+            assert any(word in text for text in texts), (code, texts)

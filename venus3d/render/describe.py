@@ -20,7 +20,6 @@ Names are stable paths, and none is a prefix of another. All poses are in the ca
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -31,6 +30,7 @@ from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.remaining import RemainingSteps
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import cached_by_language
 from venus3d.render import texts
 from venus3d.render.board_mesh import board_ghost, board_outline, board_shape, held_board
 from venus3d.render.frustum import camera_shapes
@@ -89,7 +89,7 @@ def describe(
     return still if pose is None else (*still, *held_board(board, pose))
 
 
-@lru_cache(maxsize=16)
+@cached_by_language(maxsize=16)
 def static_shapes(
     camera: Camera,
     board: Board,
@@ -170,7 +170,7 @@ def _with_amount(shape: Shape, now: RemainingSteps) -> Shape:
     return shape if text == shape.text else replace(shape, text=text)
 
 
-@lru_cache(maxsize=16)
+@cached_by_language(maxsize=16)
 def _target_shapes(board: Board, pose: Pose, dark: bool) -> tuple[Shape, ...]:
     colours = ground(dark)
     outline = board_outline(board, pose, "/target/board", colours.target, 2.0)

@@ -16,7 +16,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.decomposition import Step, Steps
 from venus3d.engine.guidance.prompts import step_prompt
-from venus3d.languages import translated
+from venus3d.languages import current_language, translated
 from venus3d.render import texts
 from venus3d.render.describe import describe_step
 from venus3d.render.offscreen import Offscreen
@@ -60,7 +60,7 @@ class Projections:
     ) -> Pictures:
         """Futures of the RGB pictures of steps 1 ... 4, each of `size` plus a `header` above;
         returns at once. The arguments are those of `of_step`."""
-        key = (steps, camera, board, done, size, dark, header, letters)
+        key = (current_language(), steps, camera, board, done, size, dark, header, letters)
         with self._lock:
             if key not in self._kept:
                 one, two, three, four = (
