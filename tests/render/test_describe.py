@@ -267,7 +267,7 @@ def test_two_pages_of_one_program_each_speak_their_language(
     snapshot, steps = moment(TARGETS["moderate"], paper_camera, default_board)
     for strip, expected in (
         (False, {"en": "Target", "de": "Ziel"}),
-        (True, {"en": "Move", "de": "Verschieben"}),
+        (True, {"en": "Move", "de": "Bewegen"}),
     ):
         for code, word in expected.items():
             with PageLanguage(code).spoken():
