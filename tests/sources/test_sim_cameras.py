@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.other_readings import turned_pose
 from venus3d.engine.calibration.picture_quality import picture_quality
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.discs import disc_shifts
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.capture_gate import refusal
 from venus3d.render.offscreen import Offscreen
@@ -107,6 +109,32 @@ def test_a_board_on_the_rim_of_the_image_circle_is_no_glare() -> None:
     quality = picture_quality(frame.image, Board(), seen)
     assert quality is not None and quality.washed_out == 0
     assert refusal(replace(seen, image=frame.image), Board()) is None
+
+
+def test_circles_all_over_a_fisheyes_picture_are_found_and_no_glare() -> None:
+    """Some are three times as large as others and three times as long as wide, and a homography
+    does not say how large: no view was ever taken."""
+    board = Board(9, 6, 0.028, 0.014, kind="asymmetric-circles")
+    pose, truth = Pose.from_vector([-28, 17, -24, 0.059, 0.036, 0.12]), SIM_CAMERAS["fisheye"]
+    with Offscreen() as offscreen:
+        simulation = Simulation(
+            truth, board, autopilot=False, offscreen=offscreen, start=pose,
+            field_deg=FIELD_DEG["fisheye"],
+        )  # fmt: skip
+        frame = simulation.read()
+    assert frame is not None
+    seen = Detector(board).detect(frame.image)
+    assert seen.count == board.corner_count and seen.centroids is not None
+    quality = picture_quality(frame.image, board, seen)
+    assert quality is not None and quality.washed_out == 0
+    rivals = [(pose, seen.ids), (turned_pose(pose, 2), seen.ids)]  # it says no more
+    off = [
+        seen.centroids
+        - truth.project(one.apply(board.points_of(ids)))
+        - disc_shifts(truth, board, ids, one)
+        for one, ids in rivals
+    ]
+    assert min(float(np.sqrt((part**2).sum(axis=1).mean())) for part in off) < 0.04
 
 
 @pytest.mark.parametrize("name", SIM_CAMERAS)

@@ -34,8 +34,12 @@ from venus3d.storage.result_folder import ResultFolder
 _SAVED = Sentence("Saved: {camera} and {result} in {folder}.")
 
 
-def guide(options: GuideOptions) -> None:
-    """Guide, print, write.
+BROKE_OFF = 3
+"""Exit code: there is a result, of fewer views than were wanted."""
+
+
+def guide(options: GuideOptions) -> int:
+    """Guide, print, write; the exit code is 3 where it broke off before it had converged.
     Raises `VenusError` for a user's mistake, `KeyboardInterrupt` if Ctrl-C left no result."""
     options.check()  # report mistakes before anything starts
     if not options.headless:
@@ -44,20 +48,21 @@ def guide(options: GuideOptions) -> None:
     with ExitStack() as stack:
         kept = opened_session(options, print_note)
         stack.callback(kept.close)
-        _guide(kept.options, kept)
+        return _guide(kept.options, kept)
 
 
-def _guide(options: GuideOptions, kept: KeptSession) -> None:
+def _guide(options: GuideOptions, kept: KeptSession) -> int:
     files = kept.files
     result = _guided(options, kept)
     snapshot = result.snapshot
     if snapshot.calibration is None or not _is_result(snapshot):
         _tell_of_nothing(result, options, files)
-        return
+        return BROKE_OFF if result.broke_off else 0
     summary = _summary(result)
     written = write_first(files, snapshot.calibration, summary, snapshot.history, snapshot.run)
     print_result(snapshot.calibration, result.warnings, result.truth, snapshot.diagnoses)
     deliver(summary, written, as_json=options.json)
+    return BROKE_OFF if result.broke_off else 0
 
 
 def _guided(options: GuideOptions, kept: KeptSession) -> GuideResult:
@@ -168,7 +173,10 @@ def _tell_of_nothing(
     """Print that there is no result, or raise it where it is a mistake."""
     known = result.snapshot.calibration
     if known is not None:
-        raise _refusal(result.snapshot.board, known, files)
+        refused = _refusal(result.snapshot.board, known, files)
+        if result.broke_off:  # why there are no more views comes first
+            raise CalibrationError(" ".join([*result.warnings, str(refused)]))
+        raise refused
     if files is not None and files.is_written:
         print(f"No view is left; {files.directory} holds the last calibration that there was.")
         return

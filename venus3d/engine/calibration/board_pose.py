@@ -106,7 +106,9 @@ def _poses_of_plane(points: Array, image: Array) -> list[Pose]:
     _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
         flat, np.ascontiguousarray(image), np.eye(3), np.zeros(5), flags=cv2.SOLVEPNP_IPPE
     )
-    return [Pose.from_rvec_tvec(r, t) for r, t in zip(rvecs, tvecs, strict=True)]
+    # Of points without any noise OpenCV's second pose may be no number.
+    found = [(r, t) for r, t in zip(rvecs, tvecs, strict=True) if np.isfinite([r, t]).all()]
+    return [Pose.from_rvec_tvec(r, t) for r, t in found]
 
 
 def _refined(

@@ -130,12 +130,12 @@ def _ellipticity(grey: Grey, centres: Array) -> float:
     return float(np.median(found)) if 2 * len(found) > len(centres) else 0.0
 
 
-def alike_blobs(blobs: Any) -> Array:
-    """(N, 2) centres of the blobs of about the same size."""
+def alike_blobs(blobs: Any, spread: float = 2.0) -> Array:
+    """(N, 2) centres of the blobs of about the same size: up to `spread` times the median one's."""
     sizes = np.array([blob.size for blob in blobs])
     if not sizes.size:
         return np.zeros((0, 2))
-    alike = (sizes > 0.5 * np.median(sizes)) & (sizes < 2 * np.median(sizes))
+    alike = (sizes > np.median(sizes) / spread) & (sizes < np.median(sizes) * spread)
     return np.array([blob.pt for blob in blobs], dtype=np.float64)[alike]
 
 

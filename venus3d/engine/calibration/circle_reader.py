@@ -25,9 +25,16 @@ from venus3d.engine.geometry.pose import Array
 
 _UPRIGHT = np.array([1.0, 0.0])
 _LEAST_AREA = 12.0
-_ROUND = 0.7
-"""Circularity of a blob: a disc under 60 degrees has 0.84, and less where it is a few pixels."""
+_ROUND = 0.5
+"""Circularity of a blob: a disc under 60 degrees has 0.84, and less where it is a few pixels; at a
+wide lens's border one may be three times as long as wide."""
 
+_SPREAD = 3.0
+"""Of the circles' sizes, as a factor either way: a wide lens shows those before it five times as
+large as those at its border."""
+_REACH = 2.0
+"""Radii of a disc around its centre that are looked at: up to half of the way to the next one, in
+an asymmetric grid 2.8, a wide lens bends the board, and errors were three times as large."""
 _FLOWN_PX, _FLOW_LEVELS = 14.0, 2
 """Diameter of the circles in the pictures in which they are followed, and how often these are
 halved: within a large circle there is nothing to follow, and of many small ones each is like the
@@ -74,13 +81,14 @@ class CircleReader(BoardReader):
         ids, places = numbered(grid)
         scales, kind = local_scales(self.board, ids, places), self.board.of_kind
         radius = kind.radius(self.board)
-        return disc_centroids(grey, places, scales, radius, kind.clearance(self.board))
+        reach = min(kind.clearance(self.board), _REACH * radius)
+        return disc_centroids(grey, places, scales, radius, reach)
 
     def _found(self, grey: Grey, region: Region) -> Array | None:
         x0, y0, x1, y1 = region
         board = self.board
         blurred: Any = cv2.GaussianBlur(grey[y0:y1, x0:x1], (0, 0), _BLUR_PX)
-        centres = alike_blobs(_blob_detector(blurred).detect(blurred)) + np.array([x0, y0])
+        centres = alike_blobs(_blob_detector(blurred).detect(blurred), _SPREAD) + np.array([x0, y0])
         if len(centres) < board.corner_count:
             return None
         return max(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.refinement import local_scales
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
 
@@ -86,10 +87,14 @@ def _tones(
     at = cv2.perspectiveTransform(around.reshape(1, -1, 2), homography).reshape(around.shape)
     # The homography knows no distortion; where a corner was found, its surroundings go with it.
     at[seen.ids] += (seen.corners - flat_px[seen.ids])[:, None]
+    is_bent = _is_bent(board, seen, flat_px[seen.ids])
+    if is_bent:  # nor does it know how large they are
+        scales = local_scales(board, seen.ids, seen.corners).swapaxes(1, 2)
+        at[seen.ids] = seen.corners[:, None] + _reach(board) * _GRID @ scales
     at = np.rint(at).astype(int)
     height, width = image.shape[:2]
     inside = ((at >= 0) & (at < [width, height])).all(axis=(1, 2))
-    if _is_bent(board, seen, flat_px[seen.ids]):
+    if is_bent:
         inside &= np.isin(np.arange(len(flat)), seen.ids)
     pixels = image[at[inside][..., 1], at[inside][..., 0]].astype(np.float64)
     if pixels.ndim == 3:

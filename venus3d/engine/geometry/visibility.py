@@ -26,6 +26,9 @@ class Visibility:
     """(16, N) along the optical axis, metres."""
     near: Array
     """(N,) distance of the board's nearest corner from the lens, metres."""
+    closest: Array
+    """(N,) of its nearest point, if the lens is wide, which may see the corners of a board whose
+    middle nearly touches it; else as `near`."""
     far: Array
     """(N,) distance of the farthest, metres."""
     pixels: Array
@@ -60,11 +63,13 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
         # For each of the four corners, the square's neighbours along x and y.
         sides = pixels[:, 4:12].reshape(2, 2, 4, -1) - pixels[:, None, :4]
         side = np.sqrt(np.min(np.sum(sides * sides, axis=0), axis=(0, 1)))
+    near = np.sqrt(squares.min(axis=0))
     return Visibility(
         R=R,
         cosine=cosine,
         depth=points[2],
-        near=np.sqrt(squares.min(axis=0)),
+        near=near,
+        closest=near if camera.lens.is_perspective else _closest(board, R, t),
         far=np.sqrt(squares.max(axis=0)),
         pixels=pixels,
         low=pixels.min(axis=1),
@@ -72,6 +77,15 @@ def visibility_of(camera: Camera, board: Board, vectors: Array) -> Visibility:
         side=side,
         seen=seen,
     )
+
+
+def _closest(board: Board, R: Array, t: Array) -> Array:
+    """(N,) distance of the board's nearest point: the foot of the lens's perpendicular on its
+    plane, or where the outline is nearest to that."""
+    half = np.array([board.width, board.height]) / 2
+    with np.errstate(over="ignore", invalid="ignore"):
+        x, y = (np.clip(-np.sum(R[:, k] * t, axis=0), -half[k], half[k]) for k in (0, 1))
+        return np.asarray(np.linalg.norm(R[:, 0] * x + R[:, 1] * y + t, axis=0))
 
 
 @lru_cache(maxsize=8)

@@ -7,6 +7,7 @@ from collections import deque
 
 from venus3d.engine.calibration.board_pose import estimate_pose
 from venus3d.engine.calibration.observation import Observation
+from venus3d.engine.calibration.other_readings import renumbered, turned_pose
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
@@ -40,6 +41,7 @@ class PoseTracker:
         """None while there is no board or no target."""
         # The last match for this target: a board lost for one frame resumes at its step.
         self._last: Match | None = None
+        self._quarters = 0  # by which the detector's readings are turned
         self.held_frames = 0
         """Consecutive observations in which the target has been reached."""
         self.refusal: Sentence | None = None
@@ -61,7 +63,8 @@ class PoseTracker:
                 f"A frame of {w} x {h} px came into a calibration of {width} x {height} px; "
                 "calibrate each image size by itself."
             )
-        self._before, self.observation = self.observation.without_image(), observation
+        self._before = self.observation.without_image()
+        self.observation = renumbered(self._board, observation, self._quarters)
         self._compare(camera, target, self._before)
         if self.match is None or not self.match.reached:
             self.release()
@@ -106,8 +109,9 @@ class PoseTracker:
         return motion_px(self._before, self.observation) <= self._settings.still_px
 
     def _compare(self, camera: Camera, target: Target | None, before: Observation | None) -> None:
-        self.pose = estimate_pose(camera, self._board, self.observation, self.pose)
-        self.match = None
+        last, self.match = self.pose, None
+        self.pose = estimate_pose(camera, self._board, self.observation, last)
+        self._choose_reading(last, target)
         if self.pose is not None and target is not None:
             self.match = match(
                 camera,
@@ -122,3 +126,21 @@ class PoseTracker:
                 tolerance=self._settings.tolerance,
             )
             self._last = self.match
+
+    def _choose_reading(self, last: Pose | None, target: Target | None) -> None:
+        """Of a board that looks the same after a turn: as it was seen last or, where it comes into
+        view, nearest to its target. What stands at its target is never told to be turned."""
+        near = last or (target and target.pose)
+        turns = self._board.of_kind.quarter_turns(self._board)
+        if self.pose is None or near is None or not turns:
+            return
+        poses = {quarters: turned_pose(self.pose, quarters) for quarters in (0, *turns)}
+        if target is not None:
+            away = {quarters: pose.angle_to_deg(target.pose) for quarters, pose in poses.items()}
+            if min(away.values()) <= self._settings.tolerance.reached_deg:
+                near = target.pose
+        chosen = min(poses, key=lambda quarters: poses[quarters].angle_to_deg(near))
+        if chosen:
+            self._quarters = (self._quarters + chosen) % 4
+            self.pose = poses[chosen]
+            self.observation = renumbered(self._board, self.observation, chosen)

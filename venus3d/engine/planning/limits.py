@@ -24,6 +24,9 @@ from venus3d.engine.sentences import Sentence
 Mask = NDArray[np.bool_]
 SLACK = 1e-9
 """Of a margin: a pose exactly on a limit must not be lost to rounding."""
+_OF_WIDEST = 0.75
+"""Share of the largest square that a wide lens shows at a board's end, asked for at most: half of
+the poses that are within the other limits are within this one."""
 WIDEST = float(np.radians(88.0))
 """From the axis to a board's centre: nothing is held behind a lens that sees there."""
 
@@ -47,7 +50,8 @@ class Limits:
     farthest: float = 1.2
     """Largest distance, metres."""
     max_depth_ratio: float = 2.2
-    """Farthest over nearest corner: limited by the depth of field."""
+    """Farthest over nearest corner, before a wide lens over the nearest point: limited by the depth
+    of field, and by how different circles may be in size."""
     margin: float = 0.02
     """Free border around the whole board, as a fraction of the image's width."""
     min_square_px: float = 12.0
@@ -66,7 +70,13 @@ class Limits:
         distances become the multiples 0.75 and 4.5 of `z_fill`, as for the default board and a
         usual webcam.
         """
-        limits = Limits(min_square_px=max(Limits.min_square_px, legible_square_px(board)))
+        least = max(Limits.min_square_px, legible_square_px(board))
+        if not camera.lens.is_perspective:
+            # f s z / (z^2 + x^2) at the end x of a board that faces the lens is at most f s / 2 x:
+            # no pose of a wide board shows larger squares.
+            widest = min(camera.fx, camera.fy) * board.square / max(board.width, board.height)
+            least = min(least, _OF_WIDEST * widest)
+        limits = Limits(min_square_px=least)
         room = 1 - 2 * limits.margin
         height_px = camera.height - 2 * limits.margin * camera.width
         z_fill = max(
@@ -117,7 +127,7 @@ class Limits:
                     np.where(seen.seen, 1.0, -1.0),
                     (seen.near - self.nearest) / (self.nearest or 1.0),
                     1 - seen.far / self.farthest,
-                    1 - seen.far / np.maximum(seen.near, 1e-9) / self.max_depth_ratio,
+                    1 - seen.far / np.maximum(seen.closest, 1e-9) / self.max_depth_ratio,
                     border / camera.width,
                     (seen.side - self.min_square_px) / (self.min_square_px or 1.0),
                 ]
@@ -266,7 +276,7 @@ def _sentence(
             text = FAR.format(point=_POINTS[farthest], value=whole(far), limit=most)
             return text, (farthest,)
         case "depth":
-            ratio = far / max(near, 1e-6)
+            ratio = far / max(1000 * float(seen.closest[0]), 1e-6)
             text = DEPTH.format(point=_POINTS[farthest], value=ratio, limit=limits.max_depth_ratio)
             return text, (farthest,)
         case "small":

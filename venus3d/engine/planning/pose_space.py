@@ -7,7 +7,7 @@ A search's best poses lie on the limits. `onto_limits` is for the thousands of p
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -34,6 +34,9 @@ width: twice what a calibration takes for the same, since nobody hits a target e
 _NEAR_A_VIEW, _AS_FAR = 4, 0.25
 """Where a repeat is looked for: the board's centre has moved by less than so many times that limit
 and its distance has changed by less than this share."""
+_ROUGH_MARGIN = 0.06
+"""Free border, as a share of the image's width, around a board that is read only as a whole, while
+the views do not determine how a wide lens bends: at its target it may be beyond the border."""
 _TRIES = 50  # batches of 64 poses drawn for a random one within the limits
 # Aim a little inside: each correction is a Newton step and would otherwise approach forever.
 _TILT_DEG = 0.05
@@ -63,6 +66,9 @@ class Space:
         """The space for a plan with these settings."""
         board, camera = posterior.board, posterior.camera
         limits = settings.limits_for(board, camera)
+        roughly = not (posterior.settled or camera.lens.is_perspective)
+        if roughly and not board.of_kind.partial and "margin" not in settings.limits:
+            limits = replace(limits, margin=_ROUGH_MARGIN)
         return Space(board, camera, limits, tuple(skipped), tuple(views))
 
     def accepts(self, vectors: ArrayLike) -> Mask:

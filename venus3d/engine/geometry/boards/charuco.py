@@ -27,6 +27,10 @@ class Charuco:
     stride = 1
     unit = "squares"
 
+    def quarter_turns(self, board: Board) -> tuple[int, ...]:
+        """None: each marker is another one."""
+        return ()
+
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the squares are too few or the markers do not fit them."""
         if board.columns < 3 or board.rows < 3:

@@ -31,6 +31,12 @@ class Chessboard:
     stride = 1
     unit = "squares"
 
+    def quarter_turns(self, board: Board) -> tuple[int, ...]:
+        """Those that put black on black: all of a square board with an odd number of rows."""
+        if board.columns == board.rows and board.rows % 2:
+            return (1, 2, 3)
+        return () if (board.columns + board.rows) % 2 else (2,)
+
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the squares are too few."""
         if board.columns < _FEWEST_SQUARES or board.rows < _FEWEST_SQUARES:

@@ -37,6 +37,13 @@ class CircleGrid:
     partial: bool = False
     unit: str = "circles"
 
+    def quarter_turns(self, board: Board) -> tuple[int, ...]:
+        """A half turn, but where the last row is shifted as the first one is; of a square grid
+        all."""
+        if self.stride == 2:
+            return (2,) if board.rows % 2 == 0 else ()
+        return (1, 2, 3) if board.columns == board.rows else (2,)
+
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the circles are too few, or touch one another."""
         if board.columns < _FEWEST or board.rows < _FEWEST:

@@ -47,6 +47,10 @@ class BoardKind(Protocol):
         """Places of the lattice from a point to the next one along a row or a column."""
         ...
 
+    def quarter_turns(self, board: Board) -> tuple[int, ...]:
+        """After how many quarter turns in its plane, 1 to 3, the board looks as it did before."""
+        ...
+
     def check(self, board: Board) -> None:
         """Raises `BoardError`, with cause and cure, for fields that make no such board."""
         ...

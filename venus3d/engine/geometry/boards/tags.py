@@ -45,6 +45,10 @@ class TagGrid:
     stride: int = 1
     unit: str = "tags"
 
+    def quarter_turns(self, board: Board) -> tuple[int, ...]:
+        """None: each marker is another one."""
+        return ()
+
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the tags are too few, or larger than their cells."""
         if board.columns * board.rows < 4 or min(board.columns, board.rows) < 1:

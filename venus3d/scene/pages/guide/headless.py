@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from venus3d.engine.errors import SourceError
 from venus3d.engine.guidance.session import Session
@@ -17,14 +18,38 @@ from venus3d.sources.source_news import Remarks
 _PATIENCE_FRAMES = 400
 
 
+@dataclass(frozen=True)
+class End:
+    """Why a run without a viewer has ended."""
+
+    why: str
+    """A sentence; empty if it has converged."""
+    broke_off: bool = False
+    """Whether it is not among the ends that are promised."""
+
+    def told(self, snapshot: Snapshot) -> str:
+        """A sentence on a result that has not converged; empty if it has."""
+        judged = snapshot.convergence
+        if judged is not None and judged.converged and not self.broke_off:
+            return ""
+        if judged is None:
+            return self.why
+        count = len(snapshot.views)
+        return terminal_texts.NOT_CONVERGED.format(
+            views="1 view" if count == 1 else f"{count} views",
+            why=self.why,
+            names=", ".join(judged.unsettled) or "nothing",
+        )
+
+
 def run_headless(
     session: Session, source: Source, tracker: Tracker, keep: Callable[[Snapshot], None]
-) -> str:
+) -> End:
     """Guide without a viewer until convergence, enough views, or the recording's end; `keep` is
     called after every view.
 
-    Returns a sentence on any other end (the source failed after captured views, or the simulated
-    hand got stuck); the views are kept. Raises `SourceError` if the source failed before.
+    Breaks off where the source fails after captured views, or the simulated hand gets stuck or has
+    nowhere to go; the views are kept. Raises `SourceError` if the source failed before.
     """
     waited, views, remarks = 0, 0, Remarks()
     try:
@@ -32,12 +57,12 @@ def run_headless(
             keep(session.run_pending())
         while session.phase not in ("converged", "finished"):
             if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
-                return terminal_texts.HAND_TOO_FAR
+                return End(terminal_texts.HAND_TOO_FAR, broke_off=True)
             frame = source.read()
             if not isinstance(source, Simulation):  # its own are told at the end
                 remarks.look(source)
             if frame is None:
-                break
+                return End(terminal_texts.SOURCE_ENDED)
             session.observe(tracker.track(frame))
             session.count_kept(wait=True)
             if session.pending is not None:
@@ -45,13 +70,16 @@ def run_headless(
             if isinstance(source, Simulation):
                 snapshot = session.snapshot()
                 source.follow(snapshot.target, snapshot.pose, begins=not snapshot.captured)
+                if session.phase == "guiding" and snapshot.target is None:
+                    return End(terminal_texts.NO_TARGET, broke_off=True)
                 waited = waited + 1 if len(snapshot.views) == views else 0
                 views = len(snapshot.views)
     except KeyboardInterrupt:
         # The views captured until then are a result too.
         session.run_pending(stop=lambda: True)
+        return End(terminal_texts.STOPPED)
     except SourceError as error:
         if session.snapshot().calibration is None:
             raise
-        return terminal_texts.SOURCE_BROKE.format(error=error)
-    return ""
+        return End(terminal_texts.SOURCE_BROKE.format(error=error), broke_off=True)
+    return End("" if session.phase == "converged" else terminal_texts.MAX_VIEWS)

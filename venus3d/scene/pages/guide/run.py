@@ -53,6 +53,8 @@ class GuideResult:
     warnings: tuple[str, ...]
     truth: Camera | None
     """The simulated camera; None for a real one."""
+    broke_off: bool = False
+    """Without a viewer: whether it ended neither converged nor as it was asked to."""
 
 
 def run_guide(
@@ -130,8 +132,10 @@ def run_guide(
             saver = stack.enter_context(closing(ResultSaver(kept)))
             if isinstance(source, Live) and source.controls is not None:
                 on_camera(source.controls.settings)
-            broken = run_headless(session, source, tracker, saver.put)
-            return result(session.snapshot(), (broken,) if broken else ())
+            end = run_headless(session, source, tracker, saver.put)
+            last = session.snapshot()
+            told = end.told(last)
+            return replace(result(last, (told,) if told else ()), broke_off=end.broke_off)
         offscreen = stack.enter_context(closing(Offscreen()))
         viewer = stack.enter_context(
             closing(

@@ -2,7 +2,12 @@
 
 VIEWER_TITLE = "Viewer"
 REPLAY_TITLE = "Recorded session"
+NOT_CONVERGED = "Not converged after {views}: {why} Not settled: {names}."
+MAX_VIEWS = "--max-views is reached; resume with more, or begin with more."
+SOURCE_ENDED = "The source has ended; take more pictures."
+STOPPED = "It was stopped; --resume goes on."
 HAND_TOO_FAR = "The simulated hand did not come near enough to its target; lower --overlap."
+NO_TARGET = "No next pose was found for the simulated hand."
 SOURCE_BROKE = "Reading the source failed: {error}"
 NOT_SAVED_LOG = "venus3d: a result could not be saved"
 FLOW = (
