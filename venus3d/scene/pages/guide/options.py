@@ -88,7 +88,8 @@ class GuideOptions:
     explain: Switch = False
     """Show the method's loop with its figures above the page, for teaching (9 changes it)."""
     headless: Switch = False
-    """No viewer: run to convergence, to --max-views or to the recording's end, then print."""
+    """No viewer: run to convergence, to --max-views or to the recording's end, then print; the exit
+    code is 3 if it breaks off before."""
     stats: Switch = False
     """Show on the page, and print every ten seconds, how many pictures a second come, are searched
     and sent, how old they are when sent, and how many are left out."""
