@@ -242,7 +242,7 @@ MISTAKES: dict[str, tuple[tuple[str, ...], str]] = {
     ),
     "no such camera file": (
         ("sim", "--headless", "--camera", "none.yaml"),
-        "The camera file none.yaml cannot be read; give a camera.yaml that venus3d wrote.",
+        "The camera file none.yaml cannot be read (no such file or directory); give another.",
     ),
     "no name": (
         ("sim", "--participant", " "),
