@@ -125,6 +125,24 @@ def test_guide_writes_no_camera_of_it(
     assert not [*tmp_path.glob("camera*"), *tmp_path.glob("result*")]
 
 
+@pytest.mark.parametrize(
+    ("case", "told"),
+    [
+        ("still-board/static.mp4", "40 of 40 pictures show the board; guidance captured 1 of them"),
+        ("ids-from-30", "No view was captured, so there is no result. The markers of the board of"),
+    ],
+)
+def test_guide_says_what_a_recording_shows_of_which_it_takes_too_little(
+    shared_data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], case: str, told: str
+) -> None:
+    """ "There is only 1 view of the board" was all that was said, and a board whose first id was
+    found too late was refused with "it is read that way"."""
+    source = str(shared_data / "cases" / case)
+    assert main(["guide", source, "--headless", "--output", str(tmp_path)]) == 2
+    assert told in capsys.readouterr().err
+    assert not [*tmp_path.glob("camera*"), *tmp_path.glob("result*")]
+
+
 def seen_from(away_m: float, camera: Camera, aside: float) -> list[Observation]:
     rng = np.random.default_rng(2)
     turns = [[*rng.uniform(-40, 40, 2), rng.uniform(-20, 20)] for _ in range(10)]

@@ -10,10 +10,10 @@ from typing import Any
 from venus3d.cli.kept_session import KeptSession, opened_session
 from venus3d.cli.report import deliver, print_note, print_result, write_first
 from venus3d.engine.calibration.calibration import Calibration
+from venus3d.engine.calibration.diagnosis import DiagnosisKind
 from venus3d.engine.calibration.other_cameras import OTHER_CAMERAS
-from venus3d.engine.calibration.refusals import OtherCameraError, calibrate_or_refuse
+from venus3d.engine.calibration.refusals import FEWEST_VIEWS, OtherCameraError, calibrate_or_refuse
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.sentences import Sentence
 from venus3d.scene.pages.audience.audience import Audience
@@ -32,6 +32,15 @@ from venus3d.storage.result import summary_of
 from venus3d.storage.result_folder import ResultFolder
 
 _SAVED = Sentence("Saved: {camera} and {result} in {folder}.")
+_NO_VIEW = "No view was captured, so there is no result."
+_CAPTURED = (
+    "{shown} of {looked} pictures show the board; guidance captured {captured} of them, as it "
+    "takes only what is still and shows something new. {cause}"
+)
+_READ_ALL_THE_SAME: frozenset[DiagnosisKind] = frozenset(
+    ("second-board", "wrong-layout", "other-first-id", "wrong-marker-size", "thin-border")
+)
+"""Of the diagnoses: those of a board that is read, which is no reason for having no view."""
 
 
 BROKE_OFF = 3
@@ -173,7 +182,7 @@ def _tell_of_nothing(
     """Print that there is no result, or raise it where it is a mistake."""
     known = result.snapshot.calibration
     if known is not None:
-        refused = _refusal(result.snapshot.board, known, files)
+        refused = _refusal(result, known, files)
         if result.broke_off:  # why there are no more views comes first
             raise CalibrationError(" ".join([*result.warnings, str(refused)]))
         raise refused
@@ -181,18 +190,23 @@ def _tell_of_nothing(
         print(f"No view is left; {files.directory} holds the last calibration that there was.")
         return
     if result.snapshot.diagnoses:
-        raise CalibrationError(str(result.snapshot.diagnoses[0]))
+        worst = result.snapshot.diagnoses[0]
+        nothing = f"{_NO_VIEW} " if worst.kind in _READ_ALL_THE_SAME else ""
+        raise CalibrationError(f"{nothing}{worst}")
     if options.headless:
         raise CalibrationError(
             "No view was captured, so there is no result; check the board's options, or use "
             "venus3d calibrate for pictures taken without guidance."
         )
-    print("No view was captured, so there is no result.")
+    print(_NO_VIEW)
     raise KeyboardInterrupt  # ended by Ctrl-C, nothing was saved
 
 
-def _refusal(board: Board, known: Calibration, files: ResultFolder | None) -> CalibrationError:
+def _refusal(
+    result: GuideResult, known: Calibration, files: ResultFolder | None
+) -> CalibrationError:
     """Why the captured views give no calibration."""
+    board = result.snapshot.board
     left_out = [one.observation for one in known.left_out]
     cause = "The views determine no camera; add views tilted by 20-45° in different directions."
     try:
@@ -203,6 +217,10 @@ def _refusal(board: Board, known: Calibration, files: ResultFolder | None) -> Ca
         return error
     except CalibrationError as error:
         cause = str(error)
+    captured = len(known.views) + len(left_out)
+    if result.shown is not None and captured < FEWEST_VIEWS:
+        shown, looked = result.shown
+        cause = _CAPTURED.format(shown=shown, looked=looked, captured=captured, cause=cause)
     if files is not None and files.is_written:
         cause += f" {files.directory} holds the calibration of fewer views."
     return CalibrationError(cause)

@@ -56,6 +56,8 @@ class BoardTracker:
         self._beside = SecondBoardWatch(detector) if look_beside else None
         self._last: Observation | None = None
         self._quick_from_px = detector.quick_from_px
+        self.looked, self.shown = 0, 0
+        """Frames looked at, and those of them that show the board."""
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -104,6 +106,7 @@ class BoardTracker:
             learnt_px = _LEARNT * self.detector.square_px / quick
             self._quick_from_px = max(self._quick_from_px, learnt_px)
         self._last = full if full.count else None
+        self.looked, self.shown = self.looked + 1, self.shown + (full.count > 0)
         seen = replace(full, image=frame.image, detect_s=time.perf_counter() - began)
         if self._beside is not None:
             self._beside.put(seen)

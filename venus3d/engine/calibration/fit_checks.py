@@ -18,6 +18,8 @@ from venus3d.engine.calibration.focal_changes import focal_change
 from venus3d.engine.calibration.picture_checks import MOST_NAMED, name_of
 from venus3d.engine.calibration.residual_patterns import (
     ALIKE,
+    ALIKE_FAR_OFF,
+    FAR_OFF,
     ON_THE_LENS,
     WHILE_READ,
     board_share,
@@ -171,7 +173,8 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
     alike = _ALIKE.format(
         correlation=correlation, rms=figure(calibration.rms_px), noise=figure(noise)
     )
-    if correlation >= ALIKE and lens_share(calibration) >= ON_THE_LENS:
+    is_alike = correlation >= (ALIKE if calibration.rms_px < FAR_OFF * noise else ALIKE_FAR_OFF)
+    if is_alike and lens_share(calibration) >= ON_THE_LENS:
         lens = calibration.camera.lens.name
         yield Diagnosis("wrong-lens", _BENDS.format(lens=lens, alike=alike), _ANY_LENS)
         return
@@ -185,7 +188,7 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
         )
         yield Diagnosis("changed-focal-length", cause, _ONE_FOCAL, change.numbers)
         return
-    if not correlation >= ALIKE:
+    if not is_alike:
         return
     if board_share(calibration) >= ON_THE_BOARD:
         yield Diagnosis(

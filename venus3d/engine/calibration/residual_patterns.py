@@ -22,6 +22,9 @@ from venus3d.engine.geometry.pose import Array
 
 ALIKE = 0.6
 """Correlation of neighbouring corners' residuals from which the model lacks something."""
+ALIKE_FAR_OFF, FAR_OFF = 0.4, 4.0
+"""The same where the rms is so many times what the corners are good for (1.0 to 1.5 in good sets,
+2.2 on a real board that is not flat): on a board of few squares neighbours are far apart."""
 WHILE_READ = 0.9
 """Share of the residuals that a motion must explain to be named."""
 ON_THE_LENS = 0.4

@@ -55,6 +55,8 @@ class GuideResult:
     """The simulated camera; None for a real one."""
     broke_off: bool = False
     """Without a viewer: whether it ended neither converged nor as it was asked to."""
+    shown: tuple[int, int] | None = None
+    """Of a recording without a viewer: pictures that show the board, and all."""
 
 
 def run_guide(
@@ -123,7 +125,12 @@ def run_guide(
                 else snapshot.final_diagnoses
             )
             final = replace(snapshot, diagnoses=joined(tracker.diagnoses, found))
-            return GuideResult(final, tuple(dict.fromkeys(said)), truth)
+            return GuideResult(final, tuple(dict.fromkeys(said)), truth, shown())
+
+        def shown() -> tuple[int, int] | None:
+            if isinstance(source, (Simulation, Live)) or not isinstance(tracker, BoardTracker):
+                return None
+            return tracker.shown, tracker.looked
 
         def kept(snapshot: Snapshot) -> str:
             return keep(result(snapshot))
