@@ -89,6 +89,20 @@ def test_another_first_id_is_read_while_pictures_come(layout: dict[str, bool]) -
     assert [kept.detect(picture).count for _ in range(12)] == [0] * 12
 
 
+def test_what_was_missed_is_explained_though_another_marker_size_was_read_since() -> None:
+    """Where some ids are those of the board asked for, a few wrong corners are found, and with them
+    a wrong marker size: the pictures that tell the first id were forgotten, and fx was 2 % off."""
+    printed = Board(first_id=30)
+    detector = Detector(Board(marker=0.012))
+    missed = picture_of(printed, CAMERA, POSE)
+    assert detector.detect(missed).count == 0
+    assert detector.detect(picture_of(Board(), CAMERA, POSE)).count == 40
+    assert detector.board.marker == pytest.approx(0.021, abs=0.0006)
+    assert len(detector.missed_images) == 1
+    assert "other-first-id" in [d.kind for d in detector.explain_misses()]
+    assert detector.detect(missed).count == 40
+
+
 def test_other_columns_and_first_id_at_once() -> None:
     said = told(picture_of(Board(8, 5, first_id=40), CAMERA, POSE))
     assert "--board.columns 8 --board.rows 5 --board.first-id 40" in said.cure

@@ -212,7 +212,10 @@ class Detector:
             return nothing
         otherwise = reader.seen_otherwise(ids, corners)
         if otherwise is not None:
+            # The images in which the board was missed may yet show that even this is misread.
+            missed = self._missed, self._first_missed
             self._adopt(otherwise)
+            self._missed, self._first_missed = missed
             return self._observed(image, region, quick)
         if not reader.is_copy:
             self._check.found()
