@@ -91,6 +91,30 @@ def test_one_that_fits_nothing_else_is_named(rng: np.random.Generator) -> None:
     assert "left-out-view" not in {d.kind for d in diagnose(found)}
 
 
+@pytest.mark.parametrize("seed", [6, 17])
+def test_one_that_fits_only_once_the_others_have_left_is_named(seed: int) -> None:
+    """Three of ten turned: with two of them gone the third fits no pose, and was called misread."""
+    board = Board(11, 8, 0.02, 0.015, "DICT_5X5_250")
+    camera = Camera(1440, 1080, 1700, 1700, 700, 550, k1=0.06)
+    vectors = [
+        [-15.9, 18.9, -9.3, -0.021, 0.004, 0.428],
+        [14.6, 13.3, -4.1, 0.058, -0.012, 0.443],
+        [24.1, -1.5, -28.4, -0.054, 0.021, 0.356],
+        [10.8, 15.3, 16.9, -0.018, -0.031, 0.351],
+        [-14.1, -9.3, -14.7, -0.035, -0.017, 0.315],
+        [30.1, -13.9, -9.5, 0.011, -0.023, 0.35],
+        [-0.4, -22.5, -9.1, 0.007, -0.002, 0.376],
+        [-18.4, -32.3, 0.1, -0.041, 0.015, 0.384],
+        [21.4, 2.4, 8.6, -0.007, -0.009, 0.334],
+        [28.9, 10.4, -19.1, -0.047, -0.011, 0.344],
+    ]
+    rng = np.random.default_rng(seed)
+    views = [observe(camera, board, vector, rng, 0.017) for vector in vectors]
+    found = calibrate_or_refuse(board, with_turned(views, (1, 2, 3)))
+    gone = [(one.number, one.reason) for one in found.left_out]
+    assert gone == [(1, "turned"), (2, "turned"), (3, "turned")]
+
+
 def test_a_board_turned_in_its_plane_is_no_turned_picture(rng: np.random.Generator) -> None:
     vectors = tilted(rng, 10, 40, 12)
     upside_down = [Pose.from_vector(v).turned("z", 180.0).vector() for v in vectors]

@@ -133,7 +133,9 @@ def without_turned(board: Board, calibration: Calibration) -> Calibration:
     left_out = [one for one in calibration.left_out if one.reason != "misfit"]
     left_out += [LeftOut(number, seen, "turned") for number, seen in views if number in found]
     left_out += again.left_out
-    return replace(again, left_out=tuple(sorted(left_out, key=lambda one: one.number)))
+    # The others tell what could not be told while some were among them.
+    left_out.sort(key=lambda one: one.number)
+    return without_turned(board, replace(again, left_out=tuple(left_out)))
 
 
 def fits_turned(calibration: Calibration, seen: Observation) -> bool:
