@@ -125,7 +125,7 @@ def run_guide(
                 else snapshot.final_diagnoses
             )
             final = replace(snapshot, diagnoses=joined(tracker.diagnoses, found))
-            return GuideResult(final, tuple(dict.fromkeys(said)), truth, shown())
+            return GuideResult(final, tuple(dict.fromkeys(said)), truth, shown=shown())
 
         def shown() -> tuple[int, int] | None:
             if isinstance(source, (Simulation, Live)) or not isinstance(tracker, BoardTracker):
