@@ -81,6 +81,20 @@ def test_kalibr_s_files(tmp_path: Path) -> None:
             Board(10, 8, 0.018, 0.00833, kind="circles"),
         ),
         ("calib.io_circles_200x150_7x10_12_5.pdf", Board(10, 7, 0.012, 0.005, kind="circles")),
+        ("calib.io_circles_200x150_8x11_12_5_01.bmp", Board(11, 8, 0.012, 0.005, kind="circles")),
+        ("calib.io_checker_200x150_8x11_15_01.png", Board(11, 8, 0.015, kind="chessboard")),
+        (
+            "calib.io_charuco_200x150_8x11_15_12_DICT_5X5_02 (1).png",
+            Board(11, 8, 0.015, 0.012, "DICT_5X5_50"),
+        ),
+        (
+            "calib.io_charuco_200x150_8x11_15_12_DICT_5X5_1000-3.png",
+            Board(11, 8, 0.015, 0.012, "DICT_5X5_1000"),
+        ),
+        (
+            "calib.io_charuco_200x150_8x11_15_12_DICT_5X5_1000.png",
+            Board(11, 8, 0.015, 0.012, "DICT_5X5_1000"),
+        ),
     ],
 )
 def test_the_names_of_calib_io(name: str, expected: Board) -> None:
@@ -107,7 +121,12 @@ def test_what_is_no_board_is_refused(file: str, text: str, says: str, tmp_path: 
 
 
 @pytest.mark.parametrize(
-    "name", ["calib.io_circles_200x150_7x10_12.pdf", "calib.io_acircles_200x150_7x10_12_5.pdf"]
+    "name",
+    [
+        "calib.io_circles_200x150_7x10_12.pdf",
+        "calib.io_circles_200x150_7x10_12_01.bmp",
+        "calib.io_acircles_200x150_7x10_12_5.pdf",
+    ],
 )
 def test_names_that_do_not_tell_all_are_refused(name: str) -> None:
     with pytest.raises(StorageError, match=r"distance and diameter|no name of a"):

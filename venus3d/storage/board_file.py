@@ -33,15 +33,18 @@ _OPTIONS: Mapping[str, type] = {
     "first_id": int,
 }
 """The options of a board, as `--board.*` has them, and their types."""
+_NUMBER = r"(?:0|[1-9]\d*)(?:\.\d+)?"
 _CALIB_IO = re.compile(
-    r"calib\.io_(?P<kind>checker|charuco|circles)_[^_]+_(?P<rows>\d+)x(?P<columns>\d+)_(?P<square>\d+"
-    r"(?:\.\d+)?)(?:_(?P<marker>\d+(?:\.\d+)?))?(?:_(?P<family>DICT_\w+?))?(?: ?\(\d+\))?$",
+    r"calib\.io_(?P<kind>checker|charuco|circles)_[^_]+_(?P<rows>\d+)x(?P<columns>\d+)"
+    rf"_(?P<square>{_NUMBER})(?:_(?P<marker>{_NUMBER}))?(?:_(?P<family>DICT_\w+?))?"
+    r"(?P<number>[_-]\d+)?(?: ?\(\d+\))?$",
     re.IGNORECASE,
 )
 """calib.io_charuco_200x150_8x11_15_11_DICT_4X4: the page, rows x columns, square and marker in mm;
 those of checkers end after the square. Older files have no marker.
 calib.io_circles_200x150_7x10_12_5: likewise, the distance of the circles and their diameter. What
-asymmetric grids are called is not known here."""
+asymmetric grids are called is not known here. A number at the end counts copies or pictures, if it
+is not that of a dictionary's markers."""
 _CALIB_IO_KINDS: Mapping[str, str] = {
     "checker": "chessboard",
     "charuco": "charuco",
@@ -215,7 +218,9 @@ def _of_calib_io(named: re.Match[str], path: Path) -> dict[str, Any]:
         raise _no_board(path, "the name does not end in a dictionary such as DICT_4X4")
     if named["marker"] is not None:
         found["marker_mm"] = float(named["marker"])
-    found["dictionary"] = _with_enough(named["family"], found["columns"] * found["rows"] // 2, path)
+    whole = f"{named['family']}{named['number'] or ''}"
+    family = whole if whole.upper() in DICTIONARIES else named["family"]
+    found["dictionary"] = _with_enough(family, found["columns"] * found["rows"] // 2, path)
     return found
 
 
