@@ -91,6 +91,23 @@ def test_small_squares_are_refused(paper_camera: Camera) -> None:
     assert refusal.kind == "small" and "square is 11 px" in refusal.text
 
 
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("charuco", "smallest square is 11 px wide in the picture; its marker is read from 12 px"),
+        ("chessboard", "smallest square is 11 px wide in the picture; the board is read from 12"),
+        ("circles", "smallest circle is 5 px wide in the picture; the board is read from 6 px"),
+    ],
+)
+def test_a_refusal_says_what_is_small_on_each_kind(
+    kind: str, words: str, paper_camera: Camera
+) -> None:
+    """Boards without markers were told of theirs."""
+    board = Board(12, 9, 0.012, 0.006, kind=kind)
+    said = refusals(Limits(), paper_camera, board, [0, 0, 0, 0, 0, 1.19])
+    assert [words in one.text for one in said if one.kind == "small"] == [True]
+
+
 def test_a_point_beyond_the_models_fold_is_not_taken_for_visible(default_board: Board) -> None:
     folding = Camera(1280, 720, 900, 900, 640, 360, k1=-0.6)
     pose = Pose.from_vector([0, 0, 0, 1.2, 0, 0.4])  # r = 3, which folds back into the image

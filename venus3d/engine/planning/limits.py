@@ -217,6 +217,12 @@ DEPTH = Sentence(
 SMALL = Sentence(
     "The smallest square is {value} px wide in the picture; its marker is read from {limit} px on."
 )
+SMALL_PLAIN = Sentence(
+    "The smallest square is {value} px wide in the picture; the board is read from {limit} px on."
+)
+SMALL_CIRCLES = Sentence(
+    "The smallest circle is {value} px wide in the picture; the board is read from {limit} px on."
+)
 
 
 @dataclass(frozen=True)
@@ -280,9 +286,19 @@ def _sentence(
             text = DEPTH.format(point=_POINTS[farthest], value=ratio, limit=limits.max_depth_ratio)
             return text, (farthest,)
         case "small":
-            return SMALL.format(value=whole(seen.side[0]), limit=whole(limits.min_square_px)), ()
+            return _small(board, float(seen.side[0]), limits.min_square_px), ()
         case _:
             return BEHIND, ()
+
+
+def _small(board: Board, side: float, limit: float) -> str:
+    """By the sides of squares in pixels; circles are told by their diameters."""
+    if board.has("dictionary"):
+        return SMALL.format(value=whole(side), limit=whole(limit))
+    if board.of_kind.radius(board) == 0:
+        return SMALL_PLAIN.format(value=whole(side), limit=whole(limit))
+    share = board.marker / board.square
+    return SMALL_CIRCLES.format(value=whole(share * side), limit=whole(share * limit))
 
 
 def _angles(limits: Limits, p: Array) -> Iterator[Refusal]:
