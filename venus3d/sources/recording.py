@@ -20,10 +20,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from venus3d.engine.calibration.board_finding import FoundBoard
 from venus3d.engine.calibration.board_recognition import some_mirrored
 from venus3d.engine.calibration.dark_rim import image_circle
-from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.detection import Beside, Detector
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import SourceError
@@ -110,7 +109,7 @@ def _observe(
 ) -> Recording:
     observations: list[Observation] = []
     found = 0
-    beside: list[Future[FoundBoard | None]] = []
+    beside: list[Future[Beside | None]] = []
     with closing(_opened(images)) as source, ThreadPoolExecutor(1) as pool:
         source.flip = flip
         if isinstance(source, WatchedFolder):

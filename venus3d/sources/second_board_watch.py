@@ -6,8 +6,7 @@ import threading
 import time
 from collections import deque
 
-from venus3d.engine.calibration.board_finding import FoundBoard
-from venus3d.engine.calibration.detection import Detector
+from venus3d.engine.calibration.detection import Beside, Detector
 from venus3d.engine.calibration.observation import Observation
 from venus3d.threads.latest import Latest
 
@@ -24,7 +23,7 @@ class SecondBoardWatch:
         """Starts the thread."""
         self._detector = detector
         self._seen: Latest[Observation] = Latest()
-        self._looks: deque[FoundBoard | None] = deque(maxlen=_LOOKS)
+        self._looks: deque[Beside | None] = deque(maxlen=_LOOKS)
         self._failure: Exception | None = None
         self._end = threading.Event()
         threading.Thread(target=self._look, name="beside", daemon=True).start()

@@ -194,6 +194,20 @@ def first_id_diagnosis(board: Board) -> Diagnosis:
     )
 
 
+def missing_rows_diagnosis(asked: Board, board: Board) -> Diagnosis:
+    """The markers start at another id than asked for, and only the rows that both have are read."""
+    return Diagnosis(
+        "other-first-id",
+        Sentence(
+            "The markers of the board of {columns} x {rows} start at id {first}, not at {asked}: "
+            "some of its rows are not read."
+        ).format(
+            columns=board.columns, rows=board.rows, first=board.first_id, asked=asked.first_id
+        ),
+        Sentence("Start with --board.first-id {first}.").format(first=board.first_id),
+    )
+
+
 def wrong_dictionary_diagnosis(board: Board, markers: Markers, size: Numbering | None) -> Diagnosis:
     """The markers are of another dictionary than asked for."""
     cure = Sentence("Start with --board.dictionary {name}.").format(name=markers.dictionary)

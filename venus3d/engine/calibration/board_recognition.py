@@ -123,9 +123,10 @@ def recognise_board(board: Board, pictures: Iterable[Grey]) -> Diagnosis | None:
     return None if finding is None else finding.diagnosis
 
 
-def best_finding(board: Board, pictures: Iterable[Grey]) -> Finding | None:
-    """The finding in the image that shows the most markers; a board that can be read first."""
-    found = [f for f in (_finding_of(board, picture, True) for picture in pictures) if f]
+def best_finding(board: Board, pictures: Iterable[Grey], *, plain: bool = True) -> Finding | None:
+    """The finding in the image that shows the most markers; a board that can be read first.
+    `plain`: look for patterns without markers too."""
+    found = [f for f in (_finding_of(board, picture, plain) for picture in pictures) if f]
     return max(found, key=lambda f: (f.board is not None, f.weight), default=None)
 
 

@@ -174,7 +174,9 @@ class CharucoReader(BoardReader):
                     found[board] = (ids, corners)
             if any(ids.size for ids, _ in found.values()):
                 break  # a board has one polarity: the other would give nothing
-        self._weigh({board: ids.size for board, (ids, _) in found.items()})
+        # A few corners in a row may be those of another board, with some of its markers.
+        if any(determines_homography(board.points_of(ids)) for board, (ids, _) in found.items()):
+            self._weigh({board: ids.size for board, (ids, _) in found.items()})
         return found.get(self.board, NOTHING)
 
     def seen_otherwise(self, ids: NDArray[np.intp], corners: Array) -> Board | None:
@@ -201,8 +203,6 @@ class CharucoReader(BoardReader):
     def _weigh(self, counts: dict[Board, int]) -> None:
         """Add a frame's evidence: the right reading finds more corners over several frames.
         The wrong one finds some too, even with a lower reprojection error: neither is proof."""
-        if not any(counts.values()):
-            return
         self._frames += 1
         self.weighing = True
         for board, count in counts.items():

@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.calibration.board_diagnoses import missing_rows_diagnosis
 from venus3d.engine.calibration.board_finding import FoundBoard
 from venus3d.engine.calibration.board_reader import BoardReader, Grey, Region
 from venus3d.engine.calibration.board_recognition import BoardRecognition, best_finding
@@ -31,6 +32,7 @@ from venus3d.engine.calibration.refinement import (
     refinement_windows,
 )
 from venus3d.engine.calibration.second_board import second_board, told_by
+from venus3d.engine.calibration.shifted_rows import ShiftedRows, rows_missing, shifted_board
 from venus3d.engine.calibration.small_boards import small_board
 from venus3d.engine.calibration.tag_reader import TagReader
 from venus3d.engine.errors import VenusError
@@ -39,6 +41,8 @@ from venus3d.engine.geometry.pose import Array
 
 # Number of whole images without the board kept for `explain_misses`: the first and the last ones.
 _KEPT_MISSED = 3
+Beside = FoundBoard | Board
+"""Another board beside the one detected, or that one with another first id."""
 
 
 def reader_of(board: Board, *, find_layout: bool = True) -> BoardReader:
@@ -74,6 +78,7 @@ class Detector:
         self._missed: deque[Grey] = deque(maxlen=_KEPT_MISSED)
         self._first_missed: list[Grey] = []
         self._beside: Diagnosis | None = None
+        self._rows = ShiftedRows()
 
     @property
     def board(self) -> Board:
@@ -82,8 +87,8 @@ class Detector:
 
     @property
     def settled(self) -> bool:
-        """Whether enough frames agree on the board's layout, which then stays."""
-        return self._reader.settled
+        """Whether enough frames agree on the board's layout and first id, which then stay."""
+        return self._reader.settled and not self._may_be_shifted
 
     @property
     def quick_from_px(self) -> float:
@@ -107,18 +112,26 @@ class Detector:
         """The first and the last whole images (H, W) in which the board was not found."""
         return (*self._first_missed, *self._missed)
 
-    def look_beside(self, image: Any, seen: Observation) -> FoundBoard | None:
-        """Another board in an image in which the board was `seen`, some 0.15 s at 720p; from any
-        thread."""
+    def look_beside(self, image: Any, seen: Observation) -> Beside | None:
+        """Another board in an image in which the board was `seen`, or that it has rows which are
+        not read; some 0.15 s at 720p; from any thread."""
+        board, grey = seen.board or self.board, _grey(image)
         try:
-            return second_board(seen.board or self.board, seen, _grey(image))
+            shifted = shifted_board(board, grey) if rows_missing(board, seen.ids) else None
+            return shifted or second_board(board, seen, grey)
         except cv2.error:  # a search for what nobody asked for ends nothing
             return None
 
-    def note_beside(self, looks: Sequence[FoundBoard | None]) -> None:
+    def note_beside(self, looks: Sequence[Beside | None]) -> None:
         """What some images show beside the board, each by `look_beside`: a diagnosis from now on,
         until the next call; from any thread."""
-        self._beside = told_by(looks)
+        board = self.board
+        shifted = [one for one in looks if isinstance(one, Board)]
+        shifted = [one for one in shifted if one.first_id != board.first_id]
+        if shifted and self._rows.are_possible:
+            self._beside = missing_rows_diagnosis(board, shifted[-1])
+        else:
+            self._beside = told_by([one for one in looks if isinstance(one, FoundBoard)])
 
     def explain_misses(self) -> tuple[Diagnosis, ...]:
         """What images without the board show instead; may take a second. A board that can be read
@@ -134,6 +147,7 @@ class Detector:
     def _adopt(self, board: Board) -> None:
         """Read this board from now on, in whichever layout."""
         self._reader.adopt(board)
+        self._rows = ShiftedRows()
         self._check = BoardRecognition(board)
         self._missed, self._first_missed = deque(maxlen=_KEPT_MISSED), []
 
@@ -148,10 +162,12 @@ class Detector:
         """What `by`, a `copy`, saw in an image (see `detect`), as if it had been detected here:
         called in the order of the images, the copies give the same as one detector."""
         self._reader.take_over(by._reader)
-        if by._reader.weighing:  # it is evidence for a layout, which is weighed here
+        if by._reader.weighing or (seen.count and self._may_be_shifted):
+            # It is evidence for a layout or a first id, which is weighed here.
             return self.detect(image, time_s=seen.time_s, name=seen.name)
         if seen.count:
             self._check.found()
+            self._rows.seen(self.board, seen.ids)
         else:
             self._miss(_grey(image))
         return replace(seen, board=self.board, board_diagnoses=self.diagnoses)
@@ -219,6 +235,11 @@ class Detector:
             return self._observed(image, region, quick)
         if not reader.is_copy:
             self._check.found()
+            self._rows.seen(self.board, ids)
+            shifted = shifted_board(self.board, grey) if self._may_be_shifted else None
+            if shifted is not None:
+                self._adopt(shifted)
+                return self._observed(image, region, quick)
         scales = local_scales(self.board, ids, corners)
         if self._refine and not reader.exact:
             windows = refinement_windows(self.board, scales, corners)
@@ -229,6 +250,10 @@ class Detector:
         edges = corners + scales[:, :, 0] * self.board.of_kind.radius(self.board)
         sharpness = edge_sharpness(grey, edges, squares)
         return Observation(ids, corners, size, sharpness=sharpness, centroids=reader.centroids)
+
+    @property
+    def _may_be_shifted(self) -> bool:
+        return self._find_layout and self._rows.are_looked_for
 
     def _miss(self, grey: Grey) -> None:
         if len(self._first_missed) < _KEPT_MISSED:
