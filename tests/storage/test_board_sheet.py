@@ -13,6 +13,8 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from venus3d.engine.calibration.board_finding import find_boards
+from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.board_drawing import draw_board
@@ -110,6 +112,39 @@ def test_circles_are_printed_where_they_belong(board: Board) -> None:
         corners = np.reshape(centres, (-1, 2))
         corners = corners if corners[0, 0] < corners[1, 0] else corners[::-1]
         assert_true_scale(board, corners, resolution)
+
+
+@pytest.mark.parametrize(
+    "board",
+    [
+        Board(9, 6, 0.02, 0.015),
+        Board(8, 6, 0.02, 0.015, legacy=True, inverted=True),
+        Board(9, 6, 0.018, kind="chessboard"),
+        Board(9, 6, 0.02, 0.01, kind="circles"),
+        Board(9, 6, 0.02, 0.01, kind="circles", inverted=True),
+        Board(4, 11, 0.018, 0.009, kind="asymmetric-circles"),
+        Board(4, 11, 0.018, 0.009, kind="asymmetric-circles", inverted=True),
+        Board(6, 6, 0.028, 0.0215, "DICT_APRILTAG_36H11", kind="aprilgrid"),
+        Board(5, 6, 0.03, 0.024, "DICT_6X6_50", first_id=3, kind="aruco-grid"),
+    ],
+    ids=lambda board: board.kind + "-inverted" * board.inverted,
+)
+def test_a_printed_sheet_is_read_as_the_board_it_is(board: Board) -> None:
+    """The mark for the top was taken for a circle, and letters and codes outnumbered the others."""
+    words = ("a grid of circles with many letters, 9 x 6, 20 mm / 10 mm", "Print at 100 %.")
+    sheet = lay_out(board, A4, words=words, code=5 * CODE)
+    (page,) = pages_of(pdf_of(sheet, tiles(sheet, A4), "board"))
+    for times in (1, 2, 3):
+        size = page.shape[1] // times, page.shape[0] // times
+        picture = np.asarray(cv2.resize(page, size, interpolation=cv2.INTER_AREA), np.uint8)
+        seen = Detector(board).detect(picture)
+        assert seen.count == board.corner_count and not seen.board_diagnoses
+        (found,) = find_boards([picture])
+        assert (found.kind, {found.columns, found.rows}, found.first_id) == (
+            board.kind,
+            {board.columns, board.rows},
+            board.first_id,
+        )
 
 
 def test_a_large_board_comes_on_several_pages_that_fit_together() -> None:

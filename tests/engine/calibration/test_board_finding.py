@@ -124,6 +124,14 @@ def test_real_boards(shared_data: Path, name: str, options: str, share: float | 
         assert found.share == pytest.approx(share, abs=0.02)
 
 
+def test_a_bad_view_of_a_board_is_no_second_one(shared_data: Path) -> None:
+    """Markers too small to be put in order were called a board that is not read."""
+    files = sorted((shared_data / "cases" / "board-too-small").glob("*.jpg"))
+    pictures = [np.asarray(cv2.imread(str(one), cv2.IMREAD_GRAYSCALE), np.uint8) for one in files]
+    (found,) = find_boards(pictures)
+    assert (found.kind, found.columns, found.rows) == ("charuco", 9, 6)
+
+
 def test_the_command_prints_the_options(
     paper_camera: Camera, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

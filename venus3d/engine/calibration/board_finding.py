@@ -14,7 +14,7 @@ from venus3d.engine.calibration.marker_lattice import Lattice, lattices_of
 from venus3d.engine.calibration.marker_numbering import numbering_of, tag_numbering_of
 from venus3d.engine.calibration.marker_reading import Markers, family_of, read_markers, size_key
 from venus3d.engine.calibration.plain_patterns import Pattern, find_pattern
-from venus3d.engine.geometry.board import DICTIONARIES
+from venus3d.engine.geometry.board import DICTIONARIES, KINDS
 from venus3d.engine.geometry.pose import Array
 
 Grey = NDArray[np.uint8]
@@ -103,18 +103,23 @@ def _merge(known: list[FoundBoard], one: FoundBoard) -> None:
     """Add what a picture shows to the same board in others: the best view of it tells."""
     for index, other in enumerate(known):
         if _is_part(one, other) or _is_part(other, one):
-            best = max(other, one, key=lambda board: (board.whole, board.markers))
+            best = max(
+                other, one, key=lambda board: (board.kind in KINDS, board.whole, board.markers)
+            )
             known[index] = replace(best, pictures=other.pictures + 1)
             return
     known.append(one)
 
 
 def _is_part(one: FoundBoard, other: FoundBoard) -> bool:
-    """Whether one may be a view of a part of the other."""
-    alike = (one.kind, family_of(one.dictionary)) == (other.kind, family_of(other.dictionary))
+    """Whether one may be a view of a part of the other; without an order, a bad view of it."""
     each = other.columns * other.rows // (2 if other.kind == "charuco" else 1)
     begun = other.first_id <= one.first_id < other.first_id + each
-    return alike and begun and one.columns <= other.columns and one.rows <= other.rows
+    if not begun or family_of(one.dictionary) != family_of(other.dictionary):
+        return False
+    if one.kind == "unknown":
+        return True
+    return one.kind == other.kind and one.columns <= other.columns and one.rows <= other.rows
 
 
 def _of_lattice(grey: Grey, markers: Markers, lattice: Lattice) -> FoundBoard:
@@ -138,7 +143,8 @@ def _charuco(markers: Markers, lattice: Lattice) -> FoundBoard:
     numbering = numbering_of(lattice)
     columns = numbering.columns[0] if numbering.columns else lattice.columns
     rows = lattice.rows
-    first = numbering.first_id if numbering.whole else 0
+    first = 0 if numbering.columns else int(lattice.ids.min())
+    first = numbering.first_id if numbering.whole else first
     # Since OpenCV 4.6 the upper left square is dark; before, it had a marker if the rows are even.
     top = lattice.places[lattice.places[:, 1] == 0, 0]
     legacy = numbering.whole and rows % 2 == 0 and bool(np.median(top % 2) == 0)

@@ -37,6 +37,8 @@ _ACROSS = 0.5
 """Least sine of the angle between the two steps."""
 _FILLED, _PLACED = 0.9, 0.6
 """Shares of the outline's places that have a circle, and of the circles that have a place."""
+_STRAY = 1.2
+"""How many times as many as the board's circles may be in the lattice: what lies beside them."""
 _STARTS = 6
 """Circles from which the walk begins, as one may lie beside the board."""
 _TURNED = np.array([[1, 1], [1, -1]])
@@ -68,11 +70,11 @@ def find_circles(grey: Grey) -> CircleGrid | None:
     parameters.minArea, parameters.maxArea = _LEAST_AREA, grey.size / 50
     for white in (False, True):
         picture = np.asarray(255 - grey, dtype=np.uint8) if white else grey
-        centres = alike_blobs(cv2.SimpleBlobDetector.create(parameters).detect(picture))
-        if _FEWEST_CIRCLES <= len(centres) <= _MOST_CIRCLES:
-            found = _arranged(centres)
-            if found is not None and _ellipticity(picture, centres) > _ELLIPTIC:
-                return replace(found, white=white)
+        for centres in alike_blobs(cv2.SimpleBlobDetector.create(parameters).detect(picture)):
+            if _FEWEST_CIRCLES <= len(centres) <= _MOST_CIRCLES:
+                found = _arranged(centres)
+                if found is not None and _ellipticity(picture, centres) > _ELLIPTIC:
+                    return replace(found, white=white)
     return None
 
 
@@ -86,7 +88,7 @@ def grids_of(centres: Array, columns: int, rows: int, stride: int) -> list[Array
     nearest = np.argsort(np.linalg.norm(centres - np.median(centres, axis=0), axis=1))
     for first in nearest[:_STARTS]:
         placed = _placed(centres, int(first))
-        if len(placed) == columns * rows:
+        if columns * rows <= len(placed) <= _STRAY * columns * rows:
             places, found = np.array(list(placed)), centres[list(placed.values())]
             return list(_numberings(places, found, columns, rows, stride))
     return []
@@ -97,15 +99,28 @@ def _numberings(
 ) -> Iterator[Array]:
     for basis in _BASES:
         at = places @ basis @ _TURNED if stride == 2 else places @ basis
-        at = at - at.min(axis=0)
+        board = _in_full_lines(at)
+        if board.sum() != columns * rows:
+            continue
+        at = at[board] - at[board].min(axis=0)
         order = np.lexsort((at[:, 0], at[:, 1]))
         filled = tuple(at.max(axis=0)) == (stride * columns - 1, rows - 1)
         if not filled or at[order[0], 0] != 0:
             continue
-        grid = found[order].reshape(rows, columns, 2)
+        grid = found[board][order].reshape(rows, columns, 2)
         right, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
         if right[0] * down[1] - right[1] * down[0] > 0:
             yield grid
+
+
+def _in_full_lines(at: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """(N,) which of the places (N, 2) are in rows and columns that have half as many as others: the
+    mark for the top of a printed board and its QR code lie where other circles would."""
+    full = np.ones(len(at), dtype=bool)
+    for line in at.T:
+        _, which, counts = np.unique(line, return_inverse=True, return_counts=True)
+        full &= (2 * counts >= counts.max())[which]
+    return full
 
 
 def _ellipticity(grey: Grey, centres: Array) -> float:
@@ -130,13 +145,21 @@ def _ellipticity(grey: Grey, centres: Array) -> float:
     return float(np.median(found)) if 2 * len(found) > len(centres) else 0.0
 
 
-def alike_blobs(blobs: Any, spread: float = 2.0) -> Array:
-    """(N, 2) centres of the blobs of about the same size: up to `spread` times the median one's."""
-    sizes = np.array([blob.size for blob in blobs])
+def alike_blobs(blobs: Any, spread: float = 2.0) -> list[Array]:
+    """(N, 2) centres of the blobs of about the same size: up to `spread` times the
+    median one's; then likewise by the blob at half of their areas, if those are others: letters
+    and what is in a QR code can be more than the circles, but are smaller."""
+    sizes = np.sort(np.array([blob.size for blob in blobs]))
     if not sizes.size:
-        return np.zeros((0, 2))
-    alike = (sizes > np.median(sizes) / spread) & (sizes < np.median(sizes) * spread)
-    return np.array([blob.pt for blob in blobs], dtype=np.float64)[alike]
+        return []
+    areas = np.cumsum(sizes**2)
+    half = float(sizes[np.searchsorted(areas, areas[-1] / 2)])
+    found: list[Array] = []
+    for middle in (float(np.median(sizes)), half):
+        alike = [one.pt for one in blobs if middle / spread < one.size < middle * spread]
+        if not found or len(alike) != len(found[0]):
+            found.append(np.array(alike, dtype=np.float64).reshape(-1, 2))
+    return found
 
 
 def _arranged(centres: Array) -> CircleGrid | None:

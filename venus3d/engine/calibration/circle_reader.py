@@ -88,14 +88,15 @@ class CircleReader(BoardReader):
         x0, y0, x1, y1 = region
         board = self.board
         blurred: Any = cv2.GaussianBlur(grey[y0:y1, x0:x1], (0, 0), _BLUR_PX)
-        centres = alike_blobs(_blob_detector(blurred).detect(blurred), _SPREAD) + np.array([x0, y0])
-        if len(centres) < board.corner_count:
-            return None
-        return max(
-            grids_of(centres, board.columns, board.rows, board.of_kind.stride),
-            key=lambda one: float(row_direction(one) @ self._across),
-            default=None,
-        )
+        for centres in alike_blobs(_blob_detector(blurred).detect(blurred), _SPREAD):
+            if len(centres) < board.corner_count:
+                continue
+            grids = grids_of(
+                centres + np.array([x0, y0]), board.columns, board.rows, board.of_kind.stride
+            )
+            if grids:
+                return max(grids, key=lambda one: float(row_direction(one) @ self._across))
+        return None
 
     def _followed(self, grey: Grey, region: Region) -> Array | None:
         if self._last is None:
