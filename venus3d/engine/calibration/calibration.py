@@ -72,6 +72,13 @@ class Calibration:
         return np.sqrt(np.diag(self.covariance_noise_only))
 
     @property
+    def knows_less_than_views(self) -> bool:
+        """Whether the covariance is wider than a flat board and independent noise would have it: by
+        errors that corners share, a shape of the board, or a doubt about it."""
+        has_shape = any(self.shape_sigma) or self.marker_sigma > 0
+        return has_shape or not np.array_equal(self.covariance, self.covariance_noise_only)
+
+    @property
     def uncertainty_px(self) -> float:
         """Projection uncertainty: expected rms error of a projected point over the image. Common
         rotations of the camera are removed. NaN unless all parameters were estimated."""

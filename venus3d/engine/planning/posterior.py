@@ -85,7 +85,7 @@ class Posterior:
             noise = noise.relative_to(c.camera, c.board, vectors)
         errors = c.corner_errors
         sigma, ratio = max(errors.noise_px, LEAST_SIGMA_PX), errors.ratio
-        if ratio > 0:
+        if c.knows_less_than_views:
             # The covariance has what no sum of the views' informations shows.
             information = covariance_of(c.covariance / errors.noise_px**2)
         else:
