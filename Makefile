@@ -31,9 +31,9 @@ run: $(VENV)/.ready-run
 # tests say comes last, whole.
 test: lint
 	@failed=0; log=$$(mktemp); trap 'kill $$browser 2> /dev/null; rm -f $$log; exit 130' INT TERM; \
-	echo "pytest -m browser, beside pytest -n 2 -m 'not browser'"; \
+	echo "pytest -m browser, beside pytest -n 3 -m 'not browser'"; \
 	$(BIN)/pytest -m browser > $$log 2>&1 & browser=$$!; \
-	$(BIN)/pytest -n 2 -m "not browser" || failed=1; \
+	$(BIN)/pytest -n 3 -m "not browser" || failed=1; \
 	wait $$browser || failed=1; cat $$log; rm -f $$log; exit $$failed
 
 lint: $(VENV)/.ready-test
