@@ -113,13 +113,13 @@ def does(viewer: Viewer, press: Press, wanted: intents.Intent) -> None:
 
     def done() -> bool:
         asked.extend(viewer.drain_intents())
-        if isinstance(wanted, intents.TurnStep):
-            return viewer.state.step == min(max(before.step + wanted.by, 1), 4)
-        if isinstance(wanted, intents.Toggle):
-            return getattr(viewer.state, wanted.option) != getattr(before, wanted.option)
-        return wanted in asked
+        return wanted in asked  # queued once the state has changed
 
     wait_until(done, f"{wanted}; asked for {asked}")
+    if isinstance(wanted, intents.TurnStep):
+        assert viewer.state.step == min(max(before.step + wanted.by, 1), 4)
+    if isinstance(wanted, intents.Toggle):
+        assert getattr(viewer.state, wanted.option) != getattr(before, wanted.option)
     assert set(asked) <= {wanted}, asked
 
 
