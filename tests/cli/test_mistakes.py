@@ -315,7 +315,7 @@ def test_address_that_cannot_be_bound(run: Run, tmp_path: Path, option: str, val
         ("--overlap", "2"),
         ("--overlap", "nan"),
         ("--seed", "-5"),
-        ("--max-views", "0"),
+        ("--max-views", "1"),
         ("--camera-size", "1x1"),
         ("--camera-size", "100000x100000"),
         ("--limits.max-tilt-deg", "180"),

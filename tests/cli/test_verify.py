@@ -74,6 +74,26 @@ def test_the_same_pictures_show_no_change(
     assert page.sources and all(source.startswith("data:image/") for source in page.sources)
 
 
+def test_followed_corners_are_of_the_calibration_itself_and_new_noise_is_not(
+    run: Run, calibrated: Path, tilted_pictures: Path, tmp_path: Path
+) -> None:
+    """In a session corners are followed from picture to picture, and a few lie elsewhere than in
+    the picture by itself. Of a still board that is taken again, all do."""
+    result = json.loads((calibrated / "result.json").read_text())
+    for view in result["captured"]:
+        view["corners_px"][3][0] += 0.2
+    (tmp_path / "result.json").write_text(json.dumps(result))
+    ran = run("verify", tmp_path / "result.json", tilted_pictures, "--limit", 20)
+    assert "6 of the 6 views are of the calibration itself" in ran.out
+    rng = np.random.default_rng(0)
+    for file in sorted(tilted_pictures.glob("*.png")):
+        picture = cv2.imread(str(file))
+        noisy = np.clip(picture + rng.normal(0, 2, picture.shape), 0, 255).astype(np.uint8)
+        cv2.imwrite(str(tmp_path / file.name), noisy)
+    again = run("verify", tmp_path / "result.json", tmp_path, "--limit", 20)
+    assert "differ by" in again.out and "calibration itself" not in again.out
+
+
 def test_a_file_without_uncertainty_and_a_changed_camera(
     run: Run, tilted_pictures: Path, tmp_path: Path
 ) -> None:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
+
 from venus3d.cli.options import VerifyOptions
 from venus3d.cli.progress import search_progress
 from venus3d.cli.report import print_note
 from venus3d.engine.calibration.calibration import Calibration
+from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.verification import CHANCE, Verdict, Verification, verify
 from venus3d.engine.errors import CalibrationError, StorageError, VenusError
 from venus3d.options import LensName
@@ -87,6 +90,7 @@ _OWN = (
     "{count} of the {every} views are of the calibration itself, which fits them whatever has "
     "changed since; take fresh ones."
 )
+_SAME_PX = 0.005
 
 
 def _own_views(file: Path, fresh: Calibration) -> int:
@@ -96,8 +100,18 @@ def _own_views(file: Path, fresh: Calibration) -> int:
         views = read_result(result).calibration.views
     except StorageError:
         return 0
-    known = {view.observation.corners.tobytes() for view in views}
-    return sum(view.observation.corners.tobytes() in known for view in fresh.views)
+    known = [view.observation for view in views]
+    return sum(any(_is_same(view.observation, one) for one in known) for view in fresh.views)
+
+
+def _is_same(one: Observation, other: Observation) -> bool:
+    """Whether two observations are of one picture: a few corners may differ, as those of a session
+    were followed from picture to picture, but in another picture noise moves every one."""
+    _, mine, theirs = np.intersect1d(one.ids, other.ids, return_indices=True)
+    if 2 * len(mine) < max(one.count, other.count):
+        return False
+    away = np.linalg.norm(one.corners[mine] - other.corners[theirs], axis=1)
+    return float(np.median(away)) < _SAME_PX
 
 
 def _found(options: VerifyOptions, lens: str) -> tuple[Calibration, list[str]]:

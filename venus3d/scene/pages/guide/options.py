@@ -142,7 +142,7 @@ class GuideOptions:
         check_range("--speed", self.speed, 0.1, 10)
         check_range("--bow-mm", self.bow_mm, -20, 20)
         check_range("--flex-mm", self.flex_mm, 0, 10)
-        check_range("--max-views", self.max_views, 1, 1000)
+        check_range("--max-views", self.max_views, 2, 1000)
         check_range("--seed", self.seed, 0, 2**63)
         if self.camera_size is not None:
             image_size_of(self.camera_size)
