@@ -21,8 +21,6 @@ _FEWEST_CORNERS = 6
 # A larger reprojection error, as a share of the image width, is not a pose of this board.
 _LARGEST_ERROR = 0.02
 _ITERATIONS = 8
-_ANOTHER_CAMERA = 0.002
-"""The same error beyond which the camera is another one; a calibrated camera has a tenth of it."""
 
 
 def estimate_pose(
@@ -56,15 +54,6 @@ def estimate_pose(
     if previous is None or len(rivals) == 1:
         return min(poses, key=lambda item: item[1])[0]
     return min(rivals, key=previous.angle_to_deg)
-
-
-def contradicts(camera: Camera, board: Board, observation: Observation, pose: Pose | None) -> bool:
-    """Whether most of a board is seen, but not as this camera would see it in any pose; `pose` is
-    the best one. Blur and motion may do so to single observations."""
-    if pose is None:
-        return 2 * observation.count > board.corner_count
-    errors = reprojection_errors(camera, board, observation, pose)
-    return rms_distance(errors) > _ANOTHER_CAMERA * camera.width
 
 
 def _perspective_poses(

@@ -14,7 +14,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from venus3d.engine.calibration.board_pose import contradicts, estimate_pose
+from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.camera_plausibility import WrongCamera
 from venus3d.engine.calibration.checks import Diagnoses
 from venus3d.engine.calibration.dark_rim import image_circle
 from venus3d.engine.calibration.diagnosis import Diagnosis, joined
@@ -51,7 +52,6 @@ KNOWN_IS_ANOTHER = Sentence(
     "The board does not look as the known camera would see it: it is another camera, zoom or "
     "focus. The session goes on without it."
 )
-_CONTRADICTED = 5
 _NOT_KEPT = Sentence("The last view was not kept: {error}")
 
 
@@ -101,7 +101,7 @@ class Session:
         self._figures = LoopFigures()
         self._tracker = PoseTracker(board, self._image_size, self.settings)
         self._keep_going, self._lost, self._number = False, "", 0
-        self._contradicted = 0  # observations in a row
+        self._wrong = WrongCamera(self.camera, board)
 
     # -- frames and commands -----------------------------------------------------------------------
 
@@ -142,10 +142,7 @@ class Session:
 
     def _check_known(self) -> None:
         """Do without the known camera if the board looks as it cannot see it."""
-        tracker = self._tracker
-        wrong = contradicts(self.camera, self.board, tracker.observation, tracker.pose)
-        self._contradicted = self._contradicted + 1 if wrong else 0
-        if self._contradicted >= _CONTRADICTED:
+        if self._wrong.look(self._tracker.observation, self._tracker.pose):
             self._known = None
             self._restart(self.board)
             self._lost = KNOWN_IS_ANOTHER

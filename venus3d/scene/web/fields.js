@@ -1,6 +1,7 @@
 /* Keys belong to the page again once a field is done with: after a choice, Enter or Esc, and after a
    key that a number cannot contain, which the page then gets. While a field has them, the page says
-   so. A folder is unfolded by Enter or the space bar as well. The browser sends keys to the element that has the focus, and viser hears none from a field. */
+   so. The browser sends keys to the element that has the focus, and viser hears none from a field.
+   A folder is unfolded by Enter or the space bar as well. */
 (() => {
   const FIELD = "input, textarea";
   const TICKED = "input[type=checkbox], input[type=radio]";

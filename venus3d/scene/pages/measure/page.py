@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 import viser
 
-from venus3d.engine.calibration.board_pose import contradicts, estimate_pose
+from venus3d.engine.calibration.board_pose import estimate_pose
+from venus3d.engine.calibration.camera_plausibility import WrongCamera
 from venus3d.engine.calibration.measurement import MeasuringCamera, measure, on_plane
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
@@ -45,8 +46,6 @@ _HIT = 0.7
 """Standard deviation of a click's coordinate, in pixels of the screen."""
 _EDGES_MM = (10.0, 200.0, 5.0)
 _SCALE_PERCENT = 1
-_STRANGE = 5
-"""Pictures in a row of which one or two may be blurred."""
 
 
 class MeasurePage(Page[MeasureState]):
@@ -69,7 +68,7 @@ class MeasurePage(Page[MeasureState]):
         self._by, self._board = by, board
         self._seen: tuple[Observation, Pose | None] | None = None
         self._remark = ""
-        self._strange = 0  # pictures in a row
+        self._wrong = WrongCamera(by.camera, board)
         self._open()
 
     @property
@@ -80,11 +79,12 @@ class MeasurePage(Page[MeasureState]):
     @property
     def is_wrong(self) -> bool:
         """Whether the last pictures show the board as this camera cannot see it."""
-        return self._strange >= _STRANGE
+        return self._wrong.is_sure
 
     def measure_by(self, by: MeasuringCamera, board: Board) -> None:
         """Measure with another camera from now on, and begin anew."""
-        self._seen, self._by, self._board, self._strange = None, by, board, 0
+        self._seen, self._by, self._board = None, by, board
+        self._wrong = WrongCamera(by.camera, board)
         self.clear()
 
     def show(self, observation: Observation) -> None:
@@ -94,8 +94,7 @@ class MeasurePage(Page[MeasureState]):
         pose = (
             estimate_pose(camera, self._board, observation, before) if observation.count else None
         )
-        strange = contradicts(camera, self._board, observation, pose)
-        self._strange = self._strange + 1 if strange else 0
+        self._wrong.look(observation, pose)
         self._seen = (observation, pose)
         self.wake()
 
