@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from venus3d.sources.frame import Frame
     from venus3d.sources.images_calibration import calibrate_images as calibrate
     from venus3d.sources.sim import Simulation
+    from venus3d.sources.view_errors import ViewErrors
     from venus3d.storage.camera_yaml import read_camera_yaml, write_camera_yaml
     from venus3d.storage.formats import export_camera, import_camera
     from venus3d.storage.formats.record import CameraRecord
@@ -89,6 +90,7 @@ __all__ = [  # noqa: RUF022
     "Snapshot",
     "Viewer",
     "Simulation",
+    "ViewErrors",
     "Frame",
     "read_camera_yaml",
     "write_camera_yaml",
@@ -138,6 +140,7 @@ _NAMES_IN = {
     "sources.frame": ("Frame",),
     "sources.images_calibration": ("calibrate",),
     "sources.sim": ("Simulation",),
+    "sources.view_errors": ("ViewErrors",),
     "storage.camera_yaml": ("read_camera_yaml", "write_camera_yaml"),
     "storage.formats": ("export_camera", "import_camera"),
     "storage.formats.record": ("CameraRecord",),

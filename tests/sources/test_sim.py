@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -20,6 +21,7 @@ from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.render.offscreen import Offscreen
 from venus3d.sources.frame import Frame
 from venus3d.sources.sim import NEAREST, Simulation, near_pose
+from venus3d.sources.view_errors import ViewErrors
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +36,7 @@ def frame_of(simulation: Simulation) -> Frame:
     return frame
 
 
-def still(offscreen: Offscreen, camera: Camera, **options: float) -> Simulation:
+def still(offscreen: Offscreen, camera: Camera, **options: Any) -> Simulation:
     """A simulation without noise, blur and hand."""
     return Simulation(
         camera,
@@ -326,8 +328,11 @@ def test_a_bowed_board_is_rendered_bowed(
     assert off.max() > 3  # the flat board's corners lie elsewhere
 
 
-def test_a_board_that_flexes_is_bowed_anew_for_each_target(
-    offscreen: Offscreen, default_board: Board
+@pytest.mark.parametrize(
+    "errors", [ViewErrors(bow=0.003), ViewErrors(bias_px=3.0), ViewErrors(blur_px=2.0)]
+)
+def test_the_errors_of_a_view_are_drawn_anew_for_each_target(
+    offscreen: Offscreen, default_board: Board, errors: ViewErrors
 ):
     pose = Pose.from_vector([30, 0, 0, 0, 0, 0.42])
     simulation = Simulation(
@@ -336,11 +341,50 @@ def test_a_board_that_flexes_is_bowed_anew_for_each_target(
         start=pose,
         offscreen=offscreen,
         noise_sigma=0,
-        flex=0.003,
+        view_errors=errors,
     )
     pictures: list[np.ndarray] = []
     for number in (1, 1, 2):
         simulation.follow(target_of(pose, simulation.truth, default_board, number))
         pictures.append(frame_of(simulation).image)
     np.testing.assert_array_equal(pictures[0], pictures[1])
-    assert cv2.absdiff(pictures[1], pictures[2]).max() > 50
+    assert cv2.absdiff(pictures[1], pictures[2]).max() > 10
+
+
+def test_corners_are_drawn_aside_as_far_as_asked_and_neighbours_alike(
+    offscreen: Offscreen, paper_camera: Camera, default_board: Board
+):
+    pose = Pose.from_vector([20, -15, 0, 0, 0, 0.45])
+    errors = ViewErrors(bias_px=1.0)
+    simulation, detector = (
+        still(offscreen, paper_camera, start=pose, view_errors=errors),
+        Detector(default_board),
+    )
+    misses = []
+    for _ in range(40):
+        simulation.draw_view_error(pose)
+        seen = detector.detect(frame_of(simulation).image)
+        assert seen.count == default_board.corner_count
+        misses.append(misses_px(seen, paper_camera, default_board, pose))
+    misses = np.array(misses)  # (views, corners, 2)
+    assert np.sqrt((misses**2).mean()) == pytest.approx(1.0, abs=0.25)
+    assert np.abs(misses.mean(axis=0)).max() < 0.6
+    grid = misses.reshape(40, default_board.rows - 1, default_board.columns - 1, 2)
+    neighbours = np.corrcoef(grid[:, :, 1:].ravel(), grid[:, :, :-1].ravel())[0, 1]
+    far = np.corrcoef(grid[:, :, 0].ravel(), grid[:, :, -1].ravel())[0, 1]
+    assert neighbours > 0.9 > far
+
+
+def test_a_view_is_blurred_as_much_as_drawn(offscreen: Offscreen, paper_camera: Camera):
+    """Blurs add as squares; a step smeared falls by its height / (sigma sqrt(2 pi)) per pixel."""
+    pose = Pose.from_vector([0, 0, 0, 0, 0, 0.45])
+    simulation = still(
+        offscreen, paper_camera, start=pose, blur_sigma=1.0, view_errors=ViewErrors(blur_px=2.0)
+    )
+    sigmas = []
+    for _ in range(30):
+        simulation.draw_view_error(pose)
+        image = frame_of(simulation).image.astype(float)[..., 1]
+        sigmas.append(190 / np.abs(np.diff(image, axis=1)).max() / np.sqrt(2 * np.pi))
+    assert min(sigmas) > 0.9
+    assert np.sqrt(np.mean(np.square(sigmas)) - 1) == pytest.approx(2.0, rel=0.35)

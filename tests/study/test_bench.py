@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from venus3d.cli import main
+from venus3d.sources.view_errors import ViewErrors
 from venus3d.study import bench
 from venus3d.study.bench import Bar, BenchTrial, bench_table, bench_trial, judged
 from venus3d.study.runner import Value
@@ -24,8 +25,9 @@ def _rows(better: float, gain: float, above: float) -> list[dict[str, Value]]:
         for n in range(10)
     ]
     rows += [
-        {"kind": "shared", "repeat": n, "views": 14, "promised_px": 0.1, "came_px": 0.1 * gain}
+        {"kind": kind, "repeat": n, "views": 14, "promised_px": 0.1, "came_px": 0.1 * came}
         for n in range(3)
+        for kind, came in (("shared", gain), ("rendered", 0.9))
     ]
     for repeat in range(3):
         for kind, factor in (("venus", 1.0), ("global", better)):
@@ -45,14 +47,15 @@ def _rows(better: float, gain: float, above: float) -> list[dict[str, Value]]:
 
 
 def test_bars_of_known_rows() -> None:
-    ratio, needed, near, gain, kept = judged(_rows(better=7.0, gain=1.1, above=1.04))
+    ratio, needed, near, gain, kept, rendered = judged(_rows(better=7.0, gain=1.1, above=1.04))
     assert ratio.value == pytest.approx(1 / 7) and ratio.ok
     assert needed.value == 2 and needed.ok  # 1/2/7 is 1/14
     assert near.value == 10 and near.ok
     assert gain.value == pytest.approx(1.1) and gain.ok
     assert kept.value == pytest.approx(1.1) and kept.ok
+    assert rendered.value == pytest.approx(0.9) and rendered.ok
 
-    ratio, needed, near, gain, kept = judged(_rows(better=2.0, gain=1.5, above=1.06))
+    ratio, needed, near, gain, kept, rendered = judged(_rows(better=2.0, gain=1.5, above=1.06))
     assert ratio.value == pytest.approx(1 / 2) and not ratio.ok
     assert needed.value == 7 and not needed.ok
     assert near.value == 0 and not near.ok and not gain.ok and not kept.ok
@@ -69,6 +72,20 @@ def test_a_state_is_searched_by_both(monkeypatch: pytest.MonkeyPatch) -> None:
     (row,) = bench_trial(BenchTrial("state", 1, 0))
     # Long runs this short find less than `global` does with ten times as many looks.
     assert row["views"] == 3 and 0 < float(row["global_cost"]) < float(row["best_cost"])
+
+
+def test_pictures_with_shared_errors_promise_more_than_the_noise_of_their_corners(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(bench, "VIEWS", 6)
+    (row,) = bench_trial(BenchTrial("rendered", 0, 0))
+    (again,) = bench_trial(BenchTrial("rendered", 0, 0))
+    assert row == again
+    monkeypatch.setattr(bench, "VIEW_ERRORS", ViewErrors())
+    (clean,) = bench_trial(BenchTrial("rendered", 0, 0))
+    assert row["views"] == clean["views"] == 6
+    for told in ("promised_px", "came_px"):
+        assert float(row[told]) > 3 * float(clean[told]) > 0
 
 
 def test_both_speeds_are_ratios(monkeypatch: pytest.MonkeyPatch) -> None:

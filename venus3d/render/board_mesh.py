@@ -15,6 +15,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.languages import cached_by_language
 from venus3d.render import texts
+from venus3d.render.print_offset import PrintOffset
 from venus3d.render.shapes import Colour, LineShape, MeshShape
 from venus3d.render.text_drawing import font
 
@@ -30,9 +31,11 @@ _BACK_PX = 512
 """Width of the back's picture."""
 
 
-def board_shape(board: Board, pose: Pose, name: str = "/board/live") -> MeshShape:
-    """The textured board at `pose` (`T_camera_board`)."""
-    return MeshShape(name, board_mesh(board), pose, textured=True)
+def board_shape(
+    board: Board, pose: Pose, name: str = "/board/live", offset: PrintOffset | None = None
+) -> MeshShape:
+    """The textured board at `pose` (`T_camera_board`), its print displaced by `offset`."""
+    return MeshShape(name, board_mesh(board, offset), pose, textured=True)
 
 
 def held_board(board: Board, pose: Pose) -> tuple[MeshShape, MeshShape]:
@@ -42,7 +45,7 @@ def held_board(board: Board, pose: Pose) -> tuple[MeshShape, MeshShape]:
 
 
 @lru_cache(maxsize=8)
-def board_mesh(board: Board) -> trimesh.Trimesh:
+def board_mesh(board: Board, offset: PrintOffset | None = None) -> trimesh.Trimesh:
     """Textured mesh in the board's frame, metres; the front lies in z = 0, but for a bow, and faces
     -z. The same board gives the same object, so renderers may cache it."""
     picture, px, printed = _atlas(replace(board, bow=(0.0, 0.0), stretch=0.0))
@@ -63,10 +66,12 @@ def board_mesh(board: Board) -> trimesh.Trimesh:
     front_uv = (front * scale + centre) / size
     body_uv = np.full((20, 2), np.array([size[0] / 2, size[1] - 0.5 * px]) / size)
     uv = np.vstack([front_uv, body_uv])
-    if any(board.bow) or board.stretch:
+    if any(board.bow) or board.stretch or offset is not None:
         front = _cells(width, height)
         sheet = np.column_stack([front, np.zeros(len(front))])
         shift = np.tensordot([*board.bow, board.stretch], board.deformations(sheet), 1)
+        if offset is not None:
+            shift[:, :2] += offset.at(front)
         # The body stays flat, behind the sheet.
         body = np.vstack(faces[1:])
         body[:, 2] += max(0.0, float(shift[:, 2].max()))

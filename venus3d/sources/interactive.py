@@ -12,6 +12,7 @@ from venus3d.sources.frame import Source
 from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.sim import Simulation
 from venus3d.sources.sim_cameras import FIELD_DEG, SimCamera, simulated_camera
+from venus3d.sources.view_errors import ViewErrors
 from venus3d.threads.latency import limit_gl_threads
 
 SIMULATED = "sim"
@@ -33,7 +34,7 @@ def open_interactive(
     autopilot: bool,
     speed: float,
     bow: float = 0.0,
-    flex: float = 0.0,
+    view_errors: ViewErrors | None = None,
     flip: bool = False,
 ) -> Source:
     """Open what `spec` names, or with "sim" a simulated camera.
@@ -45,7 +46,8 @@ def open_interactive(
         headless: without a viewer: frames come as fast as they can be made or read.
         autopilot: whether the simulated hand holds the board.
         speed: of the simulated hand; 1 is a calm person.
-        bow, flex: of the simulated board, metres; see `Simulation`.
+        bow: of the simulated board, metres.
+        view_errors: of the simulated views; see `Simulation`.
         flip: exchange left and right in the pictures, which are mirrored.
 
     Raises `SourceError` for whatever cannot be opened.
@@ -68,7 +70,7 @@ def open_interactive(
         fps=_HEADLESS_FPS if headless else _LIVE_FPS,
         realtime=not headless,
         autopilot=autopilot,
-        flex=flex,
+        view_errors=view_errors,
         speed=speed * (_HEADLESS_HASTE if headless else 1.0),
         # The simulated hand brings the board into view by itself; a person needs to see it to drag
         # it.

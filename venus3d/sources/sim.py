@@ -26,6 +26,7 @@ from venus3d.render.offscreen import Offscreen
 from venus3d.sources.autopilot import Autopilot
 from venus3d.sources.background import interior
 from venus3d.sources.frame import Frame
+from venus3d.sources.view_errors import ViewError, ViewErrors
 
 NEAREST, FARTHEST = 0.06, 3.0
 """Least distance of a corner from the lens's plane, largest of the board's centre; metres."""
@@ -41,12 +42,28 @@ Box = tuple[int, int, int, int]
 """Left, top, right, bottom; the last two are exclusive."""
 
 
+@dataclass(frozen=True, eq=False)
+class Blur:
+    """How sharp an image is, and what that makes of the room."""
+
+    sigma: float
+    """Pixels."""
+    room: NDArray[np.uint8]
+    """The background alone, blurred."""
+
+    @property
+    def reach(self) -> int:
+        """As far as a pixel is smeared, pixels."""
+        return 1 + math.ceil(4 * self.sigma)
+
+
 @dataclass(frozen=True)
 class Exposed:
     """An image that is still being rendered."""
 
     picture: Future[NDArray[np.uint8]]
     """RGB, the board alone on the key colour."""
+    blur: Blur
     pose: Pose
     time_s: float
     name: str
@@ -73,7 +90,7 @@ class Simulation:
         tremor: float = 1.0,
         overshoot: float = 1.0,
         start: Pose | None = None,
-        flex: float = 0.0,
+        view_errors: ViewErrors | None = None,
         offscreen: Offscreen | None = None,
     ) -> None:
         """A simulation at its start pose.
@@ -93,8 +110,8 @@ class Simulation:
             autopilot: whether the simulated hand holds the board from the start.
             speed, tremor, overshoot: of the simulated hand (see `Autopilot`).
             start: `T_camera_board` at the start; if None so near that the board is cut off.
-            flex: standard deviation of a bow of the board that is drawn anew for each target,
-                metres: an error that all corners of a view share.
+            view_errors: errors that all corners of a view share, drawn anew for each target; none
+                if None.
             offscreen: a renderer to share; if None an own one is opened and closed.
         """
         self.truth = camera
@@ -102,18 +119,17 @@ class Simulation:
         self.autopilot_on = autopilot
         self._realtime, self._fps = realtime, fps
         self._noise_sigma, self._blur_sigma, self._light = noise_sigma, blur_sigma, light
-        background_rng, self._rng, hand_rng, self._flex_rng = np.random.default_rng(seed).spawn(4)
+        background_rng, self._rng, hand_rng, self._errors_rng = np.random.default_rng(seed).spawn(4)
         home = home_pose(max(HOME_DISTANCE, _ROOM * _filled_at(camera, self.board)))
         self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot, home)
         if background is None:
             background = interior(camera.image_size, background_rng)
         self._background = background
         self._exposed_part = None if field_deg is None else _image_circle(camera, field_deg)
-        self._empty = self._blurred(self._background)
-        self._reach = 1 + math.ceil(4 * blur_sigma)
+        self._blur = Blur(blur_sigma, _blurred(self._background, blur_sigma))
         self._noise = _noise_sheet(camera, noise_sigma, self._rng)
         self._lock = threading.Lock()
-        self._flex, self._bent = flex, self.board
+        self._view_errors, self._view_error = view_errors, ViewError(self.board)
         self._hand = near_pose(camera, self.board) if start is None else start
         self._target: Target | None = None
         self._seen: Pose | None = None
@@ -164,13 +180,24 @@ class Simulation:
             new = target is not None and (
                 self._target is None or target.number != self._target.number
             )
-            if self._flex > 0 and new:
-                across, down = self._flex_rng.normal(0.0, self._flex, 2)
-                bow = (self.board.bow[0] + float(across), self.board.bow[1] + float(down))
-                self._bent = replace(self.board, bow=bow)
             self._target, self._seen = self._as_shown(target, seen)
+            if new and self._target is not None:
+                self._draw(self._target.pose)
             if begins and target is None:
                 self._autopilot.forget_target()
+
+    def draw_view_error(self, pose: Pose) -> None:
+        """Draw the errors of a view at `T_camera_board` anew, as `follow` does for a new target."""
+        with self._lock:
+            self._draw(pose)
+
+    def _draw(self, pose: Pose) -> None:
+        if not self._view_errors:
+            return
+        pixel = float(np.linalg.norm(pose.t)) / self.truth.fx
+        self._view_error = self._view_errors.drawn(self.board, pixel, self._errors_rng)
+        sigma = math.hypot(self._blur_sigma, self._view_error.blur_px)
+        self._blur = Blur(sigma, _blurred(self._background, sigma))
 
     def _as_shown(
         self, target: Target | None, seen: Pose | None
@@ -236,11 +263,11 @@ class Simulation:
                 self._time_s += dt_s
                 if self.autopilot_on:
                     self._hand = self._autopilot.advance(self._hand, self._target, dt_s, self._seen)
-            pose, board = self._hand, self._bent
+            pose, error, blur = self._hand, self._view_error, self._blur
         self._number += 1
-        shapes = (board_shape(board, pose),)
+        shapes = (board_shape(error.board, pose, offset=error.offset),)
         picture = self._offscreen.submit(self.truth, shapes, background=_KEY)
-        return Exposed(picture, pose, self._time_s, f"frame {self._number}")
+        return Exposed(picture, blur, pose, self._time_s, f"frame {self._number}")
 
     def _vignetted(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """The image, dark outside the image circle."""
@@ -248,13 +275,8 @@ class Simulation:
             return image
         return np.asarray(cv2.multiply(image, self._exposed_part, scale=1 / 255), dtype=np.uint8)
 
-    def _blurred(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        if self._blur_sigma <= 0:
-            return image
-        return np.asarray(cv2.GaussianBlur(image, (0, 0), self._blur_sigma), dtype=np.uint8)
-
     def _develop(self, exposed: Exposed) -> NDArray[np.uint8]:
-        pose, rendered = exposed.pose, exposed.picture.result()
+        pose, blur, rendered = exposed.pose, exposed.blur, exposed.picture.result()
         # A sheet that turns away from the lamp above gets a little darker.
         facing = float(np.clip(pose.R[:, 2] @ np.array([0.0, 0.45, 0.89]), 0.0, 1.0))
         light = self._light * (0.75 + 0.25 * facing)
@@ -262,13 +284,13 @@ class Simulation:
         # Only the board's part of the image is composed, with the background that the blur mixes
         # in: a board that fills a quarter of the image costs a quarter.
         x, y, width, height = cv2.boundingRect(cv2.bitwise_not(through))
-        inner = _grown((x, y, x + width, y + height), self._reach, self.image_size)
-        left, top, right, bottom = _grown(inner, self._reach, self.image_size)
+        inner = _grown((x, y, x + width, y + height), blur.reach, self.image_size)
+        left, top, right, bottom = _grown(inner, blur.reach, self.image_size)
         outer = np.s_[top:bottom, left:right]
-        part = self._blurred(
-            _composed(green[outer], through[outer], self._background[outer], light)
+        part = _blurred(
+            _composed(green[outer], through[outer], self._background[outer], light), blur.sigma
         )
-        image = self._empty.copy()
+        image = blur.room.copy()
         image[inner[1] : inner[3], inner[0] : inner[2]] = part[
             inner[1] - top : inner[3] - top, inner[0] - left : inner[2] - left
         ]
@@ -278,6 +300,12 @@ class Simulation:
             noise = self._noise[y : y + image.shape[0], x : x + image.shape[1]]
             image = cv2.add(image, noise, dtype=cv2.CV_8U)
         return np.asarray(image, dtype=np.uint8)
+
+
+def _blurred(image: NDArray[np.uint8], sigma: float) -> NDArray[np.uint8]:
+    if sigma <= 0:
+        return image
+    return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma), dtype=np.uint8)
 
 
 def _filled_at(camera: Camera, board: Board) -> float:

@@ -15,6 +15,7 @@ from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.projection_uncertainty import projection_diff_px
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
+from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.settings import Settings
 from venus3d.study.runner import Row
 from venus3d.study.simulated import guided_calibrations, observed
@@ -29,7 +30,11 @@ def flatness(repeats: int, seed: int, views: int = 12) -> list[Row]:
     """A row for each bow and repeat: errors against the true camera when the board is taken as flat
     (`cv2.calibrateCamera`) and when its bow is estimated where the views ask for it. The poses are
     guided ones, the same for every bow."""
-    *_, last = guided_calibrations(Settings(), views, seed=seed, repeat=0, noise_px=NOISE_PX)
+
+    def see(pose: Pose, rng: np.random.Generator) -> Observation:
+        return observed(PAPER_CAMERA, Board(), pose, rng, NOISE_PX)
+
+    *_, last = guided_calibrations(Settings(), views, seed=seed, repeat=0, see=see)
     rows: list[Row] = []
     for bow_mm in BOWS_MM:
         held = replace(Board(), bow=(bow_mm / 1000, 0.0))

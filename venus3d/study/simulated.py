@@ -7,7 +7,7 @@ tests what guides.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -63,13 +63,13 @@ def guided_calibrations(
     repeat: int,
     truth: Camera = PAPER_CAMERA,
     board: Board | None = None,
-    noise_px: float = NOISE_PX,
-    shared_px: float = 0.0,
+    see: Callable[[Pose, np.random.Generator], Observation] | None = None,
 ) -> Iterator[SimulatedCalibration]:
     """Calibrations with 1, 2, ... `views` views, each taken exactly at its target.
 
     The noise depends on the seed, the repeat and the view alone, so that methods are compared in
-    pairs; the search's randomness comes from `settings.seed`.
+    pairs; the search's randomness comes from `settings.seed`. What is seen of the board at a pose
+    is told by `see`; if None, its projected corners with the paper's noise (`observed`).
 
     Raises `CalibrationError` if a view fails repeatedly.
     """
@@ -89,7 +89,7 @@ def guided_calibrations(
     for view in range(views):
         for attempt in range(10):
             rng = np.random.default_rng([seed, repeat, view, attempt])
-            seen = observed(truth, held, pose, rng, noise_px, shared_px)
+            seen = observed(truth, held, pose, rng) if see is None else see(pose, rng)
             try:
                 outcome = _following(work, settings, held, seen).run()
                 break

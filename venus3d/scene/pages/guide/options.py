@@ -23,6 +23,7 @@ from venus3d.options import (
 from venus3d.scene.web.monitor import audience_address
 from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.sim_cameras import SimCamera
+from venus3d.sources.view_errors import ViewErrors
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,23 @@ class SimOptions:
 
     camera: SimCamera = "webcam"
     """The paper's webcam, an action camera (120° across), a fisheye (190°) or a telephoto (12°)."""
+    view_bow_mm: float = 0.0
+    """Spread of a bow of the board that is drawn anew for each pose, as hands flex it."""
+    view_bias_px: float = 0.0
+    """Spread of a smooth shift of the corners over the board, anew for each pose, as light does."""
+    view_blur_px: float = 0.0
+    """Spread of a blur that comes on top of the camera's, anew for each pose."""
+
+    def check(self) -> None:
+        """Raises `VenusError` for the first option out of its range."""
+        check_range("--sim.view-bow-mm", self.view_bow_mm, 0, 10)
+        check_range("--sim.view-bias-px", self.view_bias_px, 0, 5)
+        check_range("--sim.view-blur-px", self.view_blur_px, 0, 10)
+
+    @property
+    def view_errors(self) -> ViewErrors:
+        """What the views' corners share."""
+        return ViewErrors(self.view_bow_mm / 1000, self.view_bias_px, self.view_blur_px)
 
 
 @dataclass(frozen=True)
@@ -79,8 +97,6 @@ class GuideOptions:
     sim: SimOptions = field(default_factory=SimOptions)
     bow_mm: float = 0.0
     """How far the simulated board's middle lies behind its left and right ends (sim only)."""
-    flex_mm: float = 0.0
-    """Spread of a bow of the simulated board that is drawn anew for each pose (sim only)."""
     wording: Wording = "holder"
     """Whose left and right the page means: the holder's, or the camera's (X changes it)."""
     language: LanguageOption = None
@@ -141,7 +157,7 @@ class GuideOptions:
         check_range("--overlap", self.overlap, 0.1, 0.99)
         check_range("--speed", self.speed, 0.1, 10)
         check_range("--bow-mm", self.bow_mm, -20, 20)
-        check_range("--flex-mm", self.flex_mm, 0, 10)
+        self.sim.check()
         check_range("--max-views", self.max_views, 2, 1000)
         check_range("--seed", self.seed, 0, 2**63)
         if self.camera_size is not None:

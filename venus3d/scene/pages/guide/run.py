@@ -229,7 +229,7 @@ def _opened(options: GuideOptions, board: Board) -> Source:
         autopilot=options.autopilot,
         speed=options.speed,
         bow=options.bow_mm / 1000,
-        flex=options.flex_mm / 1000,
+        view_errors=options.sim.view_errors,
         flip=options.flip,
     )
 
