@@ -322,6 +322,10 @@ def test_address_that_cannot_be_bound(run: Run, tmp_path: Path, option: str, val
         ("--limits.max-tilt-deg", "nan"),
         ("--limits.nearest-mm", "-1"),
         ("--board.square-mm", "0"),
+        ("--sim.bow-mm", "100"),
+        ("--sim.view-bow-mm", "-1"),
+        ("--sim.view-bias-px", "nan"),
+        ("--sim.view-blur-px", "11"),
     ],
 )
 def test_numbers_that_cannot_be_met(run: Run, option: str, value: str) -> None:
@@ -329,6 +333,24 @@ def test_numbers_that_cannot_be_met(run: Run, option: str, value: str) -> None:
     ran = run("guide", "sim", "--headless", "--autopilot", option, value)
     assert ran.code == 2 and ran.sentence.count("\n") == 0
     assert "must be" in ran.sentence or "is of no use" in ran.sentence
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [
+        ("guide", ("--autopilot",)),
+        ("guide", ("--speed", "2")),
+        ("guide", ("--sim.bow-mm", "3")),
+        ("trial", ("--autopilot",)),
+        ("trial", ("--speed", "2")),
+    ],
+)
+def test_what_is_simulated_is_refused_beside_a_recording(
+    run: Run, tmp_path: Path, command: str, option: tuple[str, ...]
+) -> None:
+    """It was ignored."""
+    ran = run(command, tmp_path, *option)
+    assert ran.code == 2 and option[0].split(".")[0] in ran.sentence and "leave" in ran.sentence
 
 
 def test_a_board_is_a_picture_or_a_pdf(run: Run, tmp_path: Path) -> None:

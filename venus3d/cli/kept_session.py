@@ -118,7 +118,16 @@ def resumed_options(arguments: Sequence[str], directory: Path) -> GuideOptions:
 
     options = given_over(before, "guide", arguments)
     if options.source != before.source:
-        options = given_over(replace(before, camera=CameraSettings()), "guide", arguments)
+        # What was chosen for the source before says nothing of another one.
+        usual = GuideOptions()
+        elsewhere = replace(
+            before,
+            camera=usual.camera,
+            sim=usual.sim,
+            autopilot=usual.autopilot,
+            speed=usual.speed,
+        )
+        options = given_over(elsewhere, "guide", arguments)
     if not options.record or (options.output or directory).resolve() != directory.resolve():
         raise VenusError(
             "--resume goes on in the session's own folder; leave out --output and --no-record."

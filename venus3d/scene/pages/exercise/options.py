@@ -108,6 +108,10 @@ class TrialOptions:
                 "A trial without a page is a rehearsal of the simulated hand, so --headless goes "
                 "with sim only."
             )
+        if self.source != "sim" and (self.autopilot or self.speed != 1):
+            raise VenusError(
+                "--autopilot and --speed are for the simulated hand; leave them out, or trial sim."
+            )
         if self.source != "sim" and self.camera is None:
             raise VenusError(
                 "A trial needs a calibrated camera: calibrate it first with venus3d guide, then "

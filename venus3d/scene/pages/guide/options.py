@@ -22,6 +22,7 @@ from venus3d.options import (
 )
 from venus3d.scene.web.monitor import audience_address
 from venus3d.sources.camera_settings import CameraSettings
+from venus3d.sources.interactive import SIMULATED
 from venus3d.sources.sim_cameras import SimCamera
 from venus3d.sources.view_errors import ViewErrors
 
@@ -32,6 +33,8 @@ class SimOptions:
 
     camera: SimCamera = "webcam"
     """The paper's webcam, an action camera (120° across), a fisheye (190°) or a telephoto (12°)."""
+    bow_mm: float = 0.0
+    """How far the board's middle lies behind its left and right ends."""
     view_bow_mm: float = 0.0
     """Spread of a bow of the board that is drawn anew for each pose, as hands flex it."""
     view_bias_px: float = 0.0
@@ -41,6 +44,7 @@ class SimOptions:
 
     def check(self) -> None:
         """Raises `VenusError` for the first option out of its range."""
+        check_range("--sim.bow-mm", self.bow_mm, -20, 20)
         check_range("--sim.view-bow-mm", self.view_bow_mm, 0, 10)
         check_range("--sim.view-bias-px", self.view_bias_px, 0, 5)
         check_range("--sim.view-blur-px", self.view_blur_px, 0, 10)
@@ -55,7 +59,7 @@ class SimOptions:
 class GuideOptions:
     """Calibrate a camera with guidance, pose by pose, in the browser."""
 
-    source: Annotated[Positional[str], arg(metavar="SOURCE")] = "sim"
+    source: Annotated[Positional[str], arg(metavar="SOURCE")] = SIMULATED
     """sim, a camera's number or device, a stream's address, a video, a folder or a pattern of
     pictures, watch:DIR, a ROS bag (BAG or BAG:/topic)."""
     board: BoardOptions = field(default_factory=BoardOptions)
@@ -93,10 +97,8 @@ class GuideOptions:
     autopilot: bool = False
     """Let a simulated hand walk the board through the four steps (sim only)."""
     speed: float = 1.0
-    """How fast the simulated hand moves; 1 is a calm person."""
+    """How fast the simulated hand moves; 1 is a calm person (sim only)."""
     sim: SimOptions = field(default_factory=SimOptions)
-    bow_mm: float = 0.0
-    """How far the simulated board's middle lies behind its left and right ends (sim only)."""
     wording: Wording = "holder"
     """Whose left and right the page means: the holder's, or the camera's (X changes it)."""
     language: LanguageOption = None
@@ -156,12 +158,20 @@ class GuideOptions:
         check_range("--wanted-error", self.wanted_error, 0.001, 100)
         check_range("--overlap", self.overlap, 0.1, 0.99)
         check_range("--speed", self.speed, 0.1, 10)
-        check_range("--bow-mm", self.bow_mm, -20, 20)
         self.sim.check()
+        self._check_simulated()
         check_range("--max-views", self.max_views, 2, 1000)
         check_range("--seed", self.seed, 0, 2**63)
         if self.camera_size is not None:
             image_size_of(self.camera_size)
+
+    def _check_simulated(self) -> None:
+        chosen = self.autopilot or self.speed != 1 or self.sim != SimOptions()
+        if self.source != SIMULATED and chosen:
+            raise VenusError(
+                "--autopilot, --speed and --sim are for the simulated camera; leave them out, or "
+                "guide sim."
+            )
 
     def _check_audience(self) -> None:
         if self.audience is None:

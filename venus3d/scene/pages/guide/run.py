@@ -228,7 +228,7 @@ def _opened(options: GuideOptions, board: Board) -> Source:
         headless=options.headless,
         autopilot=options.autopilot,
         speed=options.speed,
-        bow=options.bow_mm / 1000,
+        bow=options.sim.bow_mm / 1000,
         view_errors=options.sim.view_errors,
         flip=options.flip,
     )
