@@ -11,11 +11,10 @@ from venus3d.sources.camera_settings import CameraSettings
 from venus3d.sources.frame import Source
 from venus3d.sources.open_frame_source import open_frame_source
 from venus3d.sources.sim import Simulation
-from venus3d.sources.sim_cameras import FIELD_DEG, SimCamera, simulated_camera
+from venus3d.sources.sim_cameras import FIELD_DEG, SIMULATED, SimCamera, simulated_camera
 from venus3d.sources.view_errors import ViewErrors
 from venus3d.threads.latency import limit_gl_threads
 
-SIMULATED = "sim"
 # The simulated hand's frame rate without and with a viewer.
 _HEADLESS_FPS, _LIVE_FPS = 5.0, 25.0
 _HEADLESS_HASTE = 2.5

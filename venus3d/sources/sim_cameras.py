@@ -8,6 +8,8 @@ from typing import Literal
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.lenses import FISHEYE
 
+SIMULATED = "sim"
+"""The name of the source that simulates one."""
 SimCamera = Literal["webcam", "action", "fisheye", "telephoto"]
 
 SIM_CAMERAS: dict[SimCamera, Camera] = {

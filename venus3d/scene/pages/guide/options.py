@@ -22,8 +22,7 @@ from venus3d.options import (
 )
 from venus3d.scene.web.monitor import audience_address
 from venus3d.sources.camera_settings import CameraSettings
-from venus3d.sources.interactive import SIMULATED
-from venus3d.sources.sim_cameras import SimCamera
+from venus3d.sources.sim_cameras import SIMULATED, SimCamera
 from venus3d.sources.view_errors import ViewErrors
 
 
