@@ -193,6 +193,8 @@ def _tell_of_nothing(
         worst = result.snapshot.diagnoses[0]
         nothing = f"{_NO_VIEW} " if worst.kind in _READ_ALL_THE_SAME else ""
         raise CalibrationError(f"{nothing}{worst}")
+    if options.headless and result.broke_off:
+        raise CalibrationError(" ".join([_NO_VIEW, *result.warnings]))
     if options.headless:
         raise CalibrationError(
             "No view was captured, so there is no result; check the board's options, or use "

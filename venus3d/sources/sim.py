@@ -33,6 +33,7 @@ NEAREST, FARTHEST = 0.06, 3.0
 # A colour that no board has; where it shows there is background (see `_cut_out`).
 _KEY = (255, 0, 255)
 _NOISE_STRIDE = 64
+_FOCUS_S = 1.0
 # Seconds after which a waiting image is outdated and not shown.
 _STALE_S = 0.5
 _ROOM = 1.3  # home, in distances at which the board fills the image
@@ -110,8 +111,8 @@ class Simulation:
             autopilot: whether the simulated hand holds the board from the start.
             speed, tremor, overshoot: of the simulated hand (see `Autopilot`).
             start: `T_camera_board` at the start; if None so near that the board is cut off.
-            view_errors: errors that all corners of a view share, drawn anew for each target; none
-                if None.
+            view_errors: errors that all corners of a view share, drawn anew for each target, the
+                blur every second; none if None.
             offscreen: a renderer to share; if None an own one is opened and closed.
         """
         self.truth = camera
@@ -134,7 +135,7 @@ class Simulation:
         self._target: Target | None = None
         self._seen: Pose | None = None
         self._number = 0
-        self._time_s = 0.0
+        self._time_s = self._focused_s = 0.0
         self._due = 0.0
         self._exposed: Exposed | None = None
         self._closed = False
@@ -196,8 +197,15 @@ class Simulation:
             return
         pixel = float(np.linalg.norm(pose.t)) / self.truth.fx
         self._view_error = self._view_errors.drawn(self.board, pixel, self._errors_rng)
-        sigma = math.hypot(self._blur_sigma, self._view_error.blur_px)
-        self._blur = Blur(sigma, _blurred(self._background, sigma))
+        self._focus()
+
+    def _focus(self) -> None:
+        """Draw the blur anew, if it is drawn at all."""
+        if self._view_errors and self._view_errors.blur_px > 0:
+            more = self._view_errors.drawn_blur(self._errors_rng)
+            sigma = math.hypot(self._blur_sigma, more)
+            self._blur = Blur(sigma, _blurred(self._background, sigma))
+        self._focused_s = self._time_s
 
     def _as_shown(
         self, target: Target | None, seen: Pose | None
@@ -261,6 +269,8 @@ class Simulation:
         with self._lock:
             if self._number > 0:
                 self._time_s += dt_s
+                if self._time_s > self._focused_s + _FOCUS_S:
+                    self._focus()
                 if self.autopilot_on:
                     self._hand = self._autopilot.advance(self._hand, self._target, dt_s, self._seen)
             pose, error, blur = self._hand, self._view_error, self._blur

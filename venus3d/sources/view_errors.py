@@ -1,7 +1,8 @@
 """Errors that all corners of a simulated view share, as the views of a real recording bring them.
 
-They are drawn anew for each target: a board held by other hands flexes otherwise, other light draws
-the corners to another side, and focus and motion blur differ from picture to picture.
+They are drawn anew for each target: a board held otherwise flexes otherwise, and other light draws
+the corners to another side. The blur comes and goes while the board is held, as a focus that hunts;
+one that stayed would keep guidance, which waits for a sharp picture, from ever capturing.
 """
 
 from __future__ import annotations
@@ -26,10 +27,14 @@ class ViewErrors:
     bias_px: float = 0.0
     """Of the corners, drawn to one side by a smooth field over the board, per axis, pixels."""
     blur_px: float = 0.0
-    """Of a blur that comes on top of the camera's own, pixels."""
+    """Of a blur that comes on top of the camera's own, pixels; anew every second."""
 
     def __bool__(self) -> bool:
         return self.bow > 0 or self.bias_px > 0 or self.blur_px > 0
+
+    def drawn_blur(self, rng: np.random.Generator) -> float:
+        """Standard deviation of the additional blur, pixels."""
+        return abs(float(rng.normal(0.0, self.blur_px)))
 
     def drawn(self, board: Board, pixel: float, rng: np.random.Generator) -> ViewError:
         """The errors of one view.
@@ -47,7 +52,7 @@ class ViewErrors:
         heights = rng.normal(0.0, self.bias_px * pixel * math.sqrt(2 / _WAVES), (_WAVES, 2))
         waves = np.column_stack([heights, periods, phases])
         offset = PrintOffset(tuple(map(tuple, waves.tolist()))) if self.bias_px > 0 else None
-        return ViewError(bowed, offset, abs(float(rng.normal(0.0, self.blur_px))))
+        return ViewError(bowed, offset)
 
 
 @dataclass(frozen=True)
@@ -58,5 +63,3 @@ class ViewError:
     """As it is bent."""
     offset: PrintOffset | None = None
     """Of its print; None for none."""
-    blur_px: float = 0.0
-    """Standard deviation of the additional blur."""

@@ -51,13 +51,13 @@ def run_headless(
     Breaks off where the source fails after captured views, or the simulated hand gets stuck or has
     nowhere to go; the views are kept. Raises `SourceError` if the source failed before.
     """
-    waited, views, remarks = 0, 0, Remarks()
+    waited, views, refused, remarks = 0, 0, "", Remarks()
     try:
         if session.pending is not None:  # a session that is gone on with
             keep(session.run_pending())
         while session.phase not in ("converged", "finished"):
             if isinstance(source, Simulation) and waited > _PATIENCE_FRAMES:
-                return End(terminal_texts.HAND_TOO_FAR, broke_off=True)
+                return End(refused or terminal_texts.HAND_TOO_FAR, broke_off=True)
             frame = source.read()
             if not isinstance(source, Simulation):  # its own are told at the end
                 remarks.look(source)
@@ -72,8 +72,10 @@ def run_headless(
                 source.follow(snapshot.target, snapshot.pose, begins=not snapshot.captured)
                 if session.phase == "guiding" and snapshot.target is None:
                     return End(terminal_texts.NO_TARGET, broke_off=True)
-                waited = waited + 1 if len(snapshot.views) == views else 0
-                views = len(snapshot.views)
+                if len(snapshot.views) == views:
+                    waited, refused = waited + 1, snapshot.refusal or refused
+                else:
+                    waited, refused, views = 0, "", len(snapshot.views)
     except KeyboardInterrupt:
         # The views captured until then are a result too.
         session.run_pending(stop=lambda: True)

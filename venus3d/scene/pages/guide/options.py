@@ -39,7 +39,7 @@ class SimOptions:
     view_bias_px: float = 0.0
     """Spread of a smooth shift of the corners over the board, anew for each pose, as light does."""
     view_blur_px: float = 0.0
-    """Spread of a blur that comes on top of the camera's, anew for each pose."""
+    """Spread of a blur that comes on top of the camera's, anew every second, as a focus hunts."""
 
     def check(self) -> None:
         """Raises `VenusError` for the first option out of its range."""
