@@ -66,6 +66,23 @@ def test_a_label_leaves_the_tip_of_an_arrow_free() -> None:
     assert 5 < moved < 45, "only where it has to"
 
 
+def test_a_label_leaves_an_arrow_free_where_that_is_near() -> None:
+    """A step's word lay over the step's own arrow."""
+    rng = np.random.default_rng(6)
+    for _ in range(50):
+        amount = label("Rotate", *rng.normal([0, 0, 0.45], 0.02))
+        tail, tip = amount.position + rng.normal(0, 0.02, (2, 3))
+        shaft = tail + np.linspace(0, 1, 20)[:, None] * (tip - tail)
+        (place,) = places_apart([amount], VIEW, WINDOW, [tip], shaft)
+        at, *along = pixels_of(np.array([place, *shaft]))
+        aside, above = np.abs(at - along).T
+        assert ((aside > 22) | (above > 13)).all()
+    # A long arrow in the way of the label goes on below it: farther off it would not be its label.
+    high = np.array([0.0, 0.0, 0.45]) + np.linspace(-0.2, 0.2, 200)[:, None] * [0, 1.0, 0]
+    (place,) = places_apart([label("Rotate", 0, 0, 0.45)], VIEW, WINDOW, [], high)
+    np.testing.assert_allclose(place, [0, 0, 0.45], atol=1e-9)
+
+
 def test_a_caption_stays_where_it_is_as_wide_as_it_is() -> None:
     """Taken for wider than it is, a step's caption was moved onto another step's board."""
     # Beside each other, 2 px apart.

@@ -109,3 +109,25 @@ def test_old_pictures_stay_and_one_set_at_a_time_is_drawn(at) -> None:
     assert len(slow.sets) == 3
     tiles.forget()
     assert tiles.shown() is None
+    assert tiles.outdated(at(START).remaining) == (False,) * 4
+
+
+def test_a_picture_that_shows_something_else_than_is_said_is_known(at) -> None:
+    """Words and chips told of the next target beside the pictures of the last one."""
+    slow = Slow()
+    tiles = RemainingTiles(slow, lambda: None)
+    before, beyond = (at(TARGET.turned("x", deg)) for deg in (-5, 4))
+    tiles.order(before, dark=True)
+    slow.finish(50)
+    tiles.shown()
+    assert tiles.outdated(before.remaining) == (False,) * 4
+    tiles.order(beyond, dark=True)
+    tiles.shown()
+    # The arrow points the wrong way, and those of done steps are of no importance.
+    assert tiles.outdated(beyond.remaining) == (False, True, False, False)
+    assert tiles.outdated(at(None).remaining) == (True,) * 4
+    undone = at(TARGET.turned("z", 20)).remaining
+    assert not undone.done[3] and tiles.outdated(undone)[3], "it was done: there is no arrow"
+    slow.finish(90)
+    tiles.shown()
+    assert tiles.outdated(beyond.remaining) == (False,) * 4

@@ -38,6 +38,17 @@ def still_shows(drawn: RemainingSteps | None, now: RemainingSteps | None) -> boo
     )
 
 
+def shows_another(drawn: RemainingSteps, now: RemainingSteps) -> tuple[bool, ...]:
+    """Of each step's picture, whether it shows another step than is to be done now: that of another
+    target, without an arrow, or with one that points elsewhere."""
+    if drawn.steps[3].after is not now.steps[3].after or drawn.from_upright != now.from_upright:
+        return (True,) * 4
+    return tuple(
+        not is_done and (was_done or not _same_direction(a, b))
+        for (a, b, is_done), was_done in zip(_pairs(drawn, now), drawn.done, strict=True)
+    )
+
+
 def _same_work(drawn: RemainingSteps, now: RemainingSteps) -> bool:
     """Whether they lead to the same target, and the same steps are done."""
     return (

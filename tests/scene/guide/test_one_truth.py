@@ -266,7 +266,8 @@ def facts_of(told: Told) -> list[str]:
 def cards_say(viewer: Viewer) -> dict[str, Any]:
     html = viewer.view.projections._tiles.content
     cards = re.findall(
-        r"<div class='v-tile( v-on)?'.*?<b>(\d)</b><strong>[^<]*<small>(.*?)</small></strong>"
+        r"<div class='v-tile(?: v-done| v-old)?( v-on)?'.*?<b>(\d)</b>"
+        r"<strong>[^<]*<small>(.*?)</small></strong>"
         r"<span>([^<]*)</span>.*?data-shot='steps-(\d)'",
         html,
     )

@@ -7,11 +7,15 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
+from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
@@ -60,6 +64,38 @@ def test_a_replayed_search_ends_although_nothing_comes(
         wait_until(lambda: not is_searching(viewer))
     finally:
         viewer.close()
+
+
+def test_the_picture_s_outline_comes_with_the_words_of_its_step(
+    default_board: Board, paper_camera: Camera
+) -> None:
+    """It was that of the step before until the next frame came."""
+    target = Pose.from_vector([20, 0, 30, 0.05, 0, 0.5])
+    viewer = Viewer("127.0.0.1", free_port())
+    show = partial(viewer.show_pose, default_board, paper_camera, target=target)
+    try:
+        with RawClient(viewer.port) as tab:
+            tab.look()
+            viewer.show_picture(np.zeros((720, 1280, 3), np.uint8))
+            show(target.moved([0.1, 0, 0]))
+            windows_until("Step 1 of 4", tab)
+            with suppress(TimeoutError):
+                while True:
+                    tab.window(timeout=1)
+            for pose, words in ((target.turned("z", -30), "Step 4 of 4"), (target, "Hold still")):
+                show(pose)
+                last = windows_until(words, tab)[-1]
+                assert any("_data" in message.get("updates", {}) for message in last), words
+    finally:
+        viewer.close()
+
+
+def windows_until(words: str, tab: RawClient) -> list[list[dict[str, Any]]]:
+    """What a tab is sent together, until these words are."""
+    windows: list[list[dict[str, Any]]] = []
+    while not windows or place_of(words, windows[-1]) < 0:
+        windows.append(tab.window(timeout=20))
+    return windows
 
 
 def shown(snapshot: Snapshot, projections: Projections | None, *wanted: str) -> list[Any]:

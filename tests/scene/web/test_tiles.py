@@ -73,5 +73,7 @@ def test_a_tile_warns_of_corners_outside_in_letters_of_the_page(
     for tile, count in zip(tiles, outside, strict=True):
         assert (f"{count} corners leave the image" in tile) == (count > 1)
         assert ("v-warning" in tile) == (count > 0)
-    assert "v-warning" not in shown(RemainingStep(one.step, True, one.prompt))[0], "it is done"
+    first = shown(RemainingStep(one.step, True, one.prompt))[0]
+    assert "v-warning" not in first and first.startswith(" v-done"), "it is done"
+    assert not any(tile.startswith(" v-done") for tile in tiles)
     server.stop()

@@ -168,15 +168,16 @@ def put_labels(
     view: SceneCamera | None,
     window_px: tuple[int, int],
     tips: Sequence[Array] = (),
+    shafts: Array | None = None,
 ) -> None:
-    """Place these labels: pills that face this view and cover neither each other nor the arrows'
-    tips, (3,) each; viser's own without a view."""
+    """Place these labels: pills that face this view and cover neither each other nor the arrows
+    (`places_apart`); viser's own without a view."""
     if view is None:
         for _, label in labels:
             label.put_plain()
         return
     metres_per_px = 2 * float(np.tan(view.fov_rad / 2)) / max(window_px[1], 1)
     facing = Pose(view.axes.T, view.position).wxyz
-    places = places_apart([shape for shape, _ in labels], view, window_px, tips)
+    places = places_apart([shape for shape, _ in labels], view, window_px, tips, shafts)
     for (_, label), place in zip(labels, places, strict=True):
         label.put_pill(place, view, facing, metres_per_px)

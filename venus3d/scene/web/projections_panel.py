@@ -23,7 +23,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.languages import translated
 from venus3d.render.palette import step_style
 from venus3d.render.projections import Projections, corners_outside_text
-from venus3d.render.redrawing import still_shows
+from venus3d.render.redrawing import shows_another, still_shows
 from venus3d.scene.web import step_texts as say
 from venus3d.scene.web.drawing import Failures
 from venus3d.scene.web.terminal_texts import STEPS_FAILED
@@ -33,6 +33,9 @@ Picture = NDArray[np.uint8]
 Sources = tuple[str, ...]
 """Sources of the four images: empty while being drawn, `FAILED` if they could not be."""
 FAILED = "failed"
+Flags = tuple[bool, ...]
+"""Of each of the four steps."""
+NONE: Flags = (False,) * 4
 
 
 class ProjectionsPanel:
@@ -59,12 +62,16 @@ class ProjectionsPanel:
         theme: Theme,
         note: str = "",
         wording: Wording = "holder",
+        outdated: Flags = NONE,
     ) -> None:
-        """Show these steps with these pictures, and `step` marked.
+        """Show these steps with these pictures, and `step` marked. A done step has a tick over its
+        picture.
 
         Args:
             remaining: None while nothing is to be done; the pictures then stay without words.
             sources: None without a target.
+            outdated: of each picture, whether it shows something else than is said; it is faint
+                until the next one comes.
         """
         self._pictures.content = "" if sources is None else pictures_html("steps", sources)
         if sources is None:
@@ -73,7 +80,7 @@ class ProjectionsPanel:
         upright = remaining is not None and remaining.from_upright
         title = say.TILES_FROM_UPRIGHT if upright else say.TILES_TITLE
         tiles = "".join(
-            _tile(number, source, remaining, number == step, theme, wording)
+            _tile(number, source, remaining, number == step, theme, wording, outdated[number - 1])
             for number, source in enumerate(sources, start=1)
         )
         foot = f"<div class='v-legend'>{escape(translated(note))}</div>" if note else ""
@@ -91,16 +98,20 @@ def _tile(
     is_on: bool,
     theme: Theme,
     wording: Wording,
+    is_old: bool,
 ) -> str:
     fact = words = warning = ""
+    mark = " v-old" if is_old else ""
     if remaining is not None:
         step = remaining.step(number)
+        mark = " v-done" if step.done else mark
         left = say.DONE if step.done else step_amount(step.step)
         fact = say.TILE_FACT.format(number=number, fact=left)
         words = translated(step.prompt.text(wording))
         warning = "" if step.done else corners_outside_text(len(step.step.corners_outside))
         fact = escape(fact) if step.done else f"{escape(fact)}<em> {say.TO_GO}</em>"
-    return tile_html("steps", number, source, fact, words, theme, is_on=is_on, warning=warning)
+    mark += " v-on" if is_on else ""
+    return tile_html("steps", number, source, fact, words, theme, mark=mark, warning=warning)
 
 
 def tile_html(
@@ -111,12 +122,11 @@ def tile_html(
     words: str,
     theme: Theme,
     *,
-    is_on: bool = False,
+    mark: str = "",
     warning: str = "",
 ) -> str:
     """One step's tile: number, title, a fact (HTML), words, and its picture in the set of this
-    name, with a warning over its lower edge."""
-    mark = " v-on" if is_on else ""
+    name, with a warning over its lower edge; `mark` is more of its class."""
     return (
         f"<div class='v-tile{mark}' style='--step:{theme.steps[number - 1]}'>"
         f"<div class='v-told'><b>{number}</b><strong>{step_style(number).title}"
@@ -207,6 +217,8 @@ class RemainingTiles(Tiles):
         super().__init__()
         self._projections, self._wake = projections, wake
         self._drawn: RemainingSteps | None = None
+        self._seen: RemainingSteps | None = None
+        """The steps in the pictures that are shown; `_drawn` may still be on their way."""
 
     def order(self, snapshot: Snapshot, *, dark: bool) -> None:
         """Have the pictures drawn, if those that there are do not fit this moment. One set at a
@@ -232,6 +244,16 @@ class RemainingTiles(Tiles):
         self.expect(key, pictures)
         pictures[-1].add_done_callback(lambda _: self._wake())
 
+    def shown(self) -> Sources | None:
+        was_waiting, sources = self.is_waiting, super().shown()
+        if was_waiting and not self.is_waiting:
+            self._seen = self._drawn
+        return sources
+
+    def outdated(self, now: RemainingSteps | None) -> Flags:
+        """Of each picture that `shown` gave last, whether it shows something else than `now`."""
+        return NONE if self._seen is None or now is None else shows_another(self._seen, now)
+
     def forget(self) -> None:
         super().forget()
-        self._drawn = None
+        self._drawn = self._seen = None

@@ -12,10 +12,12 @@ import re
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import cv2
 import numpy as np
+import trimesh
 import viser
 from numpy.typing import NDArray
 
@@ -50,6 +52,9 @@ near already and not yet small fills the window."""
 _PULSE_S, _PULSE_OPACITY = 0.7, 0.9
 """How long the end of a new step is stronger, once, and how strong."""
 _ENDS = re.compile("/steps/[1-4]/after")
+_ARROW = re.compile("^/(steps|strip)/.*/arrow")
+_SAMPLED = 16
+"""Faces of an arrow's mesh that labels keep away from."""
 _FADES_AT = 4.0  # metres from the eye
 
 
@@ -132,7 +137,8 @@ class SceneView:
                 if isinstance(shape, LabelShape)
             ]
             seen_from = None if self._plain_labels else view
-            put_labels(labels, seen_from, self._view.window_px, _tips(self._drawn[0]))
+            tips, window_px = _tips(self._drawn[0]), self._view.window_px
+            put_labels(labels, seen_from, window_px, tips, _shafts(shapes))
             self._changing = [label for _, label in labels if label.is_changing]
             self._pulse()
 
@@ -299,6 +305,22 @@ def _tips(shapes: Sequence[Shape]) -> list[Array]:
     """(3,) where each arrow points."""
     arrows = (shape for shape in shapes if isinstance(shape, MeshShape))
     return [arrow.pose.apply(arrow.ends)[1] for arrow in arrows if arrow.ends is not None]
+
+
+def _shafts(shapes: Sequence[Shape]) -> Array:
+    """(N, 3) points on the arrows of the steps, as they are drawn."""
+    arrows = [s for s in shapes if isinstance(s, MeshShape) and _ARROW.search(s.name)]
+    points = [arrow.pose.apply(_sampled(arrow.mesh)) for arrow in arrows]
+    return np.concatenate(points or [np.zeros((0, 3))])
+
+
+@lru_cache(maxsize=64)
+def _sampled(mesh: trimesh.Trimesh) -> Array:
+    """(N, 3) points along the edges of some of the mesh's faces."""
+    faces = np.asarray(mesh.faces)[:: max(1, len(mesh.faces) // _SAMPLED)]
+    corners = np.asarray(mesh.vertices, np.float64)[faces]
+    along = np.linspace(0, 1, 5)[:-1, None, None, None]
+    return (corners + along * (np.roll(corners, -1, axis=1) - corners)).reshape(-1, 3)
 
 
 def _true_name(name: str) -> str:

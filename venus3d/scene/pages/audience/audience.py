@@ -15,7 +15,7 @@ from collections.abc import Callable
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.languages import Language
-from venus3d.render.annotated_picture import LivePicture, annotate, small_picture
+from venus3d.render.annotated_picture import LivePicture, small_picture
 from venus3d.render.picture_plane import plain_plane, undistortion
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.lens import LensOverlay
@@ -33,7 +33,7 @@ from venus3d.scene.web.page import Page
 from venus3d.scene.web.picture_feed import PICTURE_PERIOD_S, PictureFeed, SeenPicture
 from venus3d.scene.web.scene_view import SceneView
 from venus3d.scene.web.server import LocalServer, start_read_only_server
-from venus3d.scene.web.theme import Theme
+from venus3d.scene.web.told_moment import ToldMoment
 
 PICTURE_WIDTH = 960
 _SCENE_PERIOD_S = 1 / 12
@@ -70,7 +70,7 @@ class Audience(Page[AudienceState]):
         self._praise: tuple[AudienceViewModel, float] | None = None  # the message, until when
         self._paused, self._silent_since = False, ""
         self._shown, self._speaker, self._alarm = view_model_of(None), Speaker(), Alarm()
-        self._overlay = LensOverlay()
+        self._overlay, self._told = LensOverlay(), ToldMoment()
         self._pictures = PictureFeed(self._draw_picture, lambda: self._paced(PICTURE_PERIOD_S))
         self._open(audience_picture=self._pictures.loop)
 
@@ -144,6 +144,7 @@ class Audience(Page[AudienceState]):
                 now = view_model_of(snapshot, self._paused, self._silent_since)
                 self._shown = self._praise[0] if self._praise else now
                 self._view.show(self._shown, snapshot, dark=not choices.light)
+                self._tell_of(snapshot)
                 self._scene.draw(self._overlay.shapes(snapshot, choices), dark=True)
             if self._alarm.due(bool(self._silent_since), time.monotonic()):
                 self._view.play("alarm")
@@ -152,10 +153,23 @@ class Audience(Page[AudienceState]):
         deliver(self.server)
         self._view.fit()
 
+    def _tell_of(self, snapshot: Snapshot | None) -> None:
+        """Have the picture's overlay of this moment, too: at once if it says something else."""
+        if snapshot is None:
+            return
+        step = 1 if snapshot.remaining is None else snapshot.remaining.active
+        newest = self._pictures.newest
+        if self._told.tell(snapshot, step) and newest is not None:
+            self._draw_picture(newest)
+
     def _draw_picture(self, newest: SeenPicture) -> None:
         if not self._view.watched:
             return
-        rgb, snapshot = small_picture(newest.image, PICTURE_WIDTH), self._snapshot
+        with self._told.lock:
+            self._show_picture(newest)
+
+    def _show_picture(self, newest: SeenPicture) -> None:
+        rgb, snapshot = small_picture(newest.image, PICTURE_WIDTH), self._told.snapshot
         size = (rgb.shape[1], rgb.shape[0])
         if snapshot is None:
             self._view.show_picture(rgb, plain_plane(size))
@@ -163,7 +177,5 @@ class Audience(Page[AudienceState]):
             straight = undistortion(snapshot.camera.scaled(size))
             self._view.show_picture(straight.straightened(rgb), straight.plane)
         else:
-            step = 1 if snapshot.remaining is None else snapshot.remaining.active
-            colour = Theme(True).step_colours[step - 1]
-            annotate(rgb, snapshot, newest.observation, step, colour)
+            self._told.annotate(rgb, newest.observation)
             self._view.show_picture(rgb, plain_plane(size))

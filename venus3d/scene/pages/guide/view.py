@@ -40,7 +40,7 @@ from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.panels import PanelStyle, fit_width
-from venus3d.scene.web.projections_panel import ProjectionsPanel, Sources
+from venus3d.scene.web.projections_panel import Flags, ProjectionsPanel, Sources
 from venus3d.scene.web.step_card import Note, picture_legend_html, picture_line_html
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
@@ -106,6 +106,7 @@ class GuideView:
         snapshot: Snapshot | None,
         state: ViewState,
         tiles: Sources | None,
+        outdated: Flags,
         built: Sources | None,
         note: Note,
         saved: str,
@@ -115,6 +116,7 @@ class GuideView:
 
         Args:
             tiles: pictures of the steps from here; None without a target.
+            outdated: of each of them, whether it shows something else than is to be done.
             built: pictures of the steps from upright; None unless asked for.
             saved: says where the result is.
             drawn_by: the renderer's note, if any.
@@ -130,7 +132,9 @@ class GuideView:
         remaining, target = (
             (None, None) if snapshot is None else (snapshot.remaining, snapshot.target)
         )
-        self.projections.show(remaining, tiles, state.step, theme, drawn_by, state.wording)
+        self.projections.show(
+            remaining, tiles, state.step, theme, drawn_by, state.wording, outdated
+        )
         self.built.show(target, built, theme, state.wording)
         phase = "startup" if snapshot is None else snapshot.phase
         # After the end no target follows, so none is announced or drawn.

@@ -24,7 +24,6 @@ from venus3d.languages import Language
 from venus3d.render.annotated_picture import (
     PICTURE_WIDTH,
     LivePicture,
-    annotate,
     small_picture,
 )
 from venus3d.render.describe import SceneOptions, describe
@@ -51,6 +50,7 @@ from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.steady_framing import SteadyFraming
 from venus3d.scene.web.step_card import NO_NOTE, Note
 from venus3d.scene.web.theme import Theme
+from venus3d.scene.web.told_moment import ToldMoment
 from venus3d.sources.camera_settings import CameraSetting
 
 _NOTE_SECONDS = 6.0
@@ -119,7 +119,7 @@ class Viewer(Page[ViewState]):
         )
         self.layers: tuple[Layer, ...] = (uncertainty,)
         self._film = FilmStrip(uncertainty.open_view)
-        self._straightener = Straightener()
+        self._straightener, self._told = Straightener(), ToldMoment()
         self._pictures = PictureFeed(self._draw_picture)
         self.on_sent: Callable[[float], None] = lambda came_s: None
         """Called on a drawing thread when a picture has been sent, with the time when it came."""
@@ -134,8 +134,6 @@ class Viewer(Page[ViewState]):
         """Show this moment; the newest wins."""
         self._snapshot = snapshot
         self.wake()
-        if self._state.paused:
-            self._pictures.again()  # no frame would bring the new outline
 
     def show_pose(
         self,
@@ -304,8 +302,10 @@ class Viewer(Page[ViewState]):
                 self._draw_scene(snapshot, state)
                 note = note if note.text else self._standing_note(snapshot)
             tiles, built = self._tiles.shown(), self._built.shown()
-            self.view.show(snapshot, state, tiles, built, note, self._saved, drawn_by)
+            old = self._tiles.outdated(None if snapshot is None else snapshot.remaining)
+            self.view.show(snapshot, state, tiles, old, built, note, self._saved, drawn_by)
             if snapshot is not None:
+                self._tell_of(snapshot, state)
                 for layer in self.layers:
                     layer.show(snapshot, theme)
                 self._film.show(snapshot.captured, self._uncertainty.state.view)
@@ -382,17 +382,25 @@ class Viewer(Page[ViewState]):
             self._built.expect(key, pictures)
             pictures[-1].add_done_callback(lambda _: self.wake())
 
-    def _draw_picture(self, newest: SeenPicture) -> None:
-        rgb, snapshot = small_picture(newest.image, PICTURE_WIDTH), self._snapshot
-        self._scene.set_picture(rgb)
-        if snapshot is not None:
-            step = self._state.seeing(snapshot).step
-            colour = Theme(True).step_colours[step - 1]
-            annotate(rgb, snapshot, newest.observation, step, colour)
-            known = snapshot.calibration
+    def _tell_of(self, snapshot: Snapshot, state: ViewState) -> None:
+        """Have the live picture's overlay of this moment, too: at once if it says something else,
+        or if no frame would bring it."""
+        is_another, newest = self._told.tell(snapshot, state.step), self._pictures.newest
+        if newest is not None and (is_another or state.paused):
+            self._show_picture(newest)
+
+    def _show_picture(self, newest: SeenPicture) -> None:
+        with self._told.lock:
+            rgb, snapshot = small_picture(newest.image, PICTURE_WIDTH), self._told.snapshot
+            self._scene.set_picture(rgb)
+            self._told.annotate(rgb, newest.observation)
+            known = None if snapshot is None else snapshot.calibration
             if known is not None and all(known.free):
                 self._straightener.straighten(rgb, known.camera, self._state.straight_share)
-        self.view.show_picture(rgb)
+            self.view.show_picture(rgb)
+
+    def _draw_picture(self, newest: SeenPicture) -> None:
+        self._show_picture(newest)
         self.server.flush()
         if newest.came_s is not None and newest is not self._sent:
             self._sent = newest
