@@ -215,6 +215,29 @@ def test_reload_and_second_tab_see_the_same(
     assert first.inner_text(".v-sentence") == second.inner_text(".v-sentence")
 
 
+def test_the_line_of_the_loop_pushes_no_button_out_of_the_window(
+    viewer: Viewer, open_page: Open, guiding: Snapshot
+) -> None:
+    """The last rows of buttons were beyond the right panel's end."""
+    viewer.show_picture(np.full((720, 1280, 3), (90, 30, 30), np.uint8))
+    viewer.show(guiding)
+    page = open_page()
+    page.wait_for_function("document.querySelectorAll('.v-tile .v-shot').length === 4")
+    panel = "[...document.querySelectorAll('.mantine-ScrollArea-viewport')].find(e => "
+    panel += "e.querySelector('.v-grid'))"
+    for key in ("", "9"):
+        if key:
+            press(page, key)
+            page.wait_for_selector(".v-loop")
+        for width, height in ((1920, 1080), (1366, 768), (1280, 720)):
+            page.set_viewport_size({"width": width, "height": height})
+            assert page.evaluate(f"!!{panel}")
+            wait_until(
+                lambda: page.evaluate(f"{panel}.scrollHeight <= {panel}.clientHeight + 1"),
+                f"all buttons are seen at {width} x {height} {key}",
+            )
+
+
 def with_alternatives(snapshot: Snapshot, errors: tuple[float, ...]) -> Snapshot:
     """The snapshot with as many other targets, each held in its own way."""
     target = snapshot.target

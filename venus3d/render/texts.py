@@ -9,8 +9,8 @@ TARGET_LABEL = "Target"
 # On the board's back, for whoever holds it.
 TOP, LEFT, RIGHT = "TOP", "LEFT", "RIGHT"
 DONE = "✓ done"
-ONE_CORNER_OUTSIDE = "1 corner leaves the image"
-CORNERS_OUTSIDE = "{count} corners leave the image"
+ONE_CORNER_OUTSIDE = "1 corner outside"
+CORNERS_OUTSIDE = "{count} corners outside"
 NO_OPENGL = Sentence(
     "OpenGL cannot be used here, so OpenCV paints the pictures; install libegl1, libgl1 and "
     "libgl1-mesa-dri ({cause})."

@@ -71,7 +71,7 @@ def test_a_tile_warns_of_corners_outside_in_letters_of_the_page(
 
     tiles = shown(one)
     for tile, count in zip(tiles, outside, strict=True):
-        assert (f"{count} corners leave the image" in tile) == (count > 1)
+        assert (f"{count} corners outside" in tile) == (count > 1)
         assert ("v-warning" in tile) == (count > 0)
     first = shown(RemainingStep(one.step, True, one.prompt))[0]
     assert "v-warning" not in first and first.startswith(" v-done"), "it is done"
