@@ -253,7 +253,7 @@ def trial_card_html(view: TrialViewModel, theme: Theme) -> str:
         return _card(theme.reached, "✓", say.DONE, say.DONE_SENTENCE)
     if view.stage == "ready":
         name = say.TRIAL_HELP_NAMES[view.help]
-        return _card(theme.quiet, "▶", say.NEXT_HELP.format(name=name), how)
+        return _card(theme.quiet, "▸", say.NEXT_HELP.format(name=name), how)
     if view.pose is None:
         return _card(theme.info, "?", say.NOT_SEEN, NOT_SEEN.holder)
     if view.stage == "hold":

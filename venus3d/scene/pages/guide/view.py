@@ -48,7 +48,7 @@ from venus3d.scene.web.tour import Tour, TourStep
 _LEFT_WIDTHS, _RIGHT_WIDTHS = (400, 480), (350, 480)
 """Least and greatest."""
 _SMALL_WINDOW = 850
-_LETTERS_AND_BUTTONS, _PICTURES = 545, 1.125
+_LETTERS_AND_BUTTONS, _PICTURES = 566, 1.125
 """Height of all that stands in the right panel: this many pixels, and the pictures' share of the
 panel's width."""
 JPEG_QUALITY = 75
