@@ -99,6 +99,12 @@ def known(page: Any) -> None:
     press(page, "Shift+V")
 
 
+def searched(page: Any) -> None:
+    """Open what is known, and the poses that the search has looked at."""
+    page.get_by_role("tab", name="What is known").click()
+    press(page, "Shift+G")
+
+
 _PORT = "8460"
 _GUIDE = ("guide", "sim", "--autopilot", "--no-tour", "--port", _PORT)
 # A slow hand, so that the dial still shows something to do.
@@ -152,9 +158,10 @@ SHOTS: tuple[Shot, ...] = (
     ),
     Shot(
         "search",
-        "The search for the next pose, move by move",
+        "The search for the next pose: all poses looked at",
         _GUIDE,
-        lambda page: guided(page, 1, "y", stops=False) or guided(page, 3),
+        lambda page: guided(page, 3) or searched(page),
+        ready="a dot is a pose looked at",
     ),
     Shot(
         "teach",
