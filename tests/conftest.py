@@ -113,5 +113,5 @@ def renderer(request: pytest.FixtureRequest) -> Offscreen:
 
 @pytest.fixture(scope="session")
 def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
-    """The same, with our own search."""
+    """A session after five views; tests only read it."""
     return guided_session(paper_camera, default_board, Settings())

@@ -11,11 +11,8 @@ import numpy as np
 import pytest
 
 from tests.ports import free_port
-from tests.scene.guided import guided_session
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.guidance.convergence import Convergence
-from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.straighten import Straightener
 from venus3d.scene.pages.guide.end_panel import result_html
@@ -29,10 +26,10 @@ from venus3d.scene.web.theme import Theme
 PARAMETERS = PAPER_CAMERA.parameter_names
 
 
-@pytest.fixture(scope="module")
-def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
+@pytest.fixture
+def guided(guided: Snapshot) -> Snapshot:
     """A session after five views, without doubts."""
-    return replace(guided_session(paper_camera, default_board, Settings()), diagnoses=())
+    return replace(guided, diagnoses=())
 
 
 def ended(guided: Snapshot, *unsettled: str) -> Snapshot:

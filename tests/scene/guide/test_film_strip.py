@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pytest
 
-from tests.ports import free_port
-from tests.scene.guided import guided_session
-from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.session import Session
-from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.film_strip import FilmStrip
-from venus3d.scene.web.server import LocalServer, start_server
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[LocalServer]:
-    served, _ = start_server("127.0.0.1", free_port())
-    yield served
-    served.stop()
+from venus3d.scene.web.server import LocalServer
 
 
 def strip_of(server: LocalServer) -> tuple[FilmStrip, Any, Any, list[tuple[int, object]]]:
@@ -74,10 +61,7 @@ def test_a_click_opens_the_view(server: LocalServer) -> None:
     assert opened == [(5, "tab")]
 
 
-def test_a_snapshot_names_the_views_that_are_captured(
-    paper_camera: Camera, default_board: Board
-) -> None:
-    after = guided_session(paper_camera, default_board, Settings())
-    assert after.captured == tuple(view.number for view in after.views)
-    session = Session(default_board, paper_camera.image_size)
+def test_a_snapshot_names_the_views_that_are_captured(guided: Snapshot) -> None:
+    assert guided.captured == tuple(view.number for view in guided.views)
+    session = Session(guided.board, guided.camera.image_size)
     assert session.snapshot().captured == ()

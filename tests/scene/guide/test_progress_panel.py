@@ -6,11 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.scene.guided import guided_session
-from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.convergence import Convergence, Progress
-from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
 from venus3d.scene.pages.guide.end_panel import unsettled_text
 from venus3d.scene.pages.guide.progress_panel import brought_text, progress_html
@@ -32,16 +29,11 @@ def test_what_the_last_view_brought() -> None:
     assert brought_text((after(1, np.nan),)) == "" == brought_text(())
 
 
-def test_parameters_are_told_to_be_unsettled_only_where_one_is(
-    paper_camera: Camera, default_board: Board
-) -> None:
+def test_parameters_are_told_to_be_unsettled_only_where_one_is(guided: Snapshot) -> None:
     """The same judgement as in the parameters' tab and the question before the end, also where
     somebody goes on although all have settled."""
-    after_five = guided_session(paper_camera, default_board, Settings())
-    reached = replace(
-        after_five, forecast=Forecast(1000.0, views=0, low=0, high=0, looked_ahead=10)
-    )
-    names = paper_camera.parameter_names
+    reached = replace(guided, forecast=Forecast(1000.0, views=0, low=0, high=0, looked_ahead=10))
+    names = guided.camera.parameter_names
     told = {
         (): "below 1000 px already.",
         ("k3",): "; one parameter is still to settle.",
@@ -56,13 +48,10 @@ def test_parameters_are_told_to_be_unsettled_only_where_one_is(
         assert bool(unsettled) == bool(unsettled_text(shown))
 
 
-def test_the_views_are_counted_from_their_capture(
-    paper_camera: Camera, default_board: Board
-) -> None:
-    after_five = guided_session(paper_camera, default_board, Settings())
-    assert after_five.captured is not None
-    thinking = replace(after_five, phase="captured", captured=(*after_five.captured, 6))
-    assert f"<b>{len(after_five.captured) + 1}</b>" in progress_html(thinking)
+def test_the_views_are_counted_from_their_capture(guided: Snapshot) -> None:
+    assert guided.captured is not None
+    thinking = replace(guided, phase="captured", captured=(*guided.captured, 6))
+    assert f"<b>{len(guided.captured) + 1}</b>" in progress_html(thinking)
 
 
 def test_a_gap_in_the_history_is_not_credited_to_the_last_view() -> None:

@@ -8,21 +8,11 @@ from dataclasses import replace
 
 import pytest
 
-from tests.scene.guided import guided_session
 from tests.waiting import wait_until
 from venus3d.engine.errors import StorageError
-from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.prompts import Phase
-from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.result_saver import ResultSaver
-
-
-@pytest.fixture(scope="module")
-def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
-    """A session after five views."""
-    return guided_session(paper_camera, default_board, Settings())
 
 
 def anew(snapshot: Snapshot, phase: Phase = "guiding") -> Snapshot:

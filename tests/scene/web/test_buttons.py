@@ -2,22 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
-
-from tests.ports import free_port
 from venus3d.scene.web.buttons import ButtonRow, ChoiceList
-from venus3d.scene.web.server import LocalServer, start_server
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[LocalServer]:
-    served, _ = start_server("127.0.0.1", free_port())
-    yield served
-    served.stop()
+from venus3d.scene.web.server import LocalServer
 
 
 def widgets(server: LocalServer) -> list[Any]:

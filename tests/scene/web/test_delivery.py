@@ -4,23 +4,13 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
 
 import pytest
 
-from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from venus3d.scene.web.delivery import deliver
-from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.server import LocalServer
 from venus3d.scene.web.viser_private import loop_of, sockets_of
-
-
-@pytest.fixture
-def server() -> Iterator[LocalServer]:
-    """A server of its own."""
-    server, _ = start_server("127.0.0.1", free_port())
-    yield server
-    server.stop()
 
 
 def test_a_drawing_that_begins_at_once_does_not_hold_back_the_last(server: LocalServer) -> None:

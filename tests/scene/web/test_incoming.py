@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -35,13 +35,6 @@ from venus3d.scene.web.incoming import is_heard
 from venus3d.scene.web.server import LocalServer, start_server
 from venus3d.scene.web.viser_private import widget_of
 from venus3d.storage.exercise import ExerciseFile
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[LocalServer]:
-    server, _ = start_server("127.0.0.1", free_port())
-    yield server
-    server.stop()
 
 
 def nobody(_: str) -> None:

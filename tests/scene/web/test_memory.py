@@ -17,7 +17,6 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import Frame, Opcode
 
-from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
@@ -30,18 +29,10 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.target import Target
 from venus3d.render.describe import SceneOptions, describe
 from venus3d.scene.web.scene_view import SceneView
-from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.server import LocalServer
 
 _ROUND = 60
 _TARGETS = 10
-
-
-@pytest.fixture
-def server() -> Iterator[LocalServer]:
-    """A server of its own."""
-    server, _ = start_server("127.0.0.1", free_port())
-    yield server
-    server.stop()
 
 
 def moments(

@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
-from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
 from venus3d.scene.web.panels import fit_width
-from venus3d.scene.web.server import LocalServer, start_server
-
-
-@pytest.fixture
-def server() -> Iterator[LocalServer]:
-    served, _ = start_server("127.0.0.1", free_port())
-    yield served
-    served.stop()
+from venus3d.scene.web.server import LocalServer
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 import trimesh
 import viser.transforms as tf
 
-from tests.ports import free_port
 from tests.scene.raw_client import RawClient
 from tests.waiting import wait_until
 from venus3d.engine.geometry.camera import Camera
@@ -21,20 +19,13 @@ from venus3d.render.shapes import LabelShape, MeshShape
 from venus3d.render.viewpoints import FLIGHT_SECONDS, SceneCamera
 from venus3d.scene.web.camera_rig import CameraRig
 from venus3d.scene.web.scene_view import SceneView
-from venus3d.scene.web.server import LocalServer, start_server
+from venus3d.scene.web.server import LocalServer
 
 PLACE = Pose.from_vector([20, 30, 40, 0.1, 0.05, 0.6])
 ARROW = MeshShape("/steps/1/arrow", trimesh.creation.cone(0.02, 0.1), PLACE, on_top=True)
 PLATE = MeshShape("/steps/1/after", trimesh.creation.box([0.2, 0.1, 0.01]), PLACE, opacity=0.4)
 LABEL = LabelShape("/steps/1/label", "57 mm", np.array([0.1, 0.0, 0.6]), (200, 100, 150))
 EYE = (-0.6, -0.5, -0.4)
-
-
-@pytest.fixture
-def server() -> Iterator[LocalServer]:
-    server, _ = start_server("127.0.0.1", free_port())
-    yield server
-    server.stop()
 
 
 def settled(view: SceneView) -> bool:
