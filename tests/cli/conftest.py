@@ -111,7 +111,16 @@ def blank_picture(tmp_path: Path) -> Path:
 @pytest.fixture(scope="session")
 def kept_session(tmp_path_factory: pytest.TempPathFactory, tilted_pictures: Path) -> Path:
     """The folder of a session with views of the tilted pictures."""
-    folder = tmp_path_factory.mktemp("sessions") / "kept"
-    asked = ["guide", str(tilted_pictures), "--headless", "--method", "random", "--max-views", "6"]
+    return _session(tmp_path_factory.mktemp("sessions") / "kept", tilted_pictures, views=6)
+
+
+@pytest.fixture(scope="session")
+def short_session(tmp_path_factory: pytest.TempPathFactory, tilted_pictures: Path) -> Path:
+    """The same with two views: a film takes seconds for each."""
+    return _session(tmp_path_factory.mktemp("sessions") / "short", tilted_pictures, views=2)
+
+
+def _session(folder: Path, pictures: Path, views: int) -> Path:
+    asked = ["guide", str(pictures), "--headless", "--method", "random", "--max-views", str(views)]
     assert main([*asked, "--output", str(folder)]) == 0
     return folder

@@ -187,8 +187,8 @@ def test_a_report_a_board_and_pictures_replace_only_their_own(
         ("board --output PLACE --paper fit", "board.PNG"),
         ("board --output PLACE --show", "board.html"),
         ("decompose 10 0 0 0 0 400 --output FOLDER", "step-3.png"),
-        ("replay SESSION --export PLACE", "film.mp4"),
-        ("replay SESSION --export PLACE", "class.html"),
+        ("replay SHORT --export PLACE", "film.mp4"),
+        ("replay SHORT --export PLACE", "class.html"),
         ("teach LESSON --export PLACE", "lesson.gif"),
         ("teach LESSON --export PLACE", "lesson.html"),
         ("verify SESSION PICTURES --output FOLDER", "verification.json"),
@@ -198,6 +198,7 @@ def test_a_report_a_board_and_pictures_replace_only_their_own(
 def test_what_a_command_makes_replaces_only_its_like(
     run: Run,
     kept_session: Path,
+    short_session: Path,
     tilted_pictures: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -211,7 +212,7 @@ def test_what_a_command_makes_replaces_only_its_like(
     folder.mkdir()
     place = folder / name
     named = {"PLACE": place, "FOLDER": folder, "SESSION": kept_session, "PICTURES": tilted_pictures}
-    named["LESSON"] = tmp_path / "lesson.toml"
+    named["SHORT"], named["LESSON"] = short_session, tmp_path / "lesson.toml"
     named["LESSON"].write_text(
         'title = "One"\nsummary = "One."\n[[page]]\ntitle = "One"\ntext = "One."\n'
         "pose = [0, 0, 9, 0, 0, 500]\n"
@@ -240,10 +241,10 @@ def test_what_a_command_makes_replaces_only_its_like(
             assert content.startswith((b"%PDF", b"<!doctype html>"))
 
 
-def test_another_sessions_film_is_kept(run: Run, kept_session: Path, tmp_path: Path) -> None:
+def test_another_sessions_film_is_kept(run: Run, short_session: Path, tmp_path: Path) -> None:
     film = tmp_path / "film.mp4"
-    assert run("replay", kept_session, "--export", film).code == 0
-    other = shutil.copytree(kept_session, tmp_path / "other")
+    assert run("replay", short_session, "--export", film).code == 0
+    other = shutil.copytree(short_session, tmp_path / "other")
     header = json.loads((other / "session.json").read_text())
     header["begun"] = "2020-01-01T00:00:00"
     (other / "session.json").write_text(json.dumps(header))
