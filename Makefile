@@ -27,13 +27,13 @@ help:
 run: $(VENV)/.ready-run
 	$(BIN)/venus3d guide sim --autopilot
 
-# One browser alone takes both cores: two at a time take as long, and starve each other. Of everything
-# else some waits and some computes: three workers keep two cores busy.
+# A browser takes most of a core, so two at a time; more starve each other. Of everything else some
+# waits and some computes: three workers keep two cores busy.
 test: lint
 	@failed=0; \
 	echo "pytest -n 3 -m 'not browser'"; \
 	$(BIN)/pytest -n 3 -m "not browser" || failed=1; \
-	echo "pytest -m browser"; $(BIN)/pytest -m browser || failed=1; \
+	echo "pytest -n 2 -m browser"; $(BIN)/pytest -n 2 -m browser || failed=1; \
 	exit $$failed
 
 lint: $(VENV)/.ready-test

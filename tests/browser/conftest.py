@@ -79,9 +79,43 @@ def start() -> Iterator[Callable[..., Program]]:
         program.kill()
 
 
+_SLOW = """
+window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 60);
+window.cancelAnimationFrame = clearTimeout;
+"""
+
+
+class SlowScreen:
+    """A browser whose pages have half the pixels each way and are drawn 16 times a second, which
+    halves its work. For all who do not look at the picture; places and sizes are in CSS pixels."""
+
+    def __init__(self, browser: Any) -> None:
+        """Pages and contexts are the browser's own."""
+        self.browser = browser
+
+    def new_page(self, **options: Any) -> Any:
+        """As Playwright's."""
+        return self._slow(self.browser.new_page(**{"device_scale_factor": 0.5, **options}))
+
+    def new_context(self, **options: Any) -> Any:
+        """As Playwright's."""
+        return self._slow(self.browser.new_context(**{"device_scale_factor": 0.5, **options}))
+
+    @staticmethod
+    def _slow(opened: Any) -> Any:
+        opened.add_init_script(_SLOW)
+        return opened
+
+
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    """A browser without a window."""
+def chromium(sharp_chromium: Any) -> SlowScreen:
+    """A browser for what is written and pressed on a page."""
+    return SlowScreen(sharp_chromium)
+
+
+@pytest.fixture(scope="session")
+def sharp_chromium() -> Iterator[Any]:
+    """A browser without a window, for whoever looks at its picture."""
     names = ("chromium", "chromium-browser", "google-chrome")
     path = next((found for name in names if (found := shutil.which(name))), None)
     if path is None:

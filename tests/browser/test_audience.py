@@ -106,7 +106,7 @@ def settled(page: Any, read: Callable[[Array], Any], enough: int) -> tuple[Any, 
 
 
 def test_what_is_drawn_in_3d_lies_on_what_the_camera_saw(
-    chromium: Any,
+    sharp_chromium: Any,
     audience: Audience,
     frame: Array,
     guiding: Snapshot,
@@ -118,7 +118,7 @@ def test_what_is_drawn_in_3d_lies_on_what_the_camera_saw(
     audience.change(lambda look: replace(look, lens=True, mirror=False))
     known = replace(guiding, camera=paper_camera, target=None, phase="guiding")
     audience.show(matched(known, None))
-    page = opened(chromium, audience.url, *_WIDE)
+    page = opened(sharp_chromium, audience.url, *_WIDE)
     corners: list[tuple[dict[int, Array], int]] = []
     for size in (_WIDE, _TALL):
         page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
@@ -140,11 +140,11 @@ def test_what_is_drawn_in_3d_lies_on_what_the_camera_saw(
 
 
 def test_it_is_read_at_two_metres_and_there_is_nothing_to_press_but_sounds(
-    chromium: Any, audience: Audience, frame: Array, guiding: Snapshot
+    sharp_chromium: Any, audience: Audience, frame: Array, guiding: Snapshot
 ) -> None:
     """Letters of a twentieth of the screen, half of it the picture; step, hold still, captured."""
     audience.show_picture(frame)  # who comes later sees it, too
-    page = opened(chromium, audience.url, 1280, 720)
+    page = opened(sharp_chromium, audience.url, 1280, 720)
     wait_for_sentence(page, texts.STARTING[2])
     audience.show(guiding)
     assert guiding.match is not None

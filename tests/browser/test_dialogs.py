@@ -17,11 +17,8 @@ from tests.browser.conftest import Program
 from tests.browser.keyboard import press_until
 from tests.browser.test_uncertainty import on_screen
 from tests.ports import free_port
-from tests.scene.guided import guided_session
 from tests.waiting import wait_until
-from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as guide_texts
 from venus3d.scene.pages.guide.uncertainty import texts as known_texts
 from venus3d.scene.pages.guide.viewer import Viewer
@@ -81,10 +78,9 @@ def test_the_tour_is_walked_there_and_back_with_the_mouse(chromium: Any) -> None
 
 
 def test_the_guides_help_and_the_card_of_a_view(
-    viewer: Viewer, open_page: Callable[[], Any], paper_camera: Camera, default_board: Board
+    viewer: Viewer, open_page: Callable[[], Any], guided: Snapshot
 ) -> None:
-    known = guided_session(paper_camera, default_board, Settings())
-    viewer.show(replace(known, target=None, match=None, remaining=None, pose=None))
+    viewer.show(replace(guided, target=None, match=None, remaining=None, pose=None))
     page = open_page()
     page.keyboard.press("Shift+V")
     wait_until(lambda: "/views/2/sheet" in viewer.scene_names, "the views stand in the scene")
@@ -93,7 +89,7 @@ def test_the_guides_help_and_the_card_of_a_view(
     page.wait_for_selector(f"{DIALOG} .v-keys")
     press(page, texts.HELP_CLOSE)
     closed(page)
-    at = known.views[1].pose.t
+    at = guided.views[1].pose.t
     for name in (known_texts.CLOSE_VIEW, known_texts.LEAVE_OUT):
         page.mouse.click(*on_screen(viewer, page, at))
         page.wait_for_selector(f"{DIALOG} .v-view")

@@ -24,10 +24,10 @@ PINK = (255, 0, 255)
 
 
 @pytest.fixture
-def page(chromium: Any, viewer: Viewer, guiding: Snapshot) -> Iterator[Any]:
+def page(sharp_chromium: Any, viewer: Viewer, guiding: Snapshot) -> Iterator[Any]:
     """A large window with a moment of the guidance."""
     viewer.show(guiding)
-    page = chromium.new_page(viewport={"width": 1366, "height": 768})
+    page = sharp_chromium.new_page(viewport={"width": 1366, "height": 768})
     page.set_default_timeout(60_000)
     page.goto(viewer.url)
     page.wait_for_selector(".v-guide")

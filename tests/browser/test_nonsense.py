@@ -17,7 +17,7 @@ def test_every_control_works_whatever_stands_on_it() -> None:
     here = Path(__file__).parent
     pytest_again = (sys.executable, "-m", "pytest", "-q", "-p", "tests.browser.nonsense")
     done = subprocess.run(
-        [*pytest_again, "-p", "no:cacheprovider", "-n2", "--dist=load", str(here / PAGES)],
+        [*pytest_again, "-p", "no:cacheprovider", str(here / PAGES)],
         cwd=here.parents[1],
         capture_output=True,
         text=True,

@@ -12,11 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.scene.guided import guided_session
 from tests.waiting import wait_until
-from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide import texts as guide_texts
@@ -26,12 +22,6 @@ from venus3d.scene.pages.guide.viewer import Viewer
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 Open = Callable[[], Any]
-
-
-@pytest.fixture(scope="module")
-def guided(paper_camera: Camera, default_board: Board) -> Snapshot:
-    """After five views."""
-    return guided_session(paper_camera, default_board, Settings())
 
 
 def decoded(source: str) -> np.ndarray:
