@@ -14,7 +14,7 @@ from venus3d.engine.amounts import figure
 from venus3d.engine.calibration.board_diagnoses import MEASURE_TAGS
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.diagnosis import Diagnosis
-from venus3d.engine.calibration.focal_changes import focal_change
+from venus3d.engine.calibration.focal_changes import FocalChange, focal_change
 from venus3d.engine.calibration.picture_checks import MOST_NAMED, name_of
 from venus3d.engine.calibration.residual_patterns import (
     ALIKE,
@@ -110,6 +110,20 @@ _OTHER_FOCAL = (
         "others; the estimate lies in between."
     ),
 )
+_UNFIT = (
+    Sentence(
+        "The picture of view {views} does not fit the others: the board or the camera moved, the "
+        "board was bent, or the lens focused anew."
+    ),
+    Sentence(
+        "The pictures of views {views} do not fit the others: the board or the camera moved, the "
+        "board was bent, or the lens focused anew."
+    ),
+)
+_UNFIT_AGAIN = (
+    Sentence("Leave it out, or take it again while nothing moves, with autofocus off."),
+    Sentence("Leave them out, or take them again while nothing moves, with autofocus off."),
+)
 _LONGER, _SHORTER = Sentence("longer than"), Sentence("shorter than")
 _ONE_FOCAL = Sentence(
     "Switch autofocus and zoom off; take pictures of one camera that nothing has resized, and "
@@ -179,16 +193,13 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
         yield Diagnosis("wrong-lens", _BENDS.format(lens=lens, alike=alike), _ANY_LENS)
         return
     change = focal_change(calibration)
-    if change is not None:
-        names = [name_of(view) for view in calibration.views if view.number in change.numbers]
-        cause = _OTHER_FOCAL[len(names) > 1].format(
-            views=listed(names, MOST_NAMED),
-            share=figure(100 * abs(change.factor - 1)),
-            than=_LONGER if change.factor > 1 else _SHORTER,
-        )
-        yield Diagnosis("changed-focal-length", cause, _ONE_FOCAL, change.numbers)
+    if change is not None and change.is_sure:
+        yield _other_focal(calibration, change)
         return
+    unfit = change is not None and len(change.numbers) <= SOME * len(calibration.views)
     if not is_alike:
+        if change is not None and unfit:
+            yield _unfit(calibration, change.numbers)
         return
     if board_share(calibration) >= ON_THE_BOARD:
         yield Diagnosis(
@@ -203,6 +214,8 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
     motion = rolling_motion(calibration)
     if motion.share >= WHILE_READ:
         yield _rolling(calibration, motion.numbers, alike)
+    elif change is not None and unfit:
+        yield _unfit(calibration, change.numbers)
     else:
         yield Diagnosis(
             "poor-fit",
@@ -212,6 +225,27 @@ def pattern(calibration: Calibration) -> Iterator[Diagnosis]:
                 "nor stabilised; a very wide lens needs another model."
             ),
         )
+
+
+def _other_focal(calibration: Calibration, change: FocalChange) -> Diagnosis:
+    names = [name_of(view) for view in calibration.views if view.number in change.numbers]
+    cause = _OTHER_FOCAL[len(names) > 1].format(
+        views=listed(names, MOST_NAMED),
+        share=figure(100 * abs(change.factor - 1)),
+        than=_LONGER if change.factor > 1 else _SHORTER,
+    )
+    return Diagnosis("changed-focal-length", cause, _ONE_FOCAL, change.numbers)
+
+
+def _unfit(calibration: Calibration, numbers: tuple[int, ...]) -> Diagnosis:
+    """That views were in motion, or what looks like it."""
+    names = [name_of(view) for view in calibration.views if view.number in numbers]
+    return Diagnosis(
+        "rolling-shutter",
+        _UNFIT[len(names) > 1].format(views=listed(names)),
+        _UNFIT_AGAIN[len(names) > 1],
+        numbers,
+    )
 
 
 def _rolling(calibration: Calibration, numbers: tuple[int, ...], alike: str) -> Diagnosis:

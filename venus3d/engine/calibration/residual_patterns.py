@@ -148,6 +148,18 @@ def rolling_motion(calibration: Calibration) -> RollingMotion:
     return RollingMotion(float(np.clip(share, 0.0, 1.0)), numbers)
 
 
+def motion_gains(calibration: Calibration) -> Array:
+    """(N,) by how much the sum of squares falls if one view was in even motion while rows were
+    read, the intrinsics being fitted anew with it."""
+    grams = [_grams(calibration, view, calibration.camera) for view in calibration.views]
+    still, moving = (np.array(each) for each in zip(*grams, strict=True))
+    total = still.sum(axis=0)
+    return np.asarray(
+        least_squares_of(total[None])[0] - least_squares_of(total + moving - still),
+        dtype=np.float64,
+    )
+
+
 def _grams(calibration: Calibration, view: View, camera: Camera) -> tuple[Array, Array]:
     """(p + 1, p + 1) normal matrices of a view's derivatives by this camera and, last, of its
     residuals: with its pose projected out, and with an even motion while rows are read as well."""
