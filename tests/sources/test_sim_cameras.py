@@ -15,7 +15,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.discs import disc_shifts
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.capture_gate import refusal
+from venus3d.engine.guidance.capture_refusal import refusal
 from venus3d.render.offscreen import Offscreen
 from venus3d.sources.interactive import open_interactive
 from venus3d.sources.sim import Simulation

@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import Future
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -106,19 +107,21 @@ def logged(caplog: pytest.LogCaptureFixture) -> list[str]:
     return [r.getMessage() for r in caplog.records if r.name.startswith("venus3d")]
 
 
-@pytest.mark.parametrize("where", ["describe", "annotate"])
+@pytest.mark.parametrize(
+    ("module", "where"),
+    [("scene.pages.guide.viewer", "describe"), ("scene.web.told_moment", "annotate")],
+)
 def test_a_guide_page_that_breaks_is_drawn_anew(
     viewer: Viewer,
     guided: Snapshot,
     fault: Fault,
+    module: str,
     where: str,
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     """In the thread of the scene or in that of the picture; three times in all, told once."""
-    import venus3d.scene.pages.guide.viewer as module
-
-    fault.before(module, where, monkeypatch)
+    fault.before(import_module(f"venus3d.{module}"), where, monkeypatch)
     viewer.keep_view(guided.views[0].number, FRAME)
     viewer.show(guided)
     viewer.show_picture(FRAME)

@@ -12,7 +12,7 @@ from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.capture_gate import refusal
+from venus3d.engine.guidance.capture_refusal import refusal
 from venus3d.engine.guidance.matching import Match, match, motion_px
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.planning.target import Target

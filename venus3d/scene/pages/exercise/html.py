@@ -13,8 +13,8 @@ from venus3d.engine.amounts import degrees, size_deg, size_mm
 from venus3d.engine.guidance.prompts import HOLD_STILL, NOT_SEEN
 from venus3d.engine.guidance.remaining import instruction
 from venus3d.languages import number, translated
-from venus3d.render.overlay import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
 from venus3d.render.palette import STEP_STYLES, hex_of
+from venus3d.render.trial_helps import BOARD_FILL, OVERLAP_FILL, TARGET_FILL
 from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.plots import HELP_COLOURS, detour_of
 from venus3d.scene.pages.exercise.trial_plan import HelpTimes

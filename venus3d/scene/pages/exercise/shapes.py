@@ -21,12 +21,12 @@ from venus3d.render.annotated_picture import CASING, draw_line, mark_top, outlin
 from venus3d.render.arrows import arc_point
 from venus3d.render.board_mesh import board_ghost, board_outline, held_board, outline_segments
 from venus3d.render.frustum import camera_shapes
-from venus3d.render.overlay import draw_axes, draw_outline
 from venus3d.render.palette import ground, mixed, step_colour
 from venus3d.render.shapes import Colour, LabelShape, LineShape, Shape
 from venus3d.render.step_shapes import arc_ends, instruction_shapes, protractor
 from venus3d.render.surroundings import surroundings
 from venus3d.render.text_drawing import paint_labels
+from venus3d.render.trial_helps import draw_axes, draw_outline
 from venus3d.scene.pages.exercise import texts as say
 from venus3d.scene.pages.exercise.view_model import PracticeViewModel
 

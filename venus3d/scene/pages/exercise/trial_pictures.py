@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from venus3d.render.annotated_picture import PICTURE_WIDTH, LivePicture, annotate, small_picture
-from venus3d.render.overlay import draw_axes, draw_outline
 from venus3d.render.projections import Projections
+from venus3d.render.trial_helps import draw_axes, draw_outline
 from venus3d.scene.pages.exercise.page import Picture
 from venus3d.scene.pages.exercise.view_model import TrialViewModel
 from venus3d.scene.web.projections_panel import RemainingTiles, Sources

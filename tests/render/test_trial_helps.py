@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Array, Pose
-from venus3d.render.overlay import (
+from venus3d.render.trial_helps import (
     AXIS_COLOURS,
     OVERLAP_FILL,
     TARGET_FILL,

@@ -19,7 +19,7 @@ from venus3d.engine.calibration.picture_quality import least_sharpness, picture_
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
-from venus3d.engine.guidance.capture_gate import refusal
+from venus3d.engine.guidance.capture_refusal import refusal
 from venus3d.engine.guidance.work import Settings
 
 Picture = NDArray[np.uint8]
