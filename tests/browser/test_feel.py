@@ -168,7 +168,7 @@ def test_every_text_is_readable(
         judge("the help")
         page.keyboard.press("h")
         viewer.show(replace(guiding, phase="converged", target=None, match=None))
-        page.wait_for_selector(".v-title:has-text('calibrated')")
+        page.wait_for_selector(".v-title:has-text('Done')")
         judge("the end")
     finally:
         context.close()

@@ -30,13 +30,20 @@
   });
 
   /* Who has scrolled back from the newest picture looks at another, and keeps it when one comes or
-     the strip gets another width. That one has come since is no scrolling: only leftwards counts. */
-  let newest = true, before = 0;
+     the strip gets another width. The strip scrolls by itself too, as a picture slides in: only
+     leftwards counts, and only soon after a person's wheel, pointer or key. */
+  const SOON_MS = 1500;
+  let newest = true, before = 0, touched = -Infinity;
+  for (const kind of ["wheel", "pointerdown", "keydown"]) {
+    addEventListener(kind, ({ target, timeStamp }) => {
+      if (document.querySelector(PICTURE)?.parentElement.contains(target)) touched = timeStamp;
+    }, { capture: true, passive: true });
+  }
   addEventListener("scroll", ({ target }) => {
     if (!target.matches?.(":has(> button)") || !target.querySelector(PICTURE)) return;
     const { scrollLeft, clientWidth, scrollWidth } = target;
     if (scrollLeft + clientWidth >= scrollWidth - 2) newest = true;
-    else if (scrollLeft < before) newest = false;
+    else if (scrollLeft < before && performance.now() - touched < SOON_MS) newest = false;
     before = scrollLeft;
   }, true);
   const showNewest = () => {
