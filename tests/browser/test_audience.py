@@ -20,6 +20,8 @@ from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.engine.guidance.matching import match
 from venus3d.engine.guidance.prompts import step_prompt
 from venus3d.engine.guidance.snapshot import Snapshot
+from venus3d.languages import Language
+from venus3d.render.annotated_picture import annotate
 from venus3d.render.texts import STEP_SHORT_TITLES
 from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.audience import Audience
@@ -327,3 +329,45 @@ def test_it_goes_on_by_itself_after_the_program_was_started_again(
     page.wait_for_selector(".v-lost", state="hidden")
     page.wait_for_selector(".v-say:not([data-before])")
     page.close()
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_what_is_praised_is_whole_and_nothing_else_is_drawn(
+    sharp_chromium: Any,
+    guiding: Snapshot,
+    frame: Array,
+    language: Language,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The next target was outlined beside "You may relax your arms"; and "Aufgenommen" was cut."""
+    drawn: list[Snapshot] = []
+
+    def noted(rgb: Array, snapshot: Snapshot, *others: Any) -> Array:
+        drawn.append(snapshot)
+        return annotate(rgb, snapshot, *others)
+
+    monkeypatch.setattr("venus3d.scene.web.told_moment.annotate", noted)
+    audience = Audience("127.0.0.1", free_port(), language=language)
+    try:
+        audience.show(guiding)
+        page = opened(sharp_chromium, audience.url, 1280, 720)
+        audience.show_picture(frame)
+        wait_until(lambda: drawn and drawn[-1].remaining is not None, "the step's outline")
+        audience.show(replace(guiding, captured=(1, 2)))  # with the next target already
+        page.wait_for_selector(".v-is-good")
+        wait_until(lambda: drawn[-1].remaining is None, "the outlines go")
+        audience.show_picture(frame)
+        for _ in range(2):
+            title = page.locator(".v-top")
+            assert title.evaluate("e => e.scrollWidth <= e.clientWidth"), title.inner_text()
+            page.wait_for_timeout(300)
+        assert drawn[-1].remaining is None
+        page.wait_for_selector(".v-is-step")
+        wait_until(lambda: drawn[-1].remaining is not None, "the next one's outline")
+        refused = replace(guiding, refusal="Out of focus: edges are wide. Focus the lens.")
+        audience.show(refused)
+        page.wait_for_selector(".v-is-warning, .v-is-unseen")
+        assert page.locator(".v-top").evaluate("e => e.scrollWidth <= e.clientWidth")
+        page.close()
+    finally:
+        audience.close()

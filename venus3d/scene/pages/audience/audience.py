@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.guidance.snapshot import Snapshot
@@ -144,6 +145,10 @@ class Audience(Page[AudienceState]):
                 now = view_model_of(snapshot, self._paused, self._silent_since)
                 self._shown = self._praise[0] if self._praise else now
                 self._view.show(self._shown, snapshot, dark=not choices.light)
+                if (
+                    self._praise and snapshot is not None
+                ):  # of what was reached, not of what is next
+                    snapshot = replace(snapshot, remaining=self._shown.remaining)
                 self._tell_of(snapshot)
                 self._scene.draw(self._overlay.shapes(snapshot, choices), dark=True)
             if self._alarm.due(bool(self._silent_since), time.monotonic()):
@@ -157,7 +162,8 @@ class Audience(Page[AudienceState]):
         """Have the picture's overlay of this moment, too: at once if it says something else."""
         if snapshot is None:
             return
-        step = 1 if snapshot.remaining is None else snapshot.remaining.active
+        active = 1 if snapshot.remaining is None else snapshot.remaining.active
+        step = self._shown.step or active
         newest = self._pictures.newest
         if self._told.tell(snapshot, step) and newest is not None:
             self._draw_picture(newest)

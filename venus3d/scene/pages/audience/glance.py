@@ -39,10 +39,12 @@ def glance_html(moment: AudienceViewModel, snapshot: Snapshot | None, *, dark: b
     said = moment.sentence.replace(" mm", "\u00a0mm")  # no line break between number and unit
     aloud = escape(spoken(moment.sentence), quote=True)
     lost = escape(texts.LOST).format(since="<b></b>")
+    longest = max(map(len, moment.title.split()), default=1)
     views = 0 if snapshot is None else snapshot.captured_count
     return (
         f"<div class='v-audience v-is-{moment.kind}' data-left='{left}' style='--step:{colour}'>"
-        f"<div class='v-side'><div class='v-top'><b>{escape(moment.badge)}</b>"
+        f"<div class='v-side'><div class='v-top' style='--longest:{longest}'>"
+        f"<b>{escape(moment.badge)}</b>"
         f"<span>{escape(moment.title)}</span></div>"
         f"<div class='v-dial'>{dial}</div>{_chips(moment, theme)}"
         f"<div class='v-views'>{texts.VIEWS[min(views, 2)].format(count=views)}</div></div>"
