@@ -1,7 +1,7 @@
 """A simulated camera and board with known parameters and pose.
 
-The board is rendered through the true lens (`render.offscreen`), then gets a background, dim light,
-blur and noise. It is moved by the `autopilot`, step by step, or dragged by the user.
+The board is rendered through the true lens (`render.offscreen`), then the `sim_sensor` makes a
+picture of it. It is moved by the `autopilot`, step by step, or dragged by the user.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import time
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,36 +25,16 @@ from venus3d.render.offscreen import Offscreen
 from venus3d.sources.autopilot import Autopilot
 from venus3d.sources.background import interior
 from venus3d.sources.frame import Frame
+from venus3d.sources.sim_sensor import KEY, Blur, Sensor
 from venus3d.sources.view_errors import ViewError, ViewErrors
 
 NEAREST, FARTHEST = 0.06, 3.0
 """Least distance of a corner from the lens's plane, largest of the board's centre; metres."""
-# A colour that no board has; where it shows there is background (see `_cut_out`).
-_KEY = (255, 0, 255)
-_NOISE_STRIDE = 64
 _FOCUS_S = 1.0
 # Seconds after which a waiting image is outdated and not shown.
 _STALE_S = 0.5
 _ROOM = 1.3  # home, in distances at which the board fills the image
 _MISJUDGED = 1.5  # of a distance: less is corrected on arrival
-
-Box = tuple[int, int, int, int]
-"""Left, top, right, bottom; the last two are exclusive."""
-
-
-@dataclass(frozen=True, eq=False)
-class Blur:
-    """How sharp an image is, and what that makes of the room."""
-
-    sigma: float
-    """Pixels."""
-    room: NDArray[np.uint8]
-    """The background alone, blurred."""
-
-    @property
-    def reach(self) -> int:
-        """As far as a pixel is smeared, pixels."""
-        return 1 + math.ceil(4 * self.sigma)
 
 
 @dataclass(frozen=True)
@@ -119,16 +98,20 @@ class Simulation:
         self.board = Board() if board is None else board
         self.autopilot_on = autopilot
         self._realtime, self._fps = realtime, fps
-        self._noise_sigma, self._blur_sigma, self._light = noise_sigma, blur_sigma, light
-        background_rng, self._rng, hand_rng, self._errors_rng = np.random.default_rng(seed).spawn(4)
+        background_rng, noise_rng, hand_rng, self._errors_rng = np.random.default_rng(seed).spawn(4)
         home = home_pose(max(HOME_DISTANCE, _ROOM * _filled_at(camera, self.board)))
         self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot, home)
         if background is None:
             background = interior(camera.image_size, background_rng)
-        self._background = background
-        self._exposed_part = None if field_deg is None else _image_circle(camera, field_deg)
-        self._blur = Blur(blur_sigma, _blurred(self._background, blur_sigma))
-        self._noise = _noise_sheet(camera, noise_sigma, self._rng)
+        self._sensor = Sensor(
+            camera,
+            background,
+            noise_rng,
+            light=light,
+            noise_sigma=noise_sigma,
+            field_deg=field_deg,
+        )
+        self._blur_sigma, self._blur = blur_sigma, self._sensor.blur(blur_sigma)
         self._lock = threading.Lock()
         self._view_errors, self._view_error = view_errors, ViewError(self.board)
         self._hand = near_pose(camera, self.board) if start is None else start
@@ -203,8 +186,7 @@ class Simulation:
         """Draw the blur anew, if it is drawn at all."""
         if self._view_errors and self._view_errors.blur_px > 0:
             more = self._view_errors.drawn_blur(self._errors_rng)
-            sigma = math.hypot(self._blur_sigma, more)
-            self._blur = Blur(sigma, _blurred(self._background, sigma))
+            self._blur = self._sensor.blur(math.hypot(self._blur_sigma, more))
         self._focused_s = self._time_s
 
     def _as_shown(
@@ -243,7 +225,8 @@ class Simulation:
             exposed, self._exposed = self._exposed or self._expose(), self._expose()
         else:
             exposed = self._expose()
-        return Frame(self._develop(exposed), exposed.time_s, exposed.name)
+        image = self._sensor.develop(exposed.picture.result(), exposed.pose, exposed.blur)
+        return Frame(image, exposed.time_s, exposed.name)
 
     def close(self) -> None:
         """Release the renderer. May be called twice."""
@@ -276,46 +259,8 @@ class Simulation:
             pose, error, blur = self._hand, self._view_error, self._blur
         self._number += 1
         shapes = (board_shape(error.board, pose, offset=error.offset),)
-        picture = self._offscreen.submit(self.truth, shapes, background=_KEY)
+        picture = self._offscreen.submit(self.truth, shapes, background=KEY)
         return Exposed(picture, blur, pose, self._time_s, f"frame {self._number}")
-
-    def _vignetted(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """The image, dark outside the image circle."""
-        if self._exposed_part is None:
-            return image
-        return np.asarray(cv2.multiply(image, self._exposed_part, scale=1 / 255), dtype=np.uint8)
-
-    def _develop(self, exposed: Exposed) -> NDArray[np.uint8]:
-        pose, blur, rendered = exposed.pose, exposed.blur, exposed.picture.result()
-        # A sheet that turns away from the lamp above gets a little darker.
-        facing = float(np.clip(pose.R[:, 2] @ np.array([0.0, 0.45, 0.89]), 0.0, 1.0))
-        light = self._light * (0.75 + 0.25 * facing)
-        green, through = _cut_out(rendered)
-        # Only the board's part of the image is composed, with the background that the blur mixes
-        # in: a board that fills a quarter of the image costs a quarter.
-        x, y, width, height = cv2.boundingRect(cv2.bitwise_not(through))
-        inner = _grown((x, y, x + width, y + height), blur.reach, self.image_size)
-        left, top, right, bottom = _grown(inner, blur.reach, self.image_size)
-        outer = np.s_[top:bottom, left:right]
-        part = _blurred(
-            _composed(green[outer], through[outer], self._background[outer], light), blur.sigma
-        )
-        image = blur.room.copy()
-        image[inner[1] : inner[3], inner[0] : inner[2]] = part[
-            inner[1] - top : inner[3] - top, inner[0] - left : inner[2] - left
-        ]
-        image = self._vignetted(image)
-        if self._noise is not None:
-            y, x = self._rng.integers(0, _NOISE_STRIDE, 2)
-            noise = self._noise[y : y + image.shape[0], x : x + image.shape[1]]
-            image = cv2.add(image, noise, dtype=cv2.CV_8U)
-        return np.asarray(image, dtype=np.uint8)
-
-
-def _blurred(image: NDArray[np.uint8], sigma: float) -> NDArray[np.uint8]:
-    if sigma <= 0:
-        return image
-    return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma), dtype=np.uint8)
 
 
 def _filled_at(camera: Camera, board: Board) -> float:
@@ -347,59 +292,3 @@ def _in_view(pose: Pose, board: Board, camera: Camera) -> Pose:
     # Beyond 45 degrees off the axis nobody would find it again.
     t[:2] = np.clip(t[:2], -t[2], t[2])
     return Pose(pose.R, t)
-
-
-def _image_circle(camera: Camera, field_deg: float) -> NDArray[np.uint8]:
-    """(H, W, 3) 255 where the lens throws an image, with a soft edge of two pixels; else 0."""
-    u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-    edge = np.radians(field_deg / 2)
-    rim = camera.project([np.sin(edge), 0.0, np.cos(edge)]) - [camera.cx, camera.cy]
-    radius = np.hypot((u - camera.cx), (v - camera.cy) * camera.fx / camera.fy)
-    soft = np.clip((rim[0] - radius) / 2 + 0.5, 0.0, 1.0)
-    return cv2.merge([np.asarray(np.rint(255 * soft), dtype=np.uint8)] * 3)  # type: ignore[return-value]
-
-
-def _cut_out(rendered: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """The board's grey times its coverage, and the share of background visible.
-
-    The board is grey, so red minus green is the share of the key (255, 0, 255), edges included: one
-    rendering gives an exact cut-out.
-    """
-    green = cv2.extractChannel(rendered, 1)
-    through = cv2.subtract(cv2.extractChannel(rendered, 0), green)
-    return np.asarray(green, dtype=np.uint8), np.asarray(through, dtype=np.uint8)
-
-
-def _composed(
-    green: NDArray[np.uint8],
-    through: NDArray[np.uint8],
-    background: NDArray[np.uint8],
-    light: float,
-) -> NDArray[np.uint8]:
-    """The cut-out, lit, in front of the background (BGR)."""
-    # Printed black reflects some 5 % of the light.
-    board = cv2.addWeighted(green, 0.95 * light, cv2.bitwise_not(through), 0.05 * light, 0)
-    behind = cv2.multiply(background, cv2.merge([through] * 3), scale=1 / 255)
-    return np.asarray(cv2.add(behind, cv2.merge([board] * 3)), dtype=np.uint8)
-
-
-def _grown(box: Box, by: int, size: tuple[int, int]) -> Box:
-    left, top, right, bottom = box
-    return (
-        max(0, left - by),
-        max(0, top - by),
-        min(size[0], right + by),
-        min(size[1], bottom + by),
-    )
-
-
-def _noise_sheet(
-    camera: Camera, sigma: float, rng: np.random.Generator
-) -> NDArray[np.int16] | None:
-    """Noise somewhat larger than a frame, from which each frame takes a random part.
-    Two million normal numbers a frame would cost more than the rendering."""
-    if sigma <= 0:
-        return None
-    shape = (camera.height + _NOISE_STRIDE, camera.width + _NOISE_STRIDE, 3)
-    noise = rng.standard_normal(shape, dtype=np.float32) * np.float32(sigma)
-    return np.round(noise).astype(np.int16)
