@@ -99,6 +99,18 @@ def test_pictures_of_another_focal_length_are_named(
 
 
 @pytest.mark.parametrize("board", BOARDS, ids=["charuco", "chessboard"])
+def test_pictures_of_unequal_noise_are_named_too(board: Board) -> None:
+    """A noisier picture looks as if an even motion explained something in it."""
+    factors, noisy = np.ones(10), (0, 6)
+    factors[::2] = 1.05
+    quiet, loud = (views(board, factors, noise_px=noise) for noise in (0.04, 0.2))
+    seen = [loud[k] if k in noisy else quiet[k] for k in range(10)]
+    change = focal_change(calibrate(board, seen))
+    assert change is not None and change.is_sure
+    assert change.factor == pytest.approx(1.05, abs=0.006)
+
+
+@pytest.mark.parametrize("board", BOARDS, ids=["charuco", "chessboard"])
 def test_a_little_in_one_picture_may_be_a_motion(board: Board) -> None:
     """It is named, for what it may be."""
     factors = np.ones(10)

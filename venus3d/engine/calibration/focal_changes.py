@@ -15,7 +15,8 @@ gain by such factors too, so a change is looked into only if
 
 **One picture in motion** passes all of that on a board of few corners: the image of a plane has two
 more numbers than a pose, motion while rows are read changes both, and a factor on the focal length
-explains the direction that it has. So the change is sure only if
+explains the direction that it has. So the change is sure only if three pictures show it by `AGREED`
+variances of the noise, since chance gives not three motions one direction, or if
 
 - in no resized picture an even motion explains more than noise, which is what tells the direction;
 - others beside the picture that shows it most show it by `AGREED` variances of the noise, or that
@@ -95,8 +96,9 @@ def focal_change(calibration: Calibration) -> FocalChange | None:
         return None
     by_motion = motion_gains(again)[named] / noise / 6
     most = own[named].max()
-    is_sure = by_motion.max() < f_distribution.isf(BY_CHANCE / named.sum(), 6, freedom) and (
-        own[named].sum() - most > AGREED or most > ALONE
+    is_sure = (own[named] > AGREED).sum() >= 3 or (
+        by_motion.max() < f_distribution.isf(BY_CHANCE / named.sum(), 6, freedom)
+        and (own[named].sum() - most > AGREED or most > ALONE)
     )
     return FocalChange(tuple(int(n) for n in numbers[named]), factor, bool(is_sure))
 
