@@ -34,7 +34,7 @@ PAGES = {
 # What a page sets where it uses a style sheet, besides the theme's colours.
 SET_BY_PAGES = {
     "worked with": {"step"},
-    "audience": {"step", "wide-screen", "tall-screen", "aspect"},
+    "audience": {"step", "longest", "wide-screen", "tall-screen", "aspect"},
     "exported lesson": {"step", "on", "aspect", "player-bar"},
     "its frame": set[str](),
     "report": {"step"},
