@@ -100,9 +100,16 @@ def test_the_newest_of_many_views_is_in_the_strip_until_somebody_scrolls(
     wait_until(lambda: page.evaluate(place) == [20, True], "the twentieth is seen")
     viewer.show(replace(guiding, captured=tuple(range(1, 22))))
     wait_until(lambda: page.evaluate(place) == [21, True], "the next one too")
+    page.evaluate(
+        """() => { window.rightmost = 0; setInterval(() => {
+            const { right } = document.querySelector(".v-film").getBoundingClientRect();
+            rightmost = Math.max(rightmost, right / innerWidth);
+        }, 10); }"""
+    )
     page.set_viewport_size({"width": 1100, "height": 720})
     page.wait_for_timeout(500)
     assert page.evaluate(place) == [21, True], "and in a narrower strip"
+    assert page.evaluate("() => rightmost") <= 1, "it flew out of the window with its column"
     strip = page.locator(".v-film").bounding_box()
     page.mouse.move(strip["x"] + strip["width"] / 2, strip["y"] + strip["height"] / 2)
     page.mouse.wheel(0, -9000)

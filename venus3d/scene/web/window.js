@@ -34,6 +34,7 @@
      leftwards counts, and only soon after a person's wheel, pointer or key. */
   const SOON_MS = 1500;
   let newest = true, before = 0, touched = -Infinity;
+  const atEnd = strip => strip.scrollLeft + strip.clientWidth >= strip.scrollWidth - 2;
   for (const kind of ["wheel", "pointerdown", "keydown"]) {
     addEventListener(kind, ({ target, timeStamp }) => {
       if (document.querySelector(PICTURE)?.parentElement.contains(target)) touched = timeStamp;
@@ -41,10 +42,9 @@
   }
   addEventListener("scroll", ({ target }) => {
     if (!target.matches?.(":has(> button)") || !target.querySelector(PICTURE)) return;
-    const { scrollLeft, clientWidth, scrollWidth } = target;
-    if (scrollLeft + clientWidth >= scrollWidth - 2) newest = true;
-    else if (scrollLeft < before && performance.now() - touched < SOON_MS) newest = false;
-    before = scrollLeft;
+    if (atEnd(target)) newest = true;
+    else if (target.scrollLeft < before && performance.now() - touched < SOON_MS) newest = false;
+    before = target.scrollLeft;
   }, true);
   const showNewest = () => {
     const strip = document.querySelector(PICTURE)?.parentElement;
@@ -71,6 +71,9 @@
   /* Most mice have one wheel. */
   addEventListener("wheel", ({ target, deltaY }) => {
     const picture = target.closest?.(PICTURE);
-    if (picture) picture.parentElement.scrollLeft += deltaY;
+    if (!picture) return;
+    const strip = picture.parentElement;
+    strip.scrollLeft += deltaY;
+    newest = atEnd(strip);
   }, { passive: true });
 })();
