@@ -19,7 +19,11 @@ def main(result: str, picture: str, undistorted: str = "undistorted.png") -> Non
     image = cv2.imread(picture)
     if image is None or image.shape[1::-1] != camera.image_size:
         sys.exit(f"{picture} is no picture of {camera.width} x {camera.height} px.")
-    cv2.imwrite(undistorted, cv2.undistort(image, camera.K, camera.distortion))
+    if camera.lens.is_perspective:
+        straight = cv2.undistort(image, camera.K, camera.distortion)
+    else:
+        straight = cv2.fisheye.undistortImage(image, camera.K, camera.distortion, Knew=camera.K)
+    cv2.imwrite(undistorted, straight)
     print(undistorted)
 
 

@@ -69,6 +69,42 @@ def test_calibrate_a_folder_and_undistort_a_picture(tilted_pictures: Path, tmp_p
     assert np.mean(cv2.absdiff(before, after)) > 0.1
 
 
+def test_a_fisheyes_picture_is_undistorted(tmp_path: Path) -> None:
+    board = venus3d.Board()
+    lens = venus3d.LENSES["equidistant"]
+    camera = venus3d.Camera(640, 480, 250, 250, 320, 240, lens=lens)
+    turns = ([40, 0, 0], [-40, 0, 0], [0, 40, 0], [0, -40, 0], [20, 20, 30], [0, 0, 0])
+    poses = [Pose.from_vector([*turn, 0.03, -0.02, 0.13]) for turn in turns]
+    noise = np.random.default_rng(0).normal(0, 0.05, (len(poses), board.corner_count, 2))
+    views = []
+    for pose, moved in zip(poses, noise, strict=True):
+        pixels = camera.project(pose.apply(board.corners)) + moved
+        ids = np.flatnonzero(((pixels > 0) & (pixels < [639, 479])).all(axis=1))
+        views.append(venus3d.Observation(ids, pixels[ids], camera.image_size))
+    calibration = venus3d.calibrate(views, board)
+    assert not calibration.camera.lens.is_perspective
+    # The printed value is for a person to read: some lines, not every corner of every view.
+    assert len(str(calibration)) + len(str(calibration.views[0])) < 2000
+
+    # A straight edge in front of the lens, black to the left of x = 0.4 z.
+    pixels = np.stack(np.meshgrid(np.arange(640), np.arange(480)), axis=-1)
+    rays = camera.unproject(pixels)
+    picture = np.where(rays[..., 0] > 0.4 * rays[..., 2], 255, 0).astype(np.uint8)
+    cv2.imwrite(str(tmp_path / "bent.png"), picture)
+    venus3d.write_result(tmp_path / "result.json", calibration)
+    straight = tmp_path / "straight.png"
+    ran(
+        "06_undistort_a_picture.py",
+        str(tmp_path / "result.json"),
+        str(tmp_path / "bent.png"),
+        str(straight),
+    )
+    after = cv2.imread(str(straight), cv2.IMREAD_GRAYSCALE)
+    assert after is not None
+    edges = np.argmax(after[20:460] > 127, axis=1)
+    np.testing.assert_allclose(edges, 320 + 0.4 * 250, atol=2.5)
+
+
 def test_suggest_the_next_pose() -> None:
     out = ran("02_suggest_the_next_pose.py")
     first, second, third = uncertainties(out)

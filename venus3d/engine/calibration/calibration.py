@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -37,12 +37,12 @@ class Calibration:
     """The board whose corners the views show, with the bow, the stretch and the tags' side that
     were found."""
     camera: Camera
-    covariance: Array
+    covariance: Array = field(repr=False)
     """(p, p) of the camera's parameters; zero rows and columns for parameters held fixed. With the
     errors that the corners of a view share."""
-    covariance_noise_only: Array
+    covariance_noise_only: Array = field(repr=False)
     """(p, p) the same as if each corner's error were independent, as OpenCV reports it."""
-    free: tuple[bool, ...]
+    free: tuple[bool, ...] = field(repr=False)
     """Which of the parameters were estimated."""
     residual_sigma_px: float
     """Standard deviation of one corner coordinate, from the residuals, pixels."""
@@ -50,8 +50,8 @@ class Calibration:
     """What of it is independent, and what a view's corners share."""
     rms_px: float
     """Root mean square reprojection distance over all corners fitted, pixels (OpenCV's rms)."""
-    views: tuple[View, ...]
-    left_out: tuple[LeftOut, ...] = ()
+    views: tuple[View, ...] = field(repr=False)
+    left_out: tuple[LeftOut, ...] = field(default=(), repr=False)
     """Views that are not fitted, by number."""
     lens_reason: str = ""
     """Why this lens, in a sentence; empty if it was asked for, or is the usual one."""

@@ -19,9 +19,9 @@ from venus3d.engine.geometry.pose import Array, Pose
 class Observation:
     """Corners of one board found in one image; none if `count` is 0."""
 
-    ids: NDArray[np.intp]
+    ids: NDArray[np.intp] = field(repr=False)
     """(N,) corner ids, ascending."""
-    corners: Array
+    corners: Array = field(repr=False)
     """(N, 2) pixels."""
     image_size: tuple[int, int]
     """(width, height)."""
@@ -37,7 +37,7 @@ class Observation:
     """How the board in the images so far differs from the one given."""
     detect_s: float = float("nan")
     """How long the detection took, seconds; NaN if it was not measured."""
-    centroids: Array | None = None
+    centroids: Array | None = field(default=None, repr=False)
     """(N, 2) centroids of the discs whose centres are the corners, pixels (see `discs`); None of
     boards without discs."""
     image: NDArray[np.uint8] | None = field(default=None, repr=False)

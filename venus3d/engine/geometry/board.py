@@ -56,7 +56,7 @@ class Board:
     """A calibration board. Lengths in metres. Raises `BoardError` for invalid options."""
 
     columns: int = 9
-    """Squares, tags or circles along x."""
+    """Squares, tags or circles along x; of a checkerboard one more than inner corners."""
     rows: int = 6
     """Squares, tags or circles along y."""
     square: float = 0.028

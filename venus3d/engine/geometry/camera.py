@@ -28,7 +28,7 @@ PINHOLE_PARAMETERS = ("fx", "fy", "cx", "cy")
 """The parameters that a camera has with every lens; the lens's coefficients follow them."""
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Camera:
     """Intrinsics of a camera for images of one size. Focal lengths and centre in pixels."""
 
@@ -76,6 +76,10 @@ class Camera:
             raise CalibrationError(f"An image of {width} x {height} px has no pixels.")
         if not np.isfinite(self.parameters).all() or fx <= 0 or fy <= 0:
             raise CalibrationError("A camera needs finite parameters and positive focal lengths.")
+
+    def __repr__(self) -> str:
+        named = ", ".join(f"{name}={value:.6g}" for name, value in self.named.items())
+        return f"Camera({self.width}, {self.height}, {named}, lens={self.lens.name})"
 
     @staticmethod
     def from_parameters(

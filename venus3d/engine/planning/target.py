@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -89,7 +89,7 @@ class Target:
     number: int
     """Counts from 1; skipped targets are counted."""
     pose: Pose
-    steps: Steps
+    steps: Steps = field(repr=False)
     """Eq. (15): from the frontal, upright board to the target."""
     method: Method
     cost: Cost
@@ -97,7 +97,7 @@ class Target:
     """The parameters this view helps most, best first."""
     reason: str
     """One sentence: the purpose of this pose."""
-    predicted_sigma: Array
+    predicted_sigma: Array = field(repr=False)
     """(p,) expected standard deviations after this view; NaN if unknown."""
     predicted_uncertainty_px: float
     """Projection uncertainty over the image after this view, pixels; NaN if unknown."""
@@ -107,7 +107,7 @@ class Target:
     """Duration of the search."""
     uncertainty_px: float = float("nan")
     """Projection uncertainty over the image before this view, pixels; NaN if unknown."""
-    alternatives: tuple[Target, ...] = ()
+    alternatives: tuple[Target, ...] = field(default=(), repr=False)
     """Clearly different poses that are nearly as good, best first."""
     held: str = ""
     """How the board is held, in a few words: upright or turned, place, tilt, distance."""
