@@ -17,7 +17,6 @@ from venus3d.engine.calibration.board_finding import find_boards
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.board_drawing import draw_board
 from venus3d.storage.board_sheet.files import pdf_of, picture_of_sheet, png_of, svg_of
 from venus3d.storage.board_sheet.screen import screen_page
 from venus3d.storage.board_sheet.sheet import Sheet, lay_out, paper_size, tiles
@@ -65,7 +64,7 @@ def test_the_shapes_are_those_that_opencv_prints(board: Board) -> None:
     scale = side / board.square
     drawn = np.zeros((board.rows * side, board.columns * side), dtype=bool)
     corner = np.array([board.width / 2, board.height / 2, 0, 0])
-    for x, y, w, h in draw_board(board).rectangles + corner:
+    for x, y, w, h in board.of_kind.drawing(board).rectangles + corner:
         x0, y0, x1, y1 = np.rint(np.array([x, y, x + w, y + h]) * scale).astype(int)
         assert not drawn[y0:y1, x0:x1].any(), "no shape lies over another"
         drawn[y0:y1, x0:x1] = True
@@ -194,7 +193,7 @@ def test_only_the_board_without_a_code() -> None:
     sheet = lay_out(Board(), None, margin=12)
     assert (sheet.width, sheet.height) == pytest.approx((252 + 24, 168 + 24))
     assert not sheet.texts and not sheet.polygons
-    assert len(sheet.rectangles) == len(draw_board(Board()).rectangles)
+    assert len(sheet.rectangles) == len(Board().of_kind.drawing(Board()).rectangles)
 
 
 def test_papers() -> None:

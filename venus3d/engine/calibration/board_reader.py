@@ -18,6 +18,8 @@ Region = tuple[int, int, int, int]
 Read = tuple[NDArray[np.intp], Array]
 """Ids (N,) ascending and corners (N, 2), pixels of the whole image."""
 Reader = TypeVar("Reader", bound="BoardReader")
+WholeReader = TypeVar("WholeReader", bound="WholeBoardReader")
+_UPRIGHT = np.array([1.0, 0.0])
 NOTHING: Read = (np.zeros(0, np.intp), np.zeros((0, 2)))
 
 
@@ -76,3 +78,22 @@ class BoardReader:
         """How the board differs from the one asked for."""
         del asked
         return []
+
+
+class WholeBoardReader(BoardReader):
+    """Reads a board that is seen as a whole or not at all, and follows it from image to image."""
+
+    def __init__(self, board: Board) -> None:
+        """Nothing seen yet."""
+        super().__init__(board)
+        self.exact = True
+        self._last: tuple[Grey, Array] | None = None
+        """The last image, and the points in it: (R, C, 2)."""
+        self._across = _UPRIGHT
+        """The direction of its rows."""
+
+    def copy(self: WholeReader) -> WholeReader:
+        """Without a last image."""
+        other = super().copy()
+        other._last, other._across = None, _UPRIGHT
+        return other

@@ -14,7 +14,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
+from venus3d.engine.calibration.board_reader import NOTHING, Grey, Read, Region, WholeBoardReader
 from venus3d.engine.calibration.corner_grids import (
     contrast_of,
     is_even,
@@ -28,30 +28,15 @@ from venus3d.engine.calibration.refinement import (
     local_scales,
     refinement_windows,
 )
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.pose import Array
 
 # NORMALIZE_IMAGE lost 9 of 13 boards of a real recording, and ACCURACY, three times as slow, gained
 # none. EXHAUSTIVE finds 22 instead of 20 of 24 in a fisheye's, and is slow where there is none.
 _LIVE, _THOROUGH = 0, cv2.CALIB_CB_EXHAUSTIVE
-_UPRIGHT = np.array([1.0, 0.0])
 
 
-class ChessboardReader(BoardReader):
+class ChessboardReader(WholeBoardReader):
     """The whole board, or nothing."""
-
-    def __init__(self, board: Board) -> None:
-        """Nothing seen yet."""
-        super().__init__(board)
-        self.exact = True
-        self._last: tuple[Grey, Array] | None = None
-        self._across = _UPRIGHT
-
-    def copy(self) -> ChessboardReader:
-        """Without a last image."""
-        other = super().copy()
-        other._last, other._across = None, _UPRIGHT
-        return other
 
     def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """All inner corners or none; `quick` only follows those of the last image."""

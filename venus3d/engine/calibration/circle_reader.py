@@ -13,17 +13,15 @@ from typing import Any
 import cv2
 import numpy as np
 
-from venus3d.engine.calibration.board_reader import NOTHING, BoardReader, Grey, Read, Region
+from venus3d.engine.calibration.board_reader import NOTHING, Grey, Read, Region, WholeBoardReader
 from venus3d.engine.calibration.circle_grids import alike_blobs, grids_of
 from venus3d.engine.calibration.corner_grids import is_even, numbered, row_direction
 from venus3d.engine.calibration.disc_centroids import disc_centroids
 from venus3d.engine.calibration.following import flowed
 from venus3d.engine.calibration.refinement import local_scales
-from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.discs import centres_of_discs
 from venus3d.engine.geometry.pose import Array
 
-_UPRIGHT = np.array([1.0, 0.0])
 _LEAST_AREA = 12.0
 _ROUND = 0.5
 """Circularity of a blob: a disc under 60 degrees has 0.84, and less where it is a few pixels; at a
@@ -45,21 +43,8 @@ _BLUR_PX, _THRESHOLDS = 1.0, (20, 230, 15)
 takes a third."""
 
 
-class CircleReader(BoardReader):
+class CircleReader(WholeBoardReader):
     """The whole board, or nothing."""
-
-    def __init__(self, board: Board) -> None:
-        """Nothing seen yet."""
-        super().__init__(board)
-        self.exact = True
-        self._last: tuple[Grey, Array] | None = None
-        self._across = _UPRIGHT
-
-    def copy(self) -> CircleReader:
-        """Without a last image."""
-        other = super().copy()
-        other._last, other._across = None, _UPRIGHT
-        return other
 
     def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """All circles' centres or none; `quick` only follows those of the last image."""

@@ -12,7 +12,6 @@ import segno
 
 from venus3d.engine.errors import StorageError
 from venus3d.engine.geometry.board import Board
-from venus3d.engine.geometry.board_drawing import draw_board
 from venus3d.engine.geometry.pose import Array
 
 PAPERS: dict[str, tuple[float, float]] = {
@@ -124,7 +123,7 @@ def lay_out(
     width, height = float(size[0]), float(size[1])
     left, top = (size - content) / 2
     centre = np.array([width / 2, top + above + board_size[1] / 2])
-    drawing = draw_board(board)
+    drawing = board.of_kind.drawing(board)
     rectangles = drawing.rectangles * 1000 + [*centre, 0, 0]
     discs = drawing.discs * 1000 + [*centre, 0]
     if board.inverted:

@@ -9,27 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.errors import BoardError
-from venus3d.engine.geometry.boards.chessboard import inner_corners
 from venus3d.engine.geometry.boards.drawing import BoardDrawing, marker_cells
-from venus3d.engine.geometry.boards.kind import CELL_PX, row_major
-from venus3d.engine.geometry.pose import Array
+from venus3d.engine.geometry.boards.kind import CELL_PX
+from venus3d.engine.geometry.boards.squares import SquareBoard
 
 if TYPE_CHECKING:
     from venus3d.engine.geometry.board import Board
 
 
-class Charuco:
-    """Inner corners, numbered row by row from the top left."""
+class Charuco(SquareBoard):
+    """Its markers tell the corners apart."""
 
     name = "ChArUco"
-    fields: tuple[str, ...] = ("marker", "dictionary", "legacy", "inverted", "first_id")
+    fields = ("marker", "dictionary", "legacy", "inverted", "first_id")
     partial = True
-    stride = 1
-    unit = "squares"
-
-    def quarter_turns(self, board: Board) -> tuple[int, ...]:
-        """None: each marker is another one."""
-        return ()
 
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the squares are too few or the markers do not fit them."""
@@ -43,25 +36,6 @@ class Charuco:
                 f"The marker ({board.marker * 1000:g} mm) must be smaller than the square "
                 f"({board.square * 1000:g} mm); are the two swapped?"
             )
-
-    def size(self, board: Board) -> tuple[float, float]:
-        """All squares."""
-        return board.columns * board.square, board.rows * board.square
-
-    def lattice(self, board: Board) -> NDArray[np.intp]:
-        """Row by row."""
-        return row_major(board.columns - 1, board.rows - 1)
-
-    def points(self, board: Board) -> Array:
-        """The inner corners."""
-        return inner_corners(board)
-
-    def radius(self, board: Board) -> float:
-        """None: its points are corners."""
-        return 0.0
-
-    def by_marker(self, board: Board, points: Array) -> None:
-        """None: the corners are those of the squares."""
 
     def clearance(self, board: Board) -> float:
         """Up to the markers."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.errors import BoardError
 from venus3d.engine.geometry.boards.drawing import BoardDrawing
-from venus3d.engine.geometry.boards.kind import row_major
-from venus3d.engine.geometry.pose import Array
+from venus3d.engine.geometry.boards.squares import SquareBoard
 
 if TYPE_CHECKING:
     from venus3d.engine.geometry.board import Board
@@ -22,14 +21,12 @@ _LEGIBLE_PX = 10.0
 """Sides of a square from which it is found in the simulated camera's noise and blur."""
 
 
-class Chessboard:
-    """Inner corners, numbered row by row; the square in the top left corner is black."""
+class Chessboard(SquareBoard):
+    """The square in the top left corner is black."""
 
     name = "checkerboard"
-    fields: tuple[str, ...] = ()
+    fields = ()
     partial = False
-    stride = 1
-    unit = "squares"
 
     def quarter_turns(self, board: Board) -> tuple[int, ...]:
         """Those that put black on black: all of a square board with an odd number of rows."""
@@ -46,25 +43,6 @@ class Chessboard:
                 "9 x 6 corners are 10 x 7 squares."
             )
 
-    def size(self, board: Board) -> tuple[float, float]:
-        """All squares."""
-        return board.columns * board.square, board.rows * board.square
-
-    def lattice(self, board: Board) -> NDArray[np.intp]:
-        """Row by row."""
-        return row_major(board.columns - 1, board.rows - 1)
-
-    def points(self, board: Board) -> Array:
-        """The inner corners."""
-        return inner_corners(board)
-
-    def radius(self, board: Board) -> float:
-        """None: its points are corners."""
-        return 0.0
-
-    def by_marker(self, board: Board, points: Array) -> None:
-        """None: there is no marker."""
-
     def clearance(self, board: Board) -> float:
         """Less than half of a square, where the edges of the next corner begin to count."""
         return _CLEARANCE * board.square
@@ -72,14 +50,6 @@ class Chessboard:
     def legible_square_px(self, board: Board) -> float:
         """Plain squares are seen when they are small."""
         return _LEGIBLE_PX
-
-    def marker_count(self, board: Board) -> int:
-        """None."""
-        return 0
-
-    def cv_board(self, board: Board) -> Any:
-        """OpenCV has no object for it."""
-        return None
 
     def drawing(self, board: Board) -> BoardDrawing:
         """The black squares."""
@@ -92,10 +62,3 @@ class Chessboard:
         white = np.indices((board.rows, board.columns)).sum(axis=0) % 2
         squares = np.asarray(255 * white, dtype=np.uint8)
         return np.kron(squares, np.ones((square_px, square_px), dtype=np.uint8))
-
-
-def inner_corners(board: Board) -> Array:
-    """(M, 2) the corners where four squares meet, row by row, metres from the centre."""
-    x = (np.arange(1, board.columns) - board.columns / 2) * board.square
-    y = (np.arange(1, board.rows) - board.rows / 2) * board.square
-    return np.stack([np.tile(x, y.size), np.repeat(y, x.size)], axis=1).astype(np.float64)

@@ -8,14 +8,14 @@ to the right by one: the circle of column j in row i is at ((2 j + i mod 2) squa
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.errors import BoardError
-from venus3d.engine.geometry.boards.drawing import BoardDrawing, painted
-from venus3d.engine.geometry.boards.kind import row_major
+from venus3d.engine.geometry.boards.drawing import BoardDrawing
+from venus3d.engine.geometry.boards.kind import BoardKind, row_major
 from venus3d.engine.geometry.pose import Array
 
 if TYPE_CHECKING:
@@ -27,15 +27,15 @@ _LEGIBLE_PX = 12.0
 
 
 @dataclass(frozen=True)
-class CircleGrid:
+class CircleGrid(BoardKind):
     """A grid of circles, read only as a whole."""
 
     name: str
     stride: int
     """Squares from one circle of a row to the next: 1, or 2 where every second row is shifted."""
-    fields: tuple[str, ...] = ("marker", "inverted")
-    partial: bool = False
-    unit: str = "circles"
+    fields = ("marker", "inverted")
+    partial = False
+    unit = "circles"
 
     def quarter_turns(self, board: Board) -> tuple[int, ...]:
         """A half turn, but where the last row is shifted as the first one is; of a square grid
@@ -83,9 +83,6 @@ class CircleGrid:
         """Of the circles."""
         return board.marker / 2
 
-    def by_marker(self, board: Board, points: Array) -> None:
-        """None: the centres stay."""
-
     def clearance(self, board: Board) -> float:
         """Half of the way to the nearest circle's centre."""
         return self._nearest(board) / 2
@@ -94,24 +91,12 @@ class CircleGrid:
         """By the circles' diameter."""
         return _LEGIBLE_PX * board.square / board.marker
 
-    def marker_count(self, board: Board) -> int:
-        """None."""
-        return 0
-
-    def cv_board(self, board: Board) -> Any:
-        """OpenCV has no object for it."""
-        return None
-
     def drawing(self, board: Board) -> BoardDrawing:
         """The circles."""
         points = self.points(board)
         return BoardDrawing(
             discs=np.column_stack([points, np.full(len(points), self.radius(board))])
         )
-
-    def texture(self, board: Board, square_px: int) -> NDArray[np.uint8]:
-        """Painted from the drawing."""
-        return painted(self.drawing(board), self.size(board), square_px / board.square)
 
 
 CIRCLES = CircleGrid("grid of circles", stride=1)

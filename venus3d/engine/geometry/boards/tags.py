@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.errors import BoardError
-from venus3d.engine.geometry.boards.drawing import BoardDrawing, marker_cells, painted
-from venus3d.engine.geometry.boards.kind import CELL_PX, row_major
+from venus3d.engine.geometry.boards.drawing import BoardDrawing, marker_cells
+from venus3d.engine.geometry.boards.kind import CELL_PX, BoardKind, row_major
 from venus3d.engine.geometry.pose import Array
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ _CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
 
 
 @dataclass(frozen=True)
-class TagGrid:
+class TagGrid(BoardKind):
     """A grid of tags, read from any part of it."""
 
     name: str
@@ -40,14 +40,9 @@ class TagGrid:
     joints: bool
     """Whether there are black squares between the tags' corners, and tag 0 is the lower left one,
     upside down by OpenCV's reckoning: Kalibr's layout (`kalibr_create_target_pdf`)."""
-    fields: tuple[str, ...] = ("marker", "dictionary", "first_id")
-    partial: bool = True
-    stride: int = 1
-    unit: str = "tags"
-
-    def quarter_turns(self, board: Board) -> tuple[int, ...]:
-        """None: each marker is another one."""
-        return ()
+    fields = ("marker", "dictionary", "first_id")
+    partial = True
+    unit = "tags"
 
     def check(self, board: Board) -> None:
         """Raises `BoardError` if the tags are too few, or larger than their cells."""
@@ -89,10 +84,6 @@ class TagGrid:
 
     def _corners(self) -> NDArray[np.intp]:
         return (np.roll(_CORNERS, 2, axis=0) if self.joints else _CORNERS).astype(np.intp)
-
-    def radius(self, board: Board) -> float:
-        """None: its points are corners."""
-        return 0.0
 
     def by_marker(self, board: Board, points: Array) -> Array:
         """Away from the middle of the nearest tag."""
@@ -145,10 +136,6 @@ class TagGrid:
                 (float(x) - gap / 2, float(y) - gap / 2, gap, gap) for x, y in places * board.square
             ]
         return BoardDrawing(np.array(found))
-
-    def texture(self, board: Board, square_px: int) -> NDArray[np.uint8]:
-        """Painted from the drawing."""
-        return painted(self.drawing(board), self.size(board), square_px / board.square)
 
 
 APRILGRID = TagGrid("AprilGrid", border=2, joints=True)
