@@ -95,112 +95,149 @@ def run_guide(
     with ExitStack() as stack:
         source = stack.enter_context(closing(_opened(options, board)))
         tell_of_trouble(source)
-        truth = source.truth if isinstance(source, Simulation) else None
-        detector = Detector(board, find_layout=truth is None)
-        tracker: Tracker = (
-            BoardTracker(detector)
-            if options.headless
-            else DetectionProcess(detector, source.image_size, look_beside=truth is None)
-        )
-        stack.enter_context(closing(tracker))
-        if known is not None:
-            _check_known(known, source)
-        settings = _settings(options, source)
-        session = Session(board, source.image_size, settings, recorder, known)
-        if state is not None:
-            _check_size(state, source)
-            session.restore(state)
-        elif recorder is not None:
-            recorder.changed(session.state)
+        tracker = stack.enter_context(closing(_tracker(options, source, board)))
+        session = _session(options, source, board, recorder, known, state)
+        run = _Run(session, source, tracker, known)
         on_open()
-
-        def result(snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
-            said = (*source.notes, *tracker.notes, *snapshot.warnings, *notes)
-            if known is not None and session.state.known is None:
-                said = (*said, KNOWN_IS_ANOTHER)
-            # No more views come: judge the set as it is.
-            found = (
-                tracker.explain_misses()
-                if snapshot.calibration is None
-                else snapshot.final_diagnoses
-            )
-            final = replace(snapshot, diagnoses=joined(tracker.diagnoses, found))
-            return GuideResult(final, tuple(dict.fromkeys(said)), truth, shown=shown())
-
-        def shown() -> tuple[int, int] | None:
-            if isinstance(source, (Simulation, Live)) or not isinstance(tracker, BoardTracker):
-                return None
-            return tracker.shown, tracker.looked
-
-        def kept(snapshot: Snapshot) -> str:
-            return keep(result(snapshot))
-
         if options.headless:
-            saver = stack.enter_context(closing(ResultSaver(kept)))
             if isinstance(source, Live) and source.controls is not None:
                 on_camera(source.controls.settings)
-            end = run_headless(session, source, tracker, saver.put)
-            last = session.snapshot()
-            told = end.told(last)
-            return replace(result(last, (told,) if told else ()), broke_off=end.broke_off)
-        offscreen = stack.enter_context(closing(Offscreen()))
-        viewer = stack.enter_context(
-            closing(
-                Viewer(
-                    options.host,
-                    options.port,
-                    projections=Projections(offscreen),
-                    draggable_board=truth is not None,
-                    autopilot=options.autopilot,
-                    tour=options.tour,
-                    wording=options.wording,
-                    language=options.language,
-                    explain=options.explain,
-                )
-            )
-        )
+            return run.without_viewer(keep)
+        viewer = _viewer(options, source, stack)
         for number, picture in pictures:
             viewer.keep_view(number, picture)
-        warned = source.notes if isinstance(source, Live) else ()
         announce_page(terminal_texts.VIEWER_TITLE, viewer.server, *viewer.notes)
         on_viewer(viewer)
         # What is said from here on is for the page.
         stack.enter_context(viewer.language.spoken())
-        said = [texts.VERIFYING] if verifies else []
-        said += _first_words(options, truth is not None, known, state)
-        if said:
-            viewer.say(" ".join(said), seconds=60)
-        for warning in warned:
-            viewer.warn(translated(warning), seconds=60)
-
-        def again() -> Source:
-            return _opened(options, board)
-
-        saver = stack.enter_context(closing(ResultSaver(kept, viewer.saved, viewer.warn)))
+        _say_first(viewer, _first_words(options, source, known, state, verifies), source)
+        saver = ResultSaver(run.kept_by(keep), viewer.saved, viewer.warn)
         live = LiveGuide(
             session,
             source,
             tracker,
             viewer,
-            saver.put,
-            again,
+            stack.enter_context(closing(saver)).put,
+            lambda: _opened(options, board),
             monitors,
             stats=options.stats,
             on_camera=on_camera,
         )
-        return result(live.run(), viewer.notes)
+        return run.result(live.run(), viewer.notes)
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """What one guided calibration is made of, and its result."""
+
+    session: Session
+    source: Source
+    tracker: Tracker
+    known: KnownCamera | None
+
+    def without_viewer(self, keep: Callable[[GuideResult], str]) -> GuideResult:
+        """Guide to the end on this thread."""
+        with closing(ResultSaver(self.kept_by(keep))) as saver:
+            end = run_headless(self.session, self.source, self.tracker, saver.put)
+            last = self.session.snapshot()
+            told = end.told(last)
+            return replace(self.result(last, (told,) if told else ()), broke_off=end.broke_off)
+
+    def kept_by(self, keep: Callable[[GuideResult], str]) -> Callable[[Snapshot], str]:
+        """Keeps the result as it is at a moment."""
+        return lambda snapshot: keep(self.result(snapshot))
+
+    def result(self, snapshot: Snapshot, notes: tuple[str, ...] = ()) -> GuideResult:
+        """The result as if no more views came."""
+        said = (*self.source.notes, *self.tracker.notes, *snapshot.warnings, *notes)
+        if self.known is not None and self.session.state.known is None:
+            said = (*said, KNOWN_IS_ANOTHER)
+        found = (
+            self.tracker.explain_misses()
+            if snapshot.calibration is None
+            else snapshot.final_diagnoses
+        )
+        final = replace(snapshot, diagnoses=joined(self.tracker.diagnoses, found))
+        return GuideResult(
+            final, tuple(dict.fromkeys(said)), _truth(self.source), shown=self._shown()
+        )
+
+    def _shown(self) -> tuple[int, int] | None:
+        recorded = not isinstance(self.source, (Simulation, Live))
+        if recorded and isinstance(self.tracker, BoardTracker):
+            return self.tracker.shown, self.tracker.looked
+        return None
+
+
+def _truth(source: Source) -> Camera | None:
+    return source.truth if isinstance(source, Simulation) else None
+
+
+def _tracker(options: GuideOptions, source: Source, board: Board) -> Tracker:
+    real = _truth(source) is None
+    detector = Detector(board, find_layout=real)
+    if options.headless:
+        return BoardTracker(detector)
+    return DetectionProcess(detector, source.image_size, look_beside=real)
+
+
+def _session(
+    options: GuideOptions,
+    source: Source,
+    board: Board,
+    recorder: Recorder | None,
+    known: KnownCamera | None,
+    state: SessionState | None,
+) -> Session:
+    """A new session, or the one to go on with."""
+    if known is not None:
+        _check_known(known, source)
+    session = Session(board, source.image_size, _settings(options, source), recorder, known)
+    if state is not None:
+        _check_size(state, source)
+        session.restore(state)
+    elif recorder is not None:
+        recorder.changed(session.state)
+    return session
+
+
+def _viewer(options: GuideOptions, source: Source, stack: ExitStack) -> Viewer:
+    offscreen = stack.enter_context(closing(Offscreen()))
+    viewer = Viewer(
+        options.host,
+        options.port,
+        projections=Projections(offscreen),
+        draggable_board=_truth(source) is not None,
+        autopilot=options.autopilot,
+        tour=options.tour,
+        wording=options.wording,
+        language=options.language,
+        explain=options.explain,
+    )
+    return stack.enter_context(closing(viewer))
+
+
+def _say_first(viewer: Viewer, said: Sequence[str], source: Source) -> None:
+    if said:
+        viewer.say(" ".join(said), seconds=60)
+    for warning in source.notes if isinstance(source, Live) else ():
+        viewer.warn(translated(warning), seconds=60)
 
 
 def _first_words(
-    options: GuideOptions, simulated: bool, known: KnownCamera | None, state: SessionState | None
+    options: GuideOptions,
+    source: Source,
+    known: KnownCamera | None,
+    state: SessionState | None,
+    verifies: bool,
 ) -> list[str]:
-    """What a session begins from, and how the simulated board is moved."""
-    said: list[str] = []
+    """What a session is for and begins from, and how the simulated board is moved."""
+    said = [texts.VERIFYING] if verifies else []
     if known is not None:
         said.append(texts.FROM_CAMERA if known.has_uncertainty else texts.FROM_CAMERA_ALONE)
     elif options.known_camera is not None and options.resume is None and state is not None:
         said.append(texts.GOING_ON_FROM.format(count=len(state.views)))
-    if simulated and not options.autopilot:
+    if _truth(source) is not None and not options.autopilot:
         said.append(texts.DRAG_HINT)
     return said
 
