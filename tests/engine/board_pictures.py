@@ -5,13 +5,16 @@ Independent of the renderers in `venus3d`; numpy and OpenCV's resize and remap o
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
@@ -96,3 +99,12 @@ def picture_of(
         picture = picture + rng.normal(0, noise, picture.shape)
     # Room at both ends, as a real exposure leaves it.
     return np.clip(np.rint(25 + 0.8 * picture), 0, 255).astype(np.uint8)
+
+
+def settle(detector: Detector, images: Iterable[Any]) -> Board:
+    """Detect in images until the layout is settled; the board with that layout."""
+    for image in images:
+        if detector.settled:
+            break
+        detector.detect(image)
+    return detector.board

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.engine.board_pictures import picture_of
+from tests.engine.board_pictures import picture_of, settle
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import CalibrationError, SourceError
@@ -58,7 +58,7 @@ def test_observations_of_an_own_detector(
 ) -> None:
     detector = Detector(default_board)
     unsettled = detector.detect(pictures[0])
-    board = detector.settle(pictures * 4)
+    board = settle(detector, pictures * 4)
     empty = Observation.nothing(paper_camera.image_size)
     calibration = calibrate_images([*map(detector.detect, pictures), empty], default_board)
     assert calibration.board == board == replace(default_board, legacy=True)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.engine.board_pictures import picture_of
+from tests.engine.board_pictures import picture_of, settle
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.errors import SourceError
@@ -69,7 +69,7 @@ def test_it_is_what_one_detector_finds_in_turn(
 ) -> None:
     """A quick search may stop at corners a little elsewhere, by far less than their noise."""
     detector = Detector(default_board)
-    detector.settle(pictures)
+    settle(detector, pictures)
     for mine, other in zip(
         map(detector.detect, pictures),
         observe_recording(pictures, Detector(default_board)).observations,

@@ -42,12 +42,9 @@ class NoiseRow:
     """Rms error of a coordinate of the corners found; NaN if there are few."""
 
 
-def measure_noise(
-    views: int = 500, *, seed: int = 0, camera: Camera = PAPER_CAMERA, board: Board | None = None
-) -> tuple[NoiseRow, ...]:
+def measure_noise(views: int, seed: int = 0) -> tuple[NoiseRow, ...]:
     """Detect the board in renders of random poses, wholly in the image."""
-    board = Board() if board is None else board
-    rng = np.random.default_rng(seed)
+    camera, board, rng = PAPER_CAMERA, Board(), np.random.default_rng(seed)
     detector = Detector(board, find_layout=False)
     simulation = Simulation(camera, board, autopilot=False, seed=seed)
     rows: list[NoiseRow] = []

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.engine.calibration.rendered_noise import NoiseRow, fit_noise, measure_noise
 from venus3d.engine.calibration.corner_noise import RENDERED, tilt_and_width
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
@@ -14,7 +15,6 @@ from venus3d.engine.planning.limits import Limits
 from venus3d.engine.planning.pose_space import Space, random_pose
 from venus3d.engine.planning.posterior import Posterior
 from venus3d.sources.sim_cameras import SIM_CAMERAS
-from venus3d.study.noise import NoiseRow, fit_noise, measure_noise
 
 
 @pytest.mark.parametrize("lens", [PAPER_CAMERA.without_distortion(), SIM_CAMERAS["fisheye"]])

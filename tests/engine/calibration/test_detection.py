@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.engine.board_pictures import picture_of
+from tests.engine.board_pictures import picture_of, settle
 from venus3d.engine.calibration.adjustment import calibrate
 from venus3d.engine.calibration.charuco_reader import QUICK_FROM_PX
 from venus3d.engine.calibration.detection import Detector, search_region
@@ -143,7 +143,7 @@ def test_layout_and_inversion_are_found_out_and_said(
     assert detector.board == printed, "one good picture is enough to believe it"
     assert first.count == 40
     assert np.abs(errors_of(first, printed, paper_camera, VECTORS[0])).max() < 0.15
-    assert detector.settle(pictures[1:]) == printed
+    assert settle(detector, pictures[1:]) == printed
     assert detector.settled
     assert [d.kind for d in detector.diagnoses] == ["wrong-layout"] * legacy
     assert ["white on black" in note for note in detector.notes] == [True] * inverted

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
+from tests.engine.board_pictures import settle
 from tests.engine.calibration.test_adjustment import observe, tilted
 from venus3d.engine.calibration import turned_pictures
 from venus3d.engine.calibration.adjustment import calibrate
@@ -155,7 +156,7 @@ def test_few_pictures_must_gain_more(
     files = sorted((shared_data / "cases/glare").glob("*.jpg"))
     pictures = [np.asarray(cv2.imread(str(file), cv2.IMREAD_GRAYSCALE), np.uint8) for file in files]
     detector = Detector(board)
-    detector.settle(pictures)
+    settle(detector, pictures)
     seen = [detector.detect(picture) for picture in pictures]
     few = calibrate(detector.board, [seen[n] for n in which])
     assert turned_views(few) == ()

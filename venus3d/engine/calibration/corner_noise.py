@@ -1,6 +1,6 @@
 """How corner detection depends on the pose: worse with tilt and with small squares.
 
-The curve is fitted to renders of the simulated camera (`study.noise`, docs/costs.md). It does not
+The curve is fitted to renders of the simulated camera (docs/costs.md). It does not
 decide what a pose is worth: see `costs`.
 """
 

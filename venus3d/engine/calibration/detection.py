@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -171,14 +171,6 @@ class Detector:
         else:
             self._miss(_grey(image))
         return replace(seen, board=self.board, board_diagnoses=self.diagnoses)
-
-    def settle(self, images: Iterable[Any]) -> Board:
-        """Detect in images until the layout is settled; returns the board with that layout."""
-        for image in images:
-            if self.settled:
-                break
-            self.detect(image)
-        return self.board
 
     def detect(
         self,

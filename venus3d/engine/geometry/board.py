@@ -205,20 +205,6 @@ class Board:
         """(N, 3) board points of corner ids (N,), metres."""
         return self.corners[np.asarray(ids, dtype=np.intp)]
 
-    def id_of(self, column: int, row: int) -> int:
-        """Id of the point in this column and row of points, both from 0 at the top left."""
-        found = np.flatnonzero((self.lattice == [column, row]).all(axis=1))
-        if not found.size:
-            raise BoardError(f"The board has no inner corner ({column}, {row}).")
-        return int(found[0])
-
-    def column_row_of(self, corner_id: int) -> tuple[int, int]:
-        """(column, row) of a point's id; the inverse of `id_of`."""
-        if not 0 <= corner_id < self.corner_count:
-            raise BoardError(f"The board has no inner corner number {corner_id}.")
-        column, row = self.lattice[corner_id]
-        return int(column), int(row)
-
     def texture(self, square_px: int = 60) -> NDArray[np.uint8]:
         """(height, width) grey image of what is printed, without a margin, `square_px` a square."""
         picture = self.of_kind.texture(self, square_px)
