@@ -67,8 +67,6 @@ class Simulation:
         light: float = 0.86,
         autopilot: bool = True,
         speed: float = 1.0,
-        tremor: float = 1.0,
-        overshoot: float = 1.0,
         start: Pose | None = None,
         view_errors: ViewErrors | None = None,
         offscreen: Offscreen | None = None,
@@ -88,7 +86,7 @@ class Simulation:
             background: BGR image behind the board, of the camera's size; an interior if None.
             light: brightness of white paper, 0 ... 1.
             autopilot: whether the simulated hand holds the board from the start.
-            speed, tremor, overshoot: of the simulated hand (see `Autopilot`).
+            speed: of the simulated hand (see `Autopilot`).
             start: `T_camera_board` at the start; if None so near that the board is cut off.
             view_errors: errors that all corners of a view share, drawn anew for each target, the
                 blur every second; none if None.
@@ -100,7 +98,7 @@ class Simulation:
         self._realtime, self._fps = realtime, fps
         background_rng, noise_rng, hand_rng, self._errors_rng = np.random.default_rng(seed).spawn(4)
         home = home_pose(max(HOME_DISTANCE, _ROOM * _filled_at(camera, self.board)))
-        self._autopilot = Autopilot(hand_rng, speed, tremor, overshoot, home)
+        self._autopilot = Autopilot(hand_rng, speed, home=home)
         if background is None:
             background = interior(camera.image_size, background_rng)
         self._sensor = Sensor(

@@ -62,7 +62,6 @@ def guided_calibrations(
     seed: int,
     repeat: int,
     truth: Camera = PAPER_CAMERA,
-    board: Board | None = None,
     see: Callable[[Pose, np.random.Generator], Observation] | None = None,
 ) -> Iterator[SimulatedCalibration]:
     """Calibrations with 1, 2, ... `views` views, each taken exactly at its target.
@@ -73,7 +72,7 @@ def guided_calibrations(
 
     Raises `CalibrationError` if a view fails repeatedly.
     """
-    held = board or Board()
+    board = Board()
     # These corners have uniform noise, and no forecast is needed.
     settings = replace(
         settings,
@@ -82,16 +81,16 @@ def guided_calibrations(
         noise=None,
         wanted_uncertainty_px=None,
     )
-    pose = first_pose(truth, held)
+    pose = first_pose(truth, board)
     work: Work | None = None
     poses: list[Pose] = []
     lost = 0
     for view in range(views):
         for attempt in range(10):
             rng = np.random.default_rng([seed, repeat, view, attempt])
-            seen = observed(truth, held, pose, rng) if see is None else see(pose, rng)
+            seen = observed(truth, board, pose, rng) if see is None else see(pose, rng)
             try:
-                outcome = _following(work, settings, held, seen).run()
+                outcome = _following(work, settings, board, seen).run()
                 break
             except CalibrationError:
                 lost += 1
@@ -182,13 +181,13 @@ def true_error_px(board: Board, poses: Sequence[Pose], truth: Camera = PAPER_CAM
     return error if (np.diag(covariance) > 0).all() else float("inf")
 
 
-def points_before(truth: Camera, depth: float = 1.0) -> Array:
-    """(96, 3) points that the true camera sees in a grid over its whole image, at one depth (m);
-    of a wide lens at one distance, those from which a ray comes."""
+def points_before(truth: Camera) -> Array:
+    """(96, 3) points that the true camera sees in a grid over its whole image, at a depth of 1 m;
+    of a wide lens at that distance, those from which a ray comes."""
     rays = truth.unproject(grid_pixels(truth.image_size))
     if not truth.lens.is_perspective:
-        return depth * rays[np.isfinite(rays).all(axis=1)]
-    return depth * rays / rays[:, 2:]
+        return rays[np.isfinite(rays).all(axis=1)]
+    return rays / rays[:, 2:]
 
 
 @dataclass(frozen=True)

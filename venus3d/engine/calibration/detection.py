@@ -41,6 +41,8 @@ from venus3d.engine.geometry.pose import Array
 
 # Number of whole images without the board kept for `explain_misses`: the first and the last ones.
 _KEPT_MISSED = 3
+_MARGIN, _LEAST_MARGIN_PX = 0.35, 48
+"""Of a search region: as a share of the corners' extent, on each side."""
 Beside = FoundBoard | Board
 """Another board beside the one detected, or that one with another first id."""
 
@@ -257,15 +259,9 @@ class Detector:
             self._adopt(self._check.readable)
 
 
-def search_region(
-    observation: Observation, image_size: tuple[int, int], *, grow: float = 0.35, least_px: int = 48
-) -> Region | None:
-    """The region to search in the next frame: around the corners, grown on all sides.
-
-    Args:
-        observation: the last frame's.
-        image_size: (width, height) of the next frame.
-        grow: share of the corners' extent added on each side; at least `least_px`.
+def search_region(observation: Observation, image_size: tuple[int, int]) -> Region | None:
+    """The region to search in the next frame, of this (width, height): around the corners of the
+    last frame's observation, grown on all sides.
 
     Where the board is seen in part, the rest of it belongs to the region. Returns None if nothing
     was seen or a region saves nothing: search the whole image.
@@ -274,7 +270,7 @@ def search_region(
         return None
     corners = _whole_board(observation)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    margin = max(least_px, grow * float((high - low).max()))
+    margin = max(_LEAST_MARGIN_PX, _MARGIN * float((high - low).max()))
     x0, y0 = np.floor(low - margin).astype(int)
     x1, y1 = np.ceil(high + margin).astype(int) + 1
     region = _clipped((int(x0), int(y0), int(x1), int(y1)), image_size)

@@ -83,7 +83,6 @@ def calibrate_with_any_lens(
     observations: Sequence[Observation],
     *,
     numbers: Sequence[int] | None = None,
-    candidates: Sequence[LensModel] = CANDIDATES,
 ) -> Calibration:
     """`calibrate` with the simplest of the lens models that predicts the views as well as any.
     `Calibration.lens_reason` says why, if it is not the first. Raises the first one's
@@ -92,7 +91,7 @@ def calibrate_with_any_lens(
     def fitted(lens: LensModel) -> Calibration:
         return calibrate(board, observations, lens=lens, numbers=numbers)
 
-    return chosen_lens(fitted, candidates)
+    return chosen_lens(fitted)
 
 
 def chosen_lens(

@@ -21,13 +21,9 @@ SAME = 0.0025
 """Corners that are on average nearer than this share of the image's width make a repeat."""
 
 
-def repeated(observations: Sequence[Observation], same: float = SAME) -> dict[int, int]:
-    """For each observation that repeats a sharper one, by index: that one's index.
-
-    Args:
-        observations: those without a board repeat nothing.
-        same: share of the image's width, see `SAME`.
-    """
+def repeated(observations: Sequence[Observation]) -> dict[int, int]:
+    """For each observation that repeats a sharper one, by index: that one's index. Those without a
+    board repeat nothing."""
     kept: list[int] = []
     found: dict[int, int] = {}
     places = _places(observations)
@@ -36,7 +32,7 @@ def repeated(observations: Sequence[Observation], same: float = SAME) -> dict[in
         one = observations[index]
         if not one.count:
             continue
-        near = _nearest(places, kept, int(index), same * one.image_size[0])
+        near = _nearest(places, kept, int(index), SAME * one.image_size[0])
         if near is None:
             kept.append(int(index))
         else:
@@ -44,9 +40,9 @@ def repeated(observations: Sequence[Observation], same: float = SAME) -> dict[in
     return found
 
 
-def repeats(one: Observation, other: Observation, same: float = SAME) -> bool:
-    """Whether an observation and another one are the same view; `same`: see `SAME`."""
-    return shift_px(one, other) < same * one.image_size[0]
+def repeats(one: Observation, other: Observation) -> bool:
+    """Whether an observation and another one are the same view."""
+    return shift_px(one, other) < SAME * one.image_size[0]
 
 
 def shift_px(one: Observation, other: Observation) -> float:

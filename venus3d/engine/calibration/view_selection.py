@@ -41,7 +41,7 @@ class _Candidate:
 
 
 def select_views(
-    board: Board, observations: Sequence[Observation], *, limit: int = 40, same: float = SAME
+    board: Board, observations: Sequence[Observation], *, limit: int = 40
 ) -> list[int]:
     """Indices of the observations to calibrate from, ascending; empty if none is usable.
 
@@ -49,9 +49,7 @@ def select_views(
         board: the board in the observations.
         observations: of one image size, in order of time; those without a board, blurred ones and
             those whose corners do not fit the board are ignored.
-        limit: the maximum number to take.
-        same: a view is a duplicate if its corners are on average nearer to a chosen view's than
-            this share of the image's width (see `repeats`).
+        limit: the maximum number to take; a repeat of one taken is none.
     """
     usable = [
         i for i, o in enumerate(observations) if determines_homography(board.points_of(o.ids))
@@ -63,7 +61,7 @@ def select_views(
     camera = _first_camera(board, [observations[i] for i in sharp])
     candidates = _candidates(camera, board, observations, sharp)
     known = prior_information(camera, _NOISE_PX)
-    same_px = same * camera.width
+    same_px = SAME * camera.width
     chosen: list[_Candidate] = []
     while candidates and len(chosen) < limit:
         # The determinant of a covariance is its ellipsoid's squared volume: no units to weigh.

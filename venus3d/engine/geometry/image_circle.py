@@ -40,9 +40,9 @@ class ImageCircle:
             (self.x + 0.5) * sx - 0.5, (self.y + 0.5) * sy - 0.5, self.radius * min(sx, sy)
         )
 
-    def border(self, image_size: tuple[int, int], count: int = 180) -> Array:
-        """(count + 1, 2) points of the circle, closed; NaN outside the image (width, height)."""
-        turn = np.linspace(0, 2 * np.pi, count + 1)
+    def border(self, image_size: tuple[int, int]) -> Array:
+        """(181, 2) points of the circle, closed; NaN outside the image (width, height)."""
+        turn = np.linspace(0, 2 * np.pi, 181)
         # A hair inside, where there are rays.
         radius = 0.999 * self.radius
         points = np.stack([self.x + radius * np.cos(turn), self.y + radius * np.sin(turn)], axis=-1)

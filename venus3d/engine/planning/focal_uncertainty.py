@@ -13,33 +13,33 @@ from venus3d.engine.sentences import Sentence
 
 NOISE_PX = 0.1**0.5
 """Corner noise of the paper's simulation (4.1.2), per axis: a variance of 0.1 px²."""
+VIEWS = 4
+"""Of them it is told what they say together."""
 EDGE_ON_DEG = 80.0
 """At a larger tilt to the line of sight a board shows no pattern."""
 
 
-def views_like(pose: Pose, views: int = 4) -> tuple[Pose, ...]:
-    """Poses of the same tilt in `views` directions, spread evenly about the optical axis.
+def views_like(pose: Pose) -> tuple[Pose, ...]:
+    """Poses of the same tilt in `VIEWS` directions, spread evenly about the optical axis.
 
     The direction of the tilt turns but the board does not roll: `Rz(a) R Rz(-a)`, about the board's
     centre. A frontal board has no tilt direction: its poses are equal.
     """
-    turns = [turn("z", 360.0 * k / views) for k in range(views)]
+    turns = [turn("z", 360.0 * k / VIEWS) for k in range(VIEWS)]
     return tuple(Pose(Rz @ pose.R @ Rz.T, pose.t.copy()) for Rz in turns)
 
 
-def focal_sigma(
-    camera: Camera, board: Board, pose: Pose, *, views: int = 4, noise_px: float = NOISE_PX
-) -> float:
+def focal_sigma(camera: Camera, board: Board, pose: Pose) -> float:
     """Standard deviation of fx, pixels, from a calibration with `views_like` this pose.
 
     All parameters and every view's pose are unknown, as in `cv2.calibrateCamera`; every corner
-    counts, with noise of `noise_px` per axis, whether or not it is in the image.
+    counts, with noise of `NOISE_PX` per axis, whether or not it is in the image.
 
     inf if the views do not determine the focal length, so that by this sigma it could be zero: for
     a frontal board, where a longer lens farther away gives the same image, and for one seen edge on
     or from behind.
     """
-    likes = views_like(pose, views)
+    likes = views_like(pose)
     R, t = np.stack([p.R for p in likes]), np.stack([p.t for p in likes])
     # Nothing is visible edge on, whatever the formula says.
     cosines = np.einsum("ni,ni->n", R[:, :, 2], t) / np.linalg.norm(t, axis=1)
@@ -49,7 +49,7 @@ def focal_sigma(
     scale = 1 / np.sqrt(np.diag(information))
     if np.linalg.eigvalsh(information * np.outer(scale, scale))[0] < 1e-12:
         return float("inf")
-    sigma = float(np.sqrt(covariance_of(information, noise_px)[0, 0]))
+    sigma = float(np.sqrt(covariance_of(information, NOISE_PX)[0, 0]))
     return sigma if sigma < camera.fx else float("inf")
 
 
@@ -62,13 +62,13 @@ _SIGMA = Sentence(
 )
 
 
-def focal_words(sigma_px: float, camera: Camera, views: int = 4) -> str:
+def focal_words(sigma_px: float, camera: Camera) -> str:
     """The meaning of `focal_sigma` in one sentence."""
     if not sigma_px < camera.fx:
-        return _NOTHING.format(views=views)
+        return _NOTHING.format(views=VIEWS)
     share = 100 * sigma_px / camera.fx
     return _SIGMA.format(
-        views=views,
+        views=VIEWS,
         sigma=f"{sigma_px:.{sigma_px < 10:d}f}",
         focal=camera.fx,
         share=f"{share:.{share < 10:d}f}",

@@ -157,10 +157,10 @@ def rojtberg_pose(space: Space, parameter: str, state: HeuristicState) -> Heuris
     return _finished(space, wanted, parameter, state.after(parameter))
 
 
-def distortion_map(camera: Camera, cell_px: int = CELL_PX) -> Array:
+def distortion_map(camera: Camera) -> Array:
     """(rows, columns) displacement of the cells' points by the distortion, pixels: against the
     pinhole or, of a wide lens, against the equidistant one. 0 where no ray comes from."""
-    columns, rows = camera.width // cell_px, camera.height // cell_px
+    columns, rows = camera.width // CELL_PX, camera.height // CELL_PX
     u = (np.arange(columns) + 0.5) * camera.width / columns - 0.5
     v = (np.arange(rows) + 0.5) * camera.height / rows - 0.5
     f, c = np.array([camera.fx, camera.fy]), np.array([camera.cx, camera.cy])

@@ -40,6 +40,8 @@ each time."""
 _A_TURN = 0.5
 """Two reports nearer than this, relative to the distance looked at, are a person's movement; what a
 browser does while it starts are jumps."""
+_RESHAPED = 0.01
+"""Relative change of a window's aspect beyond which its view is set again."""
 _SAME = 0.01
 """Two views that differ by less than this, relative to the distance looked at, are the same."""
 _ECHO_S = 3.0
@@ -61,21 +63,10 @@ class CameraRig:
     viser's "Reset View".
     """
 
-    def __init__(
-        self,
-        host: Host,
-        *,
-        wake: Callable[[], None] = lambda: None,
-        tolerance: float = 0.01,
-    ) -> None:
-        """Nothing moves until `go`.
-
-        Args:
-            wake: called on viser's threads when `advance` is due without a flight.
-            tolerance: relative change of a window's aspect beyond which its view is set again.
-        """
-        self.host = host
-        self._wake, self._tolerance = wake, tolerance
+    def __init__(self, host: Host, *, wake: Callable[[], None] = lambda: None) -> None:
+        """Nothing moves until `go`. `wake` is called on viser's threads when `advance` is due
+        without a flight."""
+        self.host, self._wake = host, wake
         self._tabs: dict[int, _Tab] = {}
         self._framing: Framing | None = None
         self._usual: SceneCamera | None = None
@@ -138,7 +129,7 @@ class CameraRig:
         with self._lock:
             tabs = [self._tabs.get(client.client_id) for client in clients]
         # viser lists a new tab a moment before it announces it.
-        return all(tab is not None and tab.has_arrived(self._tolerance) for tab in tabs)
+        return all(tab is not None and tab.has_arrived for tab in tabs)
 
     @property
     def eyes(self) -> Array:
@@ -153,14 +144,14 @@ class CameraRig:
     @property
     def is_due(self) -> bool:
         """Whether `advance` has something to do."""
-        return self._framing is not None and any(tab.is_due(self._tolerance) for tab in self._all)
+        return self._framing is not None and any(tab.is_due for tab in self._all)
 
     def advance(self) -> None:
         """Advance the cameras."""
         if self._framing is None:
             return
         for tab in self._all:
-            if tab.is_due(self._tolerance):
+            if tab.is_due:
                 if tab.turned_at is None:
                     tab.advance(self._framing)
                 else:
@@ -181,7 +172,7 @@ class CameraRig:
         # browser has just sent, and not what was set meanwhile.
         async def moved(_: object) -> None:
             tab.report(self._usual)
-            if self._framing is not None and tab.is_due(self._tolerance):
+            if self._framing is not None and tab.is_due:
                 self._wake()
 
         client.camera.on_update(moved)
@@ -231,20 +222,23 @@ class _Tab:
         camera = self.client.camera
         return camera.image_width / max(camera.image_height, 1)
 
-    def is_due(self, tolerance: float) -> bool:
+    @property
+    def is_due(self) -> bool:
         turned_at = self.turned_at
         if turned_at is not None:
             return not self.told and time.monotonic() - turned_at > _TOLD_AFTER_S
-        return self.start is not None or self._is_reshaped(tolerance) or self._unheard
+        return self.start is not None or self._is_reshaped or self._unheard
 
-    def _is_reshaped(self, tolerance: float) -> bool:
+    @property
+    def _is_reshaped(self) -> bool:
         """Whether the window has another aspect than its view was made for."""
-        return abs(self.window - self.aspect) > tolerance * self.window
+        return abs(self.window - self.aspect) > _RESHAPED * self.window
 
-    def has_arrived(self, tolerance: float) -> bool:
+    @property
+    def has_arrived(self) -> bool:
         if self.turned_at is not None:
             return True
-        return self.is_at_goal and self.settled and not self._is_reshaped(tolerance)
+        return self.is_at_goal and self.settled and not self._is_reshaped
 
     @property
     def _unheard(self) -> bool:

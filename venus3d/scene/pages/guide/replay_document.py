@@ -48,25 +48,19 @@ _PICTURE_WIDTH, _STEP_WIDTH = 960, 480
 _REST_S, _VIEW_S = 1.4, 0.6
 
 
-def replay_document(
-    moments: Sequence[Moment], settings: Settings, name: str, *, dark: bool = False
-) -> bytes:
-    """The file's content; takes as long as the calibrations and searches.
-
-    Args:
-        name: of the session, for the title.
-        dark: in dark colours.
-    """
+def replay_document(moments: Sequence[Moment], settings: Settings, name: str) -> bytes:
+    """The file's content, with the session's `name` in the title; takes as long as the calibrations
+    and searches."""
     with closing(Worker(moments, settings)) as worker:
         snapshots = worker.finish()
     with closing(Offscreen()) as offscreen, recording_server() as server:
-        page = partial(_view_page, server, Projections(offscreen), dark)
+        page = partial(_view_page, server, Projections(offscreen))
         pages = [page(*one) for one in _captures(moments, snapshots)]
-        pages.append(_result_page(server, moments[-1], snapshots[-1], dark))
+        pages.append(_result_page(server, moments[-1], snapshots[-1]))
     began = f"{moments[0].at:%Y-%m-%d %H:%M}"
     summary = say.DOCUMENT_SUMMARY.format(began=began, views=len(snapshots[-1].captured or ()))
     title = say.DOCUMENT_TITLE.format(name=name)
-    return offline_document(title, summary, pages, player(), dark=dark).encode()
+    return offline_document(title, summary, pages, player()).encode()
 
 
 class _Capture:
@@ -94,7 +88,6 @@ def _captures(
 def _view_page(
     server: LocalServer,
     projections: Projections,
-    dark: bool,
     capture: _Capture,
     last: Snapshot | None,
     counts: bool,
@@ -111,17 +104,15 @@ def _view_page(
     parts.append(f"<h3>{escape(say.AFTER)}</h3><p>{escape(known_sentence(*capture.after))}</p>")
     if steps is not None:
         parts.append(f"<h3>{escape(say.STEPS_FROM_UPRIGHT if last is None else say.STEPS)}</h3>")
-        figures = "".join(_figure(projections, snapshot, step, dark) for step in steps)
+        figures = "".join(_figure(projections, snapshot, step) for step in steps)
         parts.append(f"<div class='steps'>{figures}</div>")
-    way = list(way_of(snapshot, steps, FPS, dark=dark))
+    way = list(way_of(snapshot, steps, FPS, dark=False))
     seen = seen_from(way, steps, FPS, ASPECT)
-    return OfflinePage("".join(parts), recording_of(server, way, seen, dark=dark))
+    return OfflinePage("".join(parts), recording_of(server, way, seen, dark=False))
 
 
-def _result_page(
-    server: LocalServer, moment: Moment, snapshot: Snapshot, dark: bool
-) -> OfflinePage:
-    shown = map_html(map_of(snapshot, "now", dark=dark))
+def _result_page(server: LocalServer, moment: Moment, snapshot: Snapshot) -> OfflinePage:
+    shown = map_html(map_of(snapshot, "now", dark=False))
     html = (
         f"<h2>{escape(say.DOCUMENT_RESULT)}</h2><p>{escape(known_sentence(moment, snapshot))}</p>"
         f"{parameters_html(snapshot)}<div class='v-end-map'>{shown}</div>"
@@ -129,16 +120,16 @@ def _result_page(
     views = snapshot.views
     still = describe(
         replace(snapshot, target=None, remaining=None, pose=None),
-        SceneOptions(dark=dark, surroundings=False),
+        SceneOptions(dark=False, surroundings=False),
     )
     boards = [
-        (*still, *captured_view_shapes(snapshot.board, views[:count], None, dark))
+        (*still, *captured_view_shapes(snapshot.board, views[:count], None, dark=False))
         for count in range(len(views) + 1)
     ]
     way = [now for now in boards for _ in range(round(_VIEW_S * FPS))]
     way += [way[-1]] * round(_REST_S * FPS)
     view = view_along(OUTSIDE, content_of(way[-1]).points, ASPECT)
-    return OfflinePage(html, recording_of(server, way, view, dark=dark))
+    return OfflinePage(html, recording_of(server, way, view, dark=False))
 
 
 def _picture(moment: Moment, snapshot: Snapshot) -> str:
@@ -152,11 +143,11 @@ def _picture(moment: Moment, snapshot: Snapshot) -> str:
     return f"<img class='lens' alt='{alt}' src='{encoded(rgb)}'>"
 
 
-def _figure(projections: Projections, snapshot: Snapshot, step: Step, dark: bool) -> str:
+def _figure(projections: Projections, snapshot: Snapshot, step: Step) -> str:
     camera, words = snapshot.camera, step_prompt(step)
     size = (_STEP_WIDTH, round(_STEP_WIDTH * camera.height / camera.width))
     picture = projections.of_step(
-        step, camera, snapshot.board, size=size, dark=dark, header=False
+        step, camera, snapshot.board, size=size, dark=False, header=False
     ).result()
     alt = say.STEP_ALT.format(number=step.number)
-    return step_figure(step, picture, alt, translated(words.holder), "", dark=dark)
+    return step_figure(step, picture, alt, translated(words.holder), "", dark=False)
