@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from venus3d.engine.errors import SourceError
 from venus3d.engine.sentences import listed
-from venus3d.sources.frame import Frame
+from venus3d.sources.frame import Frame, RealSource
 from venus3d.sources.images import shown
 
 SUFFIXES = (".bag", ".mcap", ".db3")
@@ -51,12 +51,8 @@ def is_bag(path: Path) -> bool:
     return path.suffix.lower() in SUFFIXES and path.is_file()
 
 
-class Bag:
+class Bag(RealSource):
     """The pictures of one topic of a bag, in order. `Frame.time_s` is the bag's time."""
-
-    is_live = False
-    flip = False
-    """Whether left and right are exchanged: for mirrored pictures."""
 
     def __init__(self, path: Path, topic: str | None = None, *, realtime: bool = False) -> None:
         """Open the bag at `path`; a topic must be named if there is more than one with pictures.
@@ -84,11 +80,6 @@ class Bag:
             self.close()
             raise SourceError(f"{self._name} holds no picture of {connection.topic}.")
         self._size, self._began_s = self._first.image_size, time.monotonic()
-
-    @property
-    def image_size(self) -> tuple[int, int]:
-        """(width, height) of the pictures."""
-        return self._size
 
     def read(self) -> Frame | None:
         """The next picture; None at the end. Raises `SourceError` for one of another size."""

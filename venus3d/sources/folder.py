@@ -11,7 +11,7 @@ from pathlib import Path
 
 from venus3d.engine.errors import SourceError
 from venus3d.engine.sentences import listed
-from venus3d.sources.frame import Frame
+from venus3d.sources.frame import Frame, RealSource
 from venus3d.sources.images import (
     SUFFIXES,
     UNREAD_PICTURES,
@@ -27,7 +27,7 @@ from venus3d.sources.images import (
 _MOST_NAMED = 5
 
 
-class Folder:
+class Folder(RealSource):
     """Images of one size, in order; `Frame.time_s` counts them.
 
     Whichever way they are named, a file is read if its name or its content is that of an image
@@ -36,10 +36,6 @@ class Folder:
     that is found before the work starts. Raises `SourceError` for an empty list, for images of
     several sizes, and if none can be read.
     """
-
-    is_live = False
-    flip = False
-    """Whether left and right are exchanged: for mirrored images."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         if not paths:
@@ -103,11 +99,6 @@ class Folder:
                 f"No file matches {shown(pattern)}; check the pattern, and quote it in the shell."
             )
         return Folder(sorted(images, key=_natural))
-
-    @property
-    def image_size(self) -> tuple[int, int]:
-        """(width, height) of all images."""
-        return self._size
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -59,3 +59,17 @@ class Source(Protocol):
     def close(self) -> None:
         """Release all resources. May be called twice."""
         ...
+
+
+class RealSource:
+    """What all sources but the simulation share."""
+
+    is_live = False
+    flip = False
+    """Whether left and right are exchanged: for pictures that come mirrored."""
+    _size: tuple[int, int]
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """(width, height) of the frames."""
+        return self._size

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from venus3d.engine.errors import SourceError
 from venus3d.engine.sentences import said_by
 from venus3d.sources.camera_controls import CameraControls
-from venus3d.sources.frame import Frame
+from venus3d.sources.frame import Frame, RealSource
 from venus3d.sources.reconnection import Outage, Reconnection
 from venus3d.sources.stream import OPEN_TIMEOUT_S, READ_TIMEOUT_S, StreamCapture
 from venus3d.threads.latest import Latest
@@ -49,12 +49,10 @@ class OtherSize:
 Trouble = Outage | OtherSize
 
 
-class Live:
+class Live(RealSource):
     """A live source. `Frame.time_s` counts from the opening."""
 
     is_live = True
-    flip = False
-    """Whether left and right are exchanged: for mirrored pictures."""
 
     def __init__(
         self,
@@ -100,11 +98,6 @@ class Live:
         self._first: Frame | None = first
         self._refused: tuple[int, int] | None = None
         self._connection = Reconnection(timeout_s, OPEN_TIMEOUT_S + timeout_s, clock)
-
-    @property
-    def image_size(self) -> tuple[int, int]:
-        """(width, height) of the frames."""
-        return self._size
 
     @property
     def trouble(self) -> Trouble | None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from venus3d.engine.errors import SourceError
-from venus3d.sources.frame import Frame
+from venus3d.sources.frame import Frame, RealSource
 from venus3d.sources.images import shown
 from venus3d.sources.opencv_log import silence_opencv
 from venus3d.sources.served_video import ServedVideo
@@ -22,17 +22,13 @@ _MOST_MISSED = 1000
 """Damaged frames in a row after which a video has ended, however many it announces."""
 
 
-class Video:
+class Video(RealSource):
     """The frames of a video file. `Frame.time_s` is the video's own time. Frames that cannot be
     decoded are left out, and `notes` says so at the end.
 
     A phone's rotation tag is applied, and `notes` says so: whoever reads the video with OpenCV or
     FFmpeg gets its frames turned as well, and the calibration is for those.
     """
-
-    is_live = False
-    flip = False
-    """Whether left and right are exchanged: for a mirrored video."""
 
     def __init__(
         self, path: Path | str, *, realtime: bool = False, served: ServedVideo | None = None
@@ -77,11 +73,6 @@ class Video:
                 f"as players show them, and the calibration holds for {self._size[0]} x "
                 f"{self._size[1]} px.",
             )
-
-    @property
-    def image_size(self) -> tuple[int, int]:
-        """(width, height) of the frames."""
-        return self._size
 
     @property
     def announced(self) -> int | None:

@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 from venus3d.engine.errors import SourceError
-from venus3d.sources.frame import Frame
+from venus3d.sources.frame import Frame, RealSource
 from venus3d.sources.images import is_image, read_header, read_image, shown
 from venus3d.sources.live import OtherSize
 
@@ -16,15 +16,11 @@ _GIVEN_UP_S = 10.0
 """A file that cannot be read for so long after it last grew is damaged, and not half written."""
 
 
-class WatchedFolder:
+class WatchedFolder(RealSource):
     """The pictures in a folder, those that are there and those that come; never at its end.
 
     A picture of another size than the first one is left out, and `trouble` says so until the next.
     """
-
-    is_live = False
-    flip = False
-    """Whether left and right are exchanged: for mirrored images."""
 
     def __init__(self, directory: Path) -> None:
         """Watch `directory`. Raises `SourceError` if it is none or holds no picture yet, since a
@@ -39,11 +35,6 @@ class WatchedFolder:
         self._count = 0
         self._refused: tuple[int, int] | None = None
         self._size = self._first_size()
-
-    @property
-    def image_size(self) -> tuple[int, int]:
-        """(width, height) of the pictures."""
-        return self._size
 
     @property
     def trouble(self) -> OtherSize | None:
