@@ -19,9 +19,9 @@ Switch = FlagCreatePairsOff[bool]
 """An option that is off by default."""
 
 
-def optional(unit: str, usual: str) -> object:
+def optional(unit: str, usual: str = "") -> object:
     """How `--help` shows an option that is None by default."""
-    return arg(metavar=unit, help_behavior_hint=f"(usual: {usual})")
+    return arg(metavar=unit, help_behavior_hint=f"(usual: {usual})" if usual else "(optional)")
 
 
 LensName = Literal[

@@ -10,7 +10,7 @@ from tyro.conf import Positional, arg
 
 from venus3d.engine.geometry.pose import Axes
 from venus3d.engine.geometry.resize import ResizeBy
-from venus3d.options import BoardOptions, LanguageOption, LensName, LimitOptions, Switch
+from venus3d.options import BoardOptions, LanguageOption, LensName, LimitOptions, Switch, optional
 
 Number = Positional[float]
 
@@ -28,9 +28,9 @@ class CalibrateOptions:
     """The lens model; auto finds out whether five coefficients do, or it is a fisheye."""
     max_frames: int = 40
     """Maximum number of frames from a video: the most informative ones, no near-duplicates."""
-    every: Annotated[int | None, arg(metavar="N", help_behavior_hint="(usual: chosen)")] = None
+    every: Annotated[int | None, optional("N", "chosen")] = None
     """Take every Nth frame of a video that shows the board, instead of choosing."""
-    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    output: Annotated[Path | None, optional("DIR")] = None
     """Folder for camera.yaml and result.json; an earlier result there is kept."""
     json: Switch = False
     """Print the result as one JSON object on the last line."""
@@ -42,7 +42,7 @@ class ReplayOptions:
 
     session: Annotated[Positional[Path], arg(metavar="DIR")]
     """The folder of a session, as venus3d guide keeps it."""
-    export: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
+    export: Annotated[Path | None, optional("FILE")] = None
     """Write a file instead. FILE.mp4: a film, each view's picture with its target, under what was
     known then. FILE.html: a page to hand out that works offline, with the scene of every view."""
     language: LanguageOption = None
@@ -81,9 +81,7 @@ class DecomposeOptions:
     """Turns about the camera's fixed axes, or about the board's own axes as they turn with it."""
     board: BoardOptions = field(default_factory=BoardOptions)
     limits: LimitOptions = field(default_factory=LimitOptions)
-    camera: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(usual: the simulated one)")
-    ] = None
+    camera: Annotated[Path | None, optional("FILE", "the simulated one")] = None
     """The camera to use: a result.json, a camera.yaml, any other camera file, or the folder of a
     calibration."""
     output: Annotated[Path, arg(metavar="DIR")] = Path("steps")
@@ -95,9 +93,7 @@ class BoardCommand:
     """Write the board to print: PDF, SVG or PNG, at true scale. Or show it on a screen."""
 
     board: BoardOptions = field(default_factory=BoardOptions)
-    paper: Annotated[
-        str | None, arg(metavar="PAPER", help_behavior_hint="(usual: a4 for PDF, else fit)")
-    ] = None
+    paper: Annotated[str | None, optional("PAPER", "a4 for PDF, else fit")] = None
     """a4, a3, letter, a size such as 500x700 (mm), or fit, as large as the board. A board that is
     larger comes on several pages (PDF) with marks to cut by."""
     margin_mm: float = 10.0
@@ -108,10 +104,10 @@ class BoardCommand:
     """Only the board: no ruler, words and QR code."""
     show: Switch = False
     """Open a page that shows the board on this screen in true size instead."""
-    find: Annotated[str | None, arg(metavar="SOURCE", help_behavior_hint="(optional)")] = None
+    find: Annotated[str | None, optional("SOURCE")] = None
     """Instead, look at pictures, a video or a camera, and print which board they show with the
     options to copy."""
-    save: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
+    save: Annotated[Path | None, optional("FILE")] = None
     """Write only the board's options to a file, which --board FILE reads."""
     output: Annotated[Path, arg(metavar="PATH")] = Path("board.pdf")
     """The file to write, .pdf, .svg or .png; in a folder board.pdf."""
@@ -121,7 +117,7 @@ class BoardCommand:
 class CamerasOptions:
     """List the cameras at this machine: sizes and rates, controls, the source to name."""
 
-    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    output: Annotated[Path | None, optional("DIR")] = None
     """Folder for a picture of each camera."""
     json: Switch = False
     """Print all of it as one JSON object on the last line."""
@@ -131,10 +127,8 @@ _FORMATS = (
     "opencv-yaml, opencv-json, opencv-xml, ros, kalibr, colmap, mrcal, nerfstudio, matlab, "
     "blender, unity, json"
 )
-_FormatOption = Annotated[
-    str | None, arg(metavar="FORMAT", help_behavior_hint="(usual: found out from the file)")
-]
-_NameOption = Annotated[str | None, arg(metavar="NAME", help_behavior_hint="(usual: the only one)")]
+_FormatOption = Annotated[str | None, optional("FORMAT", "found out from the file")]
+_NameOption = Annotated[str | None, optional("NAME", "the only one")]
 
 
 @dataclass(frozen=True)
@@ -147,17 +141,13 @@ class ExportOptions:
     to: Annotated[
         str | None, arg(metavar="FORMAT", help=_FORMATS, help_behavior_hint="(usual: by --output)")
     ] = None
-    output: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(usual: the format's own name)")
-    ] = None
+    output: Annotated[Path | None, optional("FILE", "the format's own name")] = None
     """The file to write."""
-    size: Annotated[str | None, arg(metavar="WxH", help_behavior_hint="(usual: as calibrated)")] = (
-        None
-    )
+    size: Annotated[str | None, optional("WxH", "as calibrated")] = None
     """For pictures of another size, WIDTHxHEIGHT."""
     by: Annotated[ResizeBy | None, arg(help_behavior_hint="(needed for another shape)")] = None
     """How the camera makes them: scaled, cropped, or by binning whole pixels."""
-    offset: Annotated[str | None, arg(metavar="X,Y", help_behavior_hint="(usual: centred)")] = None
+    offset: Annotated[str | None, optional("X,Y", "centred")] = None
     """First pixel of the crop."""
     without_k3: Switch = False
     """For a format without k3: the nearest camera that has none, and how far it is off."""
@@ -193,9 +183,7 @@ class UndistortOptions:
     """A result.json, a camera.yaml, any other camera file, or the folder of a calibration."""
     output: Annotated[Path, arg(metavar="DIR")] = Path("undistorted")
     """Folder for the pictures (PNG) or the video (MP4), and for their camera.yaml."""
-    alpha: Annotated[
-        float | None, arg(metavar="0..1", help_behavior_hint="(usual: the same camera matrix)")
-    ] = None
+    alpha: Annotated[float | None, optional("0..1", "the same camera matrix")] = None
     """0: zoomed so that no pixel is black; 1: so that every pixel of the source is kept."""
 
 
@@ -205,9 +193,7 @@ class ReportOptions:
 
     source: Annotated[Positional[Path], arg(metavar="SOURCE")]
     """The folder of a session or of a calibration, or its result.json."""
-    output: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(usual: beside it)")] = (
-        None
-    )
+    output: Annotated[Path | None, optional("FILE", "beside it")] = None
     """The file to write."""
 
 
@@ -227,7 +213,7 @@ class VerifyOptions:
     """Maximum number of frames from a video."""
     flip: Switch = False
     """Exchange left and right: for pictures that are mirrored."""
-    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    output: Annotated[Path | None, optional("DIR")] = None
     """Folder for verification.html and verification.json."""
     json: Switch = False
     """Print the verification as one JSON object on the last line."""

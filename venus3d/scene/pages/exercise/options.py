@@ -16,6 +16,7 @@ from venus3d.options import (
     Switch,
     check_range,
     image_size_of,
+    optional,
 )
 from venus3d.storage.exercise import harmless
 
@@ -25,9 +26,7 @@ class PracticeOptions:
     """Let trainees bring a board to target poses, and score them."""
 
     board: BoardOptions = field(default_factory=BoardOptions)
-    camera: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(usual: a simulated webcam)")
-    ] = None
+    camera: Annotated[Path | None, optional("FILE", "a simulated webcam")] = None
     """The calibrated camera that is practised with: a result.json, a camera.yaml, any other camera
     file, or the folder of a calibration."""
     seed: int = 0
@@ -59,17 +58,13 @@ class TrialOptions:
     camera: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(sim: its own)")] = None
     """The calibrated camera that the trial looks through: a result.json, a camera.yaml, any other
     camera file, or the folder of a calibration."""
-    participant: Annotated[
-        str | None, arg(metavar="NAME", help_behavior_hint="(usual: P1, P2, ...)")
-    ] = None
+    participant: Annotated[str | None, optional("NAME", "P1, P2, ...")] = None
     """Who takes part; one who was interrupted goes on."""
     poses: int = 10
     """How many poses there are with each help."""
     board: BoardOptions = field(default_factory=BoardOptions)
     limits: LimitOptions = field(default_factory=LimitOptions)
-    camera_size: Annotated[
-        str | None, arg(metavar="WIDTHxHEIGHT", help_behavior_hint="(usual: as it comes)")
-    ] = None
+    camera_size: Annotated[str | None, optional("WIDTHxHEIGHT", "as it comes")] = None
     """Size of the picture to ask a camera for, or to simulate (sim: 1280x720)."""
     overlap: float = 0.85
     """How much the board must cover its target in the picture, 0 to 1, to have reached it."""

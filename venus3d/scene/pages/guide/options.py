@@ -19,6 +19,7 @@ from venus3d.options import (
     Switch,
     check_range,
     image_size_of,
+    optional,
 )
 from venus3d.scene.web.monitor import audience_address
 from venus3d.sources.camera_settings import CameraSettings
@@ -62,9 +63,7 @@ class GuideOptions:
     """sim, a camera's number or device, a stream's address, a video, a folder or a pattern of
     pictures, watch:DIR, a ROS bag (BAG or BAG:/topic)."""
     board: BoardOptions = field(default_factory=BoardOptions)
-    camera_size: Annotated[
-        str | None, arg(metavar="WIDTHxHEIGHT", help_behavior_hint="(usual: as it comes)")
-    ] = None
+    camera_size: Annotated[str | None, optional("WIDTHxHEIGHT", "as it comes")] = None
     """Size of the picture to ask a camera for, or to simulate (sim: 1280x720)."""
     camera: CameraSettings = field(default_factory=CameraSettings)
     flip: Switch = False
@@ -117,9 +116,7 @@ class GuideOptions:
     """Port of the viewer; the next free one is used if it is taken."""
     tour: bool = True
     """Show a browser that is new here around, once."""
-    audience: Annotated[str | None, arg(metavar="[HOST:]PORT", help_behavior_hint="(optional)")] = (
-        None
-    )
+    audience: Annotated[str | None, optional("[HOST:]PORT")] = None
     """A second, read-only page for a monitor or a class; with 0.0.0.0:PORT for other machines."""
     audience_token: Switch = False
     """Other machines see the second page only by the token in the address that is printed."""
@@ -131,12 +128,12 @@ class GuideOptions:
     """The second page in light colours, for a bright room."""
     audience_sound: Literal["off", "tones", "voice", "both"] = "off"
     """The second page's sounds: tones that quicken near the target, sentences spoken, or both."""
-    output: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    output: Annotated[Path | None, optional("DIR")] = None
     """Folder of the session: every view's picture, a journal, camera.yaml and result.json; one with
     the date in venus3d-sessions if none is named."""
     record: bool = True
     """Keep the session in its folder, so that it can be gone on with."""
-    resume: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(optional)")] = None
+    resume: Annotated[Path | None, optional("DIR")] = None
     """Go on with the session in this folder: its views, its source, board and other options, unless
     they are given anew."""
     known_camera: Annotated[

@@ -6,27 +6,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from tyro.conf import Positional, arg
+from tyro.conf import Positional
 
 from venus3d.engine.errors import VenusError
-from venus3d.options import BoardOptions, LanguageOption, Switch, check_range
+from venus3d.options import BoardOptions, LanguageOption, Switch, check_range, optional
 
 
 @dataclass(frozen=True)
 class TeachOptions:
     """Show what a pose is and how it comes apart, in the browser."""
 
-    lesson: Annotated[
-        Positional[str], arg(metavar="LESSON", help_behavior_hint="(usual: the first)")
-    ] = ""
+    lesson: Annotated[Positional[str], optional("LESSON", "the first")] = ""
     """A lesson's name, or a lesson file of your own (.toml)."""
     board: BoardOptions = field(default_factory=BoardOptions)
-    camera: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(usual: a simulated webcam)")
-    ] = None
+    camera: Annotated[Path | None, optional("FILE", "a simulated webcam")] = None
     """The calibrated camera that is taught with: a result.json, a camera.yaml, any other camera
     file, or the folder of a calibration."""
-    export: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(optional)")] = None
+    export: Annotated[Path | None, optional("FILE")] = None
     """Write the lesson to a file and end: .html (plays offline), .png (a sheet of the four steps),
     .mp4 or .gif (the animation)."""
     dark: Switch = False
