@@ -148,8 +148,6 @@ def _target_of(content: Mapping[str, Any], camera: Camera, board: Board) -> Targ
         reason=content["reason"],
         predicted_sigma=_array(content["std"]),
         predicted_uncertainty_px=float(_array(content["uncertainty_px"])),
-        evaluated=0,
-        search_s=0.0,
     )
 
 

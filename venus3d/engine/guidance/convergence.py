@@ -77,7 +77,10 @@ def last_gain(history: Sequence[Progress]) -> tuple[float, float]:
 
 
 def check_convergence(
-    history: Sequence[Progress], epsilon: float = 0.1, rule: Rule = "repaired"
+    history: Sequence[Progress],
+    epsilon: float = 0.1,
+    rule: Rule = "repaired",
+    min_views: int = MIN_VIEWS,
 ) -> Convergence:
     """Which parameters have converged after the last calibration in `history`.
 
@@ -85,7 +88,7 @@ def check_convergence(
     last two calibrations only. It also accepts a parameter whose variance grew.
 
     "repaired" requires `0 <= 1 - sigma_(n+1) / sigma_n < epsilon` of the standard deviations, so a
-    grown variance is not convergence; gives no verdict before `MIN_VIEWS` views; and keeps a
+    grown variance is not convergence; gives no verdict before `min_views` views; and keeps a
     verdict once reached, as Rojtberg's program does: later views serve the other parameters and may
     move this one a little either way.
     """
@@ -100,7 +103,7 @@ def check_convergence(
     reached = np.zeros(len(names), dtype=bool)
     for before, after in pairwise(history):
         # A verdict on other parameters says nothing of these.
-        if after.views >= MIN_VIEWS and after.names == names:
+        if after.views >= min_views and after.names == names:
             with np.errstate(invalid="ignore"):
                 drop = 1 - np.sqrt(_ratio(before, after))
                 reached |= (drop >= 0) & (drop < epsilon)

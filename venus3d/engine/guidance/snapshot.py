@@ -69,7 +69,7 @@ class Snapshot:
     cost: Cost = "projection-variance"
     """The cost that their search minimises."""
     uncertainty: ProjectionUncertainty | None = None
-    """Of the current calibration; None while not all parameters are estimated."""
+    """Of the current calibration; None while not all nine parameters are estimated."""
     search_trace: SearchTrace | None = None
     """The search of the current target; None if there was none."""
     taken_back: bool = False

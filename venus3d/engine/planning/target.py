@@ -101,9 +101,9 @@ class Target:
     """(p,) expected standard deviations after this view; NaN if unknown."""
     predicted_uncertainty_px: float
     """Projection uncertainty over the image after this view, pixels; NaN if unknown."""
-    evaluated: int
+    evaluated: int = 0
     """Number of candidate poses evaluated."""
-    search_s: float
+    search_s: float = 0.0
     """Duration of the search."""
     uncertainty_px: float = float("nan")
     """Projection uncertainty over the image before this view, pixels; NaN if unknown."""
@@ -140,8 +140,6 @@ def unpredicted_target(
         reason=reason,
         predicted_sigma=np.full(len(camera.parameters), np.nan),
         predicted_uncertainty_px=float("nan"),
-        evaluated=0,
-        search_s=0.0,
     )
 
 

@@ -7,7 +7,6 @@ of this format. There is no key for a covariance; the standard deviations stand 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from datetime import datetime, timezone
 from typing import cast
 
@@ -162,40 +161,27 @@ def _xml_depth(text: str) -> int:
     return deepest
 
 
-def _write(extension: str) -> Callable[[CameraRecord], bytes]:
-    return lambda record: opencv_text(record, extension).encode()
+def _format(
+    extension: str, title: str, file_name: str, names: tuple[str, ...], mark: bytes
+) -> CameraFormat:
+    """One of OpenCV's three formats; `mark` is what its files hold and no others."""
+    return CameraFormat(
+        f"opencv-{extension}",
+        title,
+        file_name,
+        names,
+        write=lambda record: opencv_text(record, extension).encode(),
+        read=read_opencv,
+        recognises=lambda content: mark in content,
+        keeps_sigma=True,
+        lenses=_LENSES,
+    )
 
 
-OPENCV_YAML = CameraFormat(
-    "opencv-yaml",
-    "OpenCV's YAML",
-    "camera.yaml",
-    ("camera.yaml", "camera.yml"),
-    write=_write("yaml"),
-    read=read_opencv,
-    recognises=lambda content: b"!!opencv-matrix" in content,
-    keeps_sigma=True,
-    lenses=_LENSES,
+OPENCV_YAML = _format(
+    "yaml", "OpenCV's YAML", "camera.yaml", ("camera.yaml", "camera.yml"), b"!!opencv-matrix"
 )
-OPENCV_JSON = CameraFormat(
-    "opencv-json",
-    "OpenCV's JSON",
-    "camera-opencv.json",
-    ("*-opencv.json",),
-    write=_write("json"),
-    read=read_opencv,
-    recognises=lambda content: b'"opencv-matrix"' in content,
-    keeps_sigma=True,
-    lenses=_LENSES,
+OPENCV_JSON = _format(
+    "json", "OpenCV's JSON", "camera-opencv.json", ("*-opencv.json",), b'"opencv-matrix"'
 )
-OPENCV_XML = CameraFormat(
-    "opencv-xml",
-    "OpenCV's XML",
-    "camera.xml",
-    ("*.xml",),
-    write=_write("xml"),
-    read=read_opencv,
-    recognises=lambda content: b"<opencv_storage" in content,
-    keeps_sigma=True,
-    lenses=_LENSES,
-)
+OPENCV_XML = _format("xml", "OpenCV's XML", "camera.xml", ("*.xml",), b"<opencv_storage")

@@ -6,19 +6,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
-from venus3d.engine.geometry.decomposition import decompose
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.prompts import headline_and_prompt
 from venus3d.engine.guidance.remaining import remaining_steps
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.guidance.tracking import PoseTracker
-from venus3d.engine.planning.target import Target
+from venus3d.engine.planning.target import Target, unpredicted_target
 from venus3d.scene.pages.exercise.exercise import Exercise
 from venus3d.scene.pages.exercise.trial_plan import Plan
 from venus3d.scene.pages.exercise.view_model import (
@@ -186,19 +183,9 @@ class Trial(Exercise[TrialViewModel]):
     def _aim(self) -> None:
         self._shown_count, self._step = self._shown_count + 1, 1
         target = self._targets[self._pose]
-        self._target = Target(
-            # Never the same number twice: a new number makes the page restart at step 1.
-            number=self._shown_count,
-            pose=target,
-            steps=decompose(target, self.camera, self.board),
-            method="random",
-            cost="projection-variance",
-            serves=(),
-            reason="",
-            predicted_sigma=np.full(len(self.camera.parameters), np.nan),
-            predicted_uncertainty_px=np.nan,
-            evaluated=0,
-            search_s=0.0,
+        # Never the same number twice: a new number makes the page restart at step 1.
+        self._target = unpredicted_target(
+            self._shown_count, target, self.camera, self.board, reason="", method="random"
         )
         self._tracker.set_target(self.camera, self._target)
 

@@ -83,13 +83,4 @@ def _known(options: MeasureOptions) -> tuple[MeasuringCamera, Board]:
 
 
 def _opened(options: MeasureOptions, board: Board) -> Source:
-    return open_interactive(
-        options.source,
-        board,
-        size=None,
-        seed=0,
-        headless=False,
-        autopilot=False,
-        speed=1.0,
-        flip=options.flip,
-    )
+    return open_interactive(options.source, board, flip=options.flip)
