@@ -5,8 +5,10 @@ again."""
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,20 +41,16 @@ def study(options: StudyOptions) -> None:
     for name, most in (("repeats", 10_000), ("people", 1000), ("threads", 1024), ("jobs", 1024)):
         check_range(f"--{name}", getattr(what, name, None), 1, most)
     check_range("--seed", what.seed, 0, 2**63)
-    if isinstance(what, FiguresOptions):
-        _figures(what)
-    elif isinstance(what, BenchOptions):
-        _bench(what)
-    elif isinstance(what, Table1Options):
-        _table1(what)
-    elif isinstance(what, Table2Options):
-        _table2(what)
-    elif isinstance(what, HalvesOptions):
-        _halves(what)
-    elif isinstance(what, FlatnessOptions):
-        _flatness(what)
-    else:
-        _table3(what)
+    studies: dict[type, Callable[[Any], None]] = {
+        FiguresOptions: _figures,
+        BenchOptions: _bench,
+        Table1Options: _table1,
+        Table2Options: _table2,
+        Table3Options: _table3,
+        HalvesOptions: _halves,
+        FlatnessOptions: _flatness,
+    }
+    studies[type(what)](what)
 
 
 def _figures(options: FiguresOptions) -> None:

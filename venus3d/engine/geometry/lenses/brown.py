@@ -31,8 +31,8 @@ class Brown:
 
     name: str
     coefficient_names: tuple[str, ...]
-    is_perspective: bool = True
-    wide: tuple[float, ...] | None = None
+    is_perspective = True
+    wide = None
 
     @property
     def usual(self) -> tuple[float, ...]:

@@ -28,7 +28,7 @@ class Fisheye:
     name: str
     coefficient_names: tuple[str, ...]
     usual: tuple[float, ...]
-    is_perspective: bool = False
+    is_perspective = False
 
     @property
     def wide(self) -> tuple[float, ...]:

@@ -35,7 +35,7 @@ class Rational:
     name: str
     coefficient_names: tuple[str, ...]
     usual: tuple[float, ...]
-    is_perspective: bool = True
+    is_perspective = True
 
     @property
     def wide(self) -> tuple[float, ...]:
