@@ -119,8 +119,8 @@ def _result_of(content: Mapping[str, Any]) -> Result:
         calibration=Calibration(
             board=board,
             camera=camera,
-            covariance=_array(content["covariance"]).reshape(p, p),
-            covariance_noise_only=_array(content["covariance_noise_only"]).reshape(p, p),
+            covariance=array_of(content["covariance"]).reshape(p, p),
+            covariance_noise_only=array_of(content["covariance_noise_only"]).reshape(p, p),
             free=free,
             residual_sigma_px=float(content["residual_sigma_px"]),
             corner_errors=CornerErrors(
@@ -173,9 +173,9 @@ def _view_of(content: Mapping[str, Any], camera: Camera, board: Board) -> View:
     return View(
         number=int(content["number"]),
         observation=replace(seen, image_circle=camera.image_circle),
-        pose=Pose.from_matrix(_array(content["T_camera_board"])),
+        pose=Pose.from_matrix(array_of(content["T_camera_board"])),
         rms_px=float(content["rms_px"]),
-        errors=_array(content["errors_px"]).reshape(seen.count, 2),
+        errors=array_of(content["errors_px"]).reshape(seen.count, 2),
         left_out=None if left_out is None else _corners_of(left_out, size, board),
     )
 
@@ -183,10 +183,10 @@ def _view_of(content: Mapping[str, Any], camera: Camera, board: Board) -> View:
 def _corners_of(content: Mapping[str, Any], size: tuple[int, int], board: Board) -> Observation:
     ids = np.array(content["ids"], dtype=np.intp)
     board.points_of(ids)  # raises for ids that this board does not have
-    corners = _array(content["corners_px"]).reshape(ids.size, 2)
+    corners = array_of(content["corners_px"]).reshape(ids.size, 2)
     return Observation(ids, corners, size, name=content["name"], board=board)
 
 
-def _array(content: Any) -> Array:
+def array_of(content: Any) -> Array:
     """Nested lists of numbers; null becomes NaN."""
     return np.array(content, dtype=np.float64)

@@ -22,7 +22,7 @@ from venus3d.engine.guidance.views import CapturedView
 from venus3d.engine.planning.heuristic_poses import HeuristicState, Window
 from venus3d.engine.planning.target import Target
 from venus3d.storage.result import board_summary, circle_summary
-from venus3d.storage.result_reader import board_of, circle_of
+from venus3d.storage.result_reader import array_of, board_of, circle_of
 
 _BROWN5 = (*PINHOLE_PARAMETERS, *BROWN5.coefficient_names)
 
@@ -106,7 +106,7 @@ def _view_of(event: Mapping[str, Any], camera: Camera, board: Board) -> Captured
     board.points_of(ids)  # raises for ids that this board does not have
     seen = Observation(
         ids,
-        _array(event["corners_px"]).reshape(ids.size, 2),
+        array_of(event["corners_px"]).reshape(ids.size, 2),
         (int(width), int(height)),
         sharpness=float(event["sharpness"]),
         time_s=float(event["time_s"]),
@@ -146,8 +146,8 @@ def _target_of(content: Mapping[str, Any], camera: Camera, board: Board) -> Targ
         cost=content["cost"],
         serves=tuple(content["serves"]),
         reason=content["reason"],
-        predicted_sigma=_array(content["std"]),
-        predicted_uncertainty_px=float(_array(content["uncertainty_px"])),
+        predicted_sigma=array_of(content["std"]),
+        predicted_uncertainty_px=float(array_of(content["uncertainty_px"])),
     )
 
 
@@ -168,11 +168,11 @@ def _progress_of(content: Mapping[str, Any]) -> Progress:
     return Progress(
         int(content["views"]),
         float(content["rms_px"]),
-        _array(content["parameters"]),
-        _array(content["std"]),
-        float(_array(content["uncertainty_px"])),
-        _array(content["promised_std"]),
-        float(_array(content["promised_uncertainty_px"])),
+        array_of(content["parameters"]),
+        array_of(content["std"]),
+        float(array_of(content["uncertainty_px"])),
+        array_of(content["promised_std"]),
+        float(array_of(content["promised_uncertainty_px"])),
         tuple(content.get("names", _BROWN5)),
     )
 
@@ -210,7 +210,7 @@ def _known(known: KnownCamera) -> dict[str, Any]:
 def _known_of(content: Mapping[str, Any]) -> KnownCamera:
     camera = _camera_of(content)
     p = len(camera.parameters)
-    return KnownCamera(camera, _array(content["information"]).reshape(p, p))
+    return KnownCamera(camera, array_of(content["information"]).reshape(p, p))
 
 
 def _numbers(values: Array) -> list[float | None]:
@@ -219,8 +219,3 @@ def _numbers(values: Array) -> list[float | None]:
 
 def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
-
-
-def _array(content: Any) -> Array:
-    """Nested lists of numbers; null becomes NaN."""
-    return np.array(content, dtype=np.float64)
