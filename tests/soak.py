@@ -32,7 +32,7 @@ from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
-from venus3d.scene.pages.guide.intents import Intent, NewSession
+from venus3d.scene.pages.guide.intents import Intent, PageAction
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.sources.board_tracker import BoardTracker
@@ -79,7 +79,7 @@ class Again(Viewer):
         asked = super().drain_intents()
         if self.over:
             self.over, self.sessions = False, self.sessions + 1
-            asked.append(NewSession())
+            asked.append(PageAction.NEW_SESSION)
         return asked
 
 

@@ -141,13 +141,13 @@ def test_guide(viewer: Viewer, open_page: Callable[[], Any], guiding: Snapshot) 
     viewer.show(guiding)
     page = open_page()
     page.wait_for_selector("[data-marked='3']", state="attached")
-    does(viewer, page.locator("button:has(.icon-tabler-camera)").click, intents.Capture())
+    does(viewer, page.locator("button:has(.icon-tabler-camera)").click, intents.PageAction.CAPTURE)
     for row, names in enumerate(GUIDE_ROWS):
         for place, name in enumerate(names):
             does(viewer, button(page, row, place), CONTROLS[name][0])
             if name == "finish":  # asks; the answers stand beside the question
                 card = "[data-dock-leaf]:has(.v-guide)"
-                does(viewer, button(page, 0, 1, card), intents.GoOn())
+                does(viewer, button(page, 0, 1, card), intents.PageAction.GO_ON)
                 page.wait_for_selector(f"{card} {ROW}", state="hidden")
     for intent, hotkey in CONTROLS.values():
         if hotkey is not None:

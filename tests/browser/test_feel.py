@@ -82,6 +82,9 @@ def test_every_key_does_what_the_help_says(
 
         return came
 
+    def asks_for(action: intents.PageAction) -> Callable[[], bool]:
+        return lambda: asks(intents.PageAction)() and action in asked
+
     def asks_to_switch(option: intents.Option) -> Callable[[], bool]:
         return lambda: asks(intents.Toggle)() and intents.Toggle(option) in asked
 
@@ -102,9 +105,9 @@ def test_every_key_does_what_the_help_says(
         "shift+space": lambda: viewer.state.playing,
         "T": lambda: any(name.startswith("/strip/") for name in viewer.scene_names),
         "B": shows("[data-mantine-color-scheme='light']"),
-        "C": asks(intents.Capture),
-        "G": asks(intents.SkipTarget),
-        "backspace": asks(intents.UndoView),
+        "C": asks_for(intents.PageAction.CAPTURE),
+        "G": asks_for(intents.PageAction.SKIP_TARGET),
+        "backspace": asks_for(intents.PageAction.UNDO_VIEW),
         **{number: asks(intents.ChooseAlternative) for number in "123"},
         "shift+P": asks_to_switch("autopilot"),
         "M": lambda: knowledge.state.map != before.map,
@@ -118,8 +121,8 @@ def test_every_key_does_what_the_help_says(
         "9": lambda: viewer.state.explain,
         "space": asks_to_switch("paused"),
         **{key: asks_to_move(*move) for key, move in BOARD_KEYS.items()},
-        "end": asks(intents.Finish),
-        "shift+end": asks(intents.GoOn),
+        "end": asks_for(intents.PageAction.FINISH),
+        "shift+end": asks_for(intents.PageAction.GO_ON),
         "H": shows(".v-keys"),
         "escape": shows(".v-keys", 0),
     }

@@ -188,9 +188,9 @@ def test_keys_queue_what_was_asked_for(viewer: Viewer, open_page: Open, guiding:
         press(page, key)
         wait_until(lambda count=count: has(count + 1), f"key {key!r}")
     assert asked == [
-        intents.Capture(),
-        intents.SkipTarget(),
-        intents.UndoView(),
+        intents.PageAction.CAPTURE,
+        intents.PageAction.SKIP_TARGET,
+        intents.PageAction.UNDO_VIEW,
         intents.Toggle("paused"),
         intents.Toggle("autopilot"),
     ]
@@ -198,7 +198,7 @@ def test_keys_queue_what_was_asked_for(viewer: Viewer, open_page: Open, guiding:
     assert viewer.state.paused and viewer.state.autopilot
     page.get_by_text("Capture this view (C)").click()
     wait_until(lambda: has(6), "the button")
-    assert asked[5] == intents.Capture()
+    assert asked[5] == intents.PageAction.CAPTURE
 
 
 def test_reload_and_second_tab_see_the_same(

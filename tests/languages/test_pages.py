@@ -41,7 +41,7 @@ from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import plan_of
 from venus3d.scene.pages.exercise.view_model import ChooseHelp, ChooseLevel, Press
-from venus3d.scene.pages.guide.intents import Finish, Toggle
+from venus3d.scene.pages.guide.intents import PageAction, Toggle
 from venus3d.scene.pages.guide.uncertainty.texts import MapKind
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.scene.pages.teach.state import TeachState
@@ -158,7 +158,7 @@ def moments(
     yield "a view", guided, lambda viewer: viewer.layers[0]._change(view=2)  # pyright: ignore
     yield "searching", guided, lambda viewer: viewer.layers[0]._change(search=True)  # pyright: ignore
     yield "captured", replace(guided, phase="captured", target=None, remaining=None), nothing
-    yield "end?", guided, lambda viewer: viewer._ask(Finish())
+    yield "end?", guided, lambda viewer: viewer._ask(PageAction.FINISH)
     settled = Convergence(np.ones(9), (True,) * len(PARAMETERS), "repaired")
     over = replace(guided, convergence=settled, target=None, match=None, remaining=None)
     yield "converged", replace(over, phase="converged", diagnoses=()), nothing

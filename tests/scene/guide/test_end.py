@@ -17,7 +17,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.straighten import Straightener
 from venus3d.scene.pages.guide.end_panel import result_html
 from venus3d.scene.pages.guide.guidance_panel import guidance_html
-from venus3d.scene.pages.guide.intents import EndNow, Finish, GoOn, Straighten, Toggle
+from venus3d.scene.pages.guide.intents import PageAction, Straighten, Toggle
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.measure.monitor import MeasureMonitor
 from venus3d.scene.web.step_card import NO_NOTE
@@ -48,7 +48,7 @@ def said(snapshot: Snapshot, state: ViewState | None = None) -> tuple[str, str]:
 
 
 def test_finish_is_asked_once_with_what_it_means(guided: Snapshot) -> None:
-    asked = ViewState().after(Finish())
+    asked = ViewState().after(PageAction.FINISH)
     known = guided.calibration
     assert known is not None
     judged = ended(guided, "k2", "p1").convergence
@@ -57,19 +57,21 @@ def test_finish_is_asked_once_with_what_it_means(guided: Snapshot) -> None:
     fx, sigma = map(float, re.findall(r"fx (\S+) ± (\S+) px", text)[0])
     assert fx == pytest.approx(known.camera.fx, abs=0.1 * known.sigma[0])
     assert sigma == pytest.approx(known.sigma[0], rel=0.05)
-    for answer in (EndNow(), GoOn()):
+    for answer in (PageAction.END_NOW, PageAction.GO_ON):
         assert not asked.after(answer).asked_to_end
 
 
 def test_the_question_goes_when_the_session_ends_by_itself(guided: Snapshot) -> None:
     """After the last of --max-views it once stood beside all that said that it is over."""
-    asked = ViewState().after(Finish())
+    asked = ViewState().after(PageAction.FINISH)
     assert asked.seeing(guided).asked_to_end
     assert not asked.seeing(ended(guided)).asked_to_end
     converged = replace(ended(guided), phase="converged")
     settled = asked.seeing(converged)
     assert not settled.asked_to_end
-    assert settled.after(Finish()).seeing(converged).asked_to_end, "it can still be asked for"
+    assert settled.after(PageAction.FINISH).seeing(converged).asked_to_end, (
+        "it can still be asked for"
+    )
     assert said(ended(guided), asked.seeing(ended(guided)))[0] == "✓"
 
 

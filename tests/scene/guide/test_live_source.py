@@ -20,7 +20,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.guidance.session import Session
 from venus3d.scene.pages.audience.sound import ALARM_S, Alarm
 from venus3d.scene.pages.guide import texts
-from venus3d.scene.pages.guide.intents import NewSession
+from venus3d.scene.pages.guide.intents import PageAction
 from venus3d.scene.pages.guide.live import LiveGuide
 from venus3d.scene.pages.guide.viewer import Viewer
 from venus3d.sources.board_tracker import BoardTracker
@@ -62,7 +62,7 @@ def test_a_camera_that_is_gone_or_changes_its_size_does_not_end_the_session():
             wait_until(lambda: texts.OTHER_SIZE in viewer.view.guidance.content)
             assert "96 x 48 px, not 64 x 48" in viewer.state.no_pictures
             assert session.image_size == (64, 48)
-            viewer._ask(NewSession())
+            viewer._ask(PageAction.NEW_SESSION)
             wait_until(lambda: not viewer.state.other_size)
             wait_until(lambda: session.snapshot().observation.image_size == (96, 48))
             assert session.snapshot().run == 2

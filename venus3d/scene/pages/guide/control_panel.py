@@ -10,17 +10,12 @@ import viser
 from venus3d.engine.guidance.prompts import Phase
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import (
-    Capture,
-    Finish,
-    GoOn,
     Intent,
-    NewSession,
     NudgeBoard,
-    SkipTarget,
+    PageAction,
     Straighten,
     Toggle,
     TurnStep,
-    UndoView,
 )
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.web import texts as web_texts
@@ -31,9 +26,9 @@ from venus3d.scene.web.keys import KEYS
 
 # By the names of their texts, with their keys. What begins anew has no key.
 CONTROLS: dict[str, tuple[Intent, str | None]] = {
-    "capture": (Capture(), KEYS["capture"]),
-    "skip": (SkipTarget(), KEYS["other_pose"]),
-    "undo": (UndoView(), KEYS["undo"]),
+    "capture": (PageAction.CAPTURE, KEYS["capture"]),
+    "skip": (PageAction.SKIP_TARGET, KEYS["other_pose"]),
+    "undo": (PageAction.UNDO_VIEW, KEYS["undo"]),
     "previous": (TurnStep(-1), KEYS["previous_step"]),
     "next": (TurnStep(1), KEYS["next_step"]),
     "play": (Toggle("playing"), KEYS["play_steps"]),
@@ -46,9 +41,9 @@ CONTROLS: dict[str, tuple[Intent, str | None]] = {
     "built": (Toggle("built"), None),
     "pause": (Toggle("paused"), KEYS["go_on"]),
     "straight": (Toggle("straight"), KEYS["straight"]),
-    "finish": (Finish(), KEYS["finish"]),
-    "go_on": (GoOn(), KEYS["resume"]),
-    "new": (NewSession(), None),
+    "finish": (PageAction.FINISH, KEYS["finish"]),
+    "go_on": (PageAction.GO_ON, KEYS["resume"]),
+    "new": (PageAction.NEW_SESSION, None),
     "autopilot": (Toggle("autopilot"), KEYS["autopilot"]),
     "explain": (Toggle("explain"), KEYS["explain"]),
 }
@@ -86,7 +81,7 @@ class ControlPanel:
         self._offered = CONTROLS.keys() - (set() if simulated else {"autopilot"})
         self._offered -= _OF_A_SESSION if recorded else set()
         self._capture = gui.add_button(say.CAPTURE, icon=viser.Icon.CAMERA, hint=say.CAPTURE_HINT)
-        self._capture.on_click(lambda _: ask(Capture()))
+        self._capture.on_click(lambda _: ask(PageAction.CAPTURE))
         self._compared = gui.add_slider(
             say.COMPARED, min=0, max=100, step=1, initial_value=50, hint=say.COMPARED_HINT
         )

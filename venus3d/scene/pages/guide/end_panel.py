@@ -18,7 +18,7 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.sentences import listed
 from venus3d.languages import translated
 from venus3d.scene.pages.guide import texts as say
-from venus3d.scene.pages.guide.intents import EndNow, GoOn, Intent, NewSession
+from venus3d.scene.pages.guide.intents import Intent, PageAction
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.maps import map_html, map_of
 from venus3d.scene.pages.guide.uncertainty.parameters import figures
@@ -44,15 +44,15 @@ class EndButtons:
     def show(self, state: ViewState, phase: Phase) -> None:
         """Show those that mean something now."""
         if state.other_size:
-            self._row.show({NewSession(): say.NEW_SESSION})
+            self._row.show({PageAction.NEW_SESSION: say.NEW_SESSION})
         else:
             self._row.show(_end_labels(asked=state.asked_to_end, over=phase in OVER))
 
 
 def _end_labels(*, asked: bool, over: bool) -> dict[Intent, str]:
     if asked:
-        return {EndNow(): say.END_NOW, GoOn(): say.GO_ON}
-    return {GoOn(): say.GO_ON, NewSession(): say.NEW_SESSION} if over else {}
+        return {PageAction.END_NOW: say.END_NOW, PageAction.GO_ON: say.GO_ON}
+    return {PageAction.GO_ON: say.GO_ON, PageAction.NEW_SESSION: say.NEW_SESSION} if over else {}
 
 
 class EndMap:

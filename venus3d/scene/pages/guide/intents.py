@@ -5,6 +5,7 @@ the session or the source."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum, auto
 from typing import Literal
 
 from venus3d.engine.geometry.pose import Pose
@@ -12,19 +13,23 @@ from venus3d.engine.planning.settings import Cost, Method
 from venus3d.sources.camera_settings import SettingName
 
 
-@dataclass(frozen=True)
-class Capture:
+class PageAction(Enum):
+    """Intents without a value."""
+
+    CAPTURE = auto()
     """Capture the current view, matched or not."""
-
-
-@dataclass(frozen=True)
-class SkipTarget:
+    SKIP_TARGET = auto()
     """Ask for another target."""
-
-
-@dataclass(frozen=True)
-class UndoView:
+    UNDO_VIEW = auto()
     """Remove the last captured view."""
+    FINISH = auto()
+    """Ask whether to end the calibration; once asked, end it."""
+    END_NOW = auto()
+    """End the calibration and keep the result."""
+    GO_ON = auto()
+    """Do not end it, or go on after the end, with all views."""
+    NEW_SESSION = auto()
+    """Begin a new calibration; the result of this one stays in its files."""
 
 
 @dataclass(frozen=True)
@@ -52,26 +57,6 @@ class ChooseAlternative:
     """Into the target's `alternatives`."""
     target: int
     """Number of their target, which may have changed meanwhile."""
-
-
-@dataclass(frozen=True)
-class Finish:
-    """Ask whether to end the calibration; once asked, end it."""
-
-
-@dataclass(frozen=True)
-class EndNow:
-    """End the calibration and keep the result."""
-
-
-@dataclass(frozen=True)
-class GoOn:
-    """Do not end it, or go on after the end, with all views."""
-
-
-@dataclass(frozen=True)
-class NewSession:
-    """Begin a new calibration; the result of this one stays in its files."""
 
 
 @dataclass(frozen=True)
@@ -142,16 +127,10 @@ class SetCamera:
 
 
 Intent = (
-    Capture
-    | SkipTarget
-    | UndoView
+    PageAction
     | DropView
     | ChangeMethod
     | ChooseAlternative
-    | Finish
-    | EndNow
-    | GoOn
-    | NewSession
     | Straighten
     | Toggle
     | TurnStep

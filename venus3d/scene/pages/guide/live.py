@@ -212,14 +212,14 @@ class LiveGuide:
     def _obey(self, intent: intents.Intent) -> None:
         session, source = self._session, self._stream.source
         match intent:
-            case intents.Capture():
+            case intents.PageAction.CAPTURE:
                 if not session.capture():
                     self._viewer.say(
                         texts.ENDED if session.phase == "finished" else texts.NOTHING_TO_CAPTURE
                     )
-            case intents.SkipTarget():
+            case intents.PageAction.SKIP_TARGET:
                 session.skip_target()
-            case intents.UndoView():
+            case intents.PageAction.UNDO_VIEW:
                 session.undo_view()
             case intents.DropView(number):
                 if not session.drop_view(number):
@@ -231,11 +231,11 @@ class LiveGuide:
                     session.change_method(method, cost)
                 except VenusError as error:
                     self._viewer.say(translated_error(error))
-            case intents.EndNow():
+            case intents.PageAction.END_NOW:
                 session.finish()
-            case intents.GoOn():
+            case intents.PageAction.GO_ON:
                 session.resume()
-            case intents.NewSession():
+            case intents.PageAction.NEW_SESSION:
                 session.restart(_size_now(source))
             case intents.Toggle("paused"):
                 self._stream.pause(self._viewer.state.paused)

@@ -9,12 +9,9 @@ from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide.intents import (
     ChooseAlternative,
     DragBoard,
-    EndNow,
-    Finish,
-    GoOn,
     Intent,
-    NewSession,
     NudgeBoard,
+    PageAction,
     Straighten,
     Toggle,
     TurnStep,
@@ -126,9 +123,9 @@ class ViewState:
                 return replace(self, **{option: not getattr(self, option)})
             case ChooseAlternative():
                 return self.following(True)  # from step 1 of another pose
-            case Finish():
+            case PageAction.FINISH:
                 return replace(self, asked_to_end=True)
-            case EndNow() | GoOn() | NewSession():
+            case PageAction.END_NOW | PageAction.GO_ON | PageAction.NEW_SESSION:
                 return replace(self, asked_to_end=False)
             case Straighten(share):
                 return replace(self, straight=True, compared=share)

@@ -229,8 +229,8 @@ class Viewer(Page[ViewState]):
         self._ask(intents.DragBoard(pose))
 
     def _ask(self, intent: intents.Intent) -> None:
-        if intent == intents.Finish() and self.state.asked_to_end:
-            intent = intents.EndNow()
+        if intent == intents.PageAction.FINISH and self.state.asked_to_end:
+            intent = intents.PageAction.END_NOW
         self.change(lambda state: state.after(intent))
         self._intents.put(intent)
 
