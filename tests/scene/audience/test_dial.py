@@ -184,7 +184,7 @@ def test_what_was_achieved_is_told_once(guided: Snapshot, at) -> None:
     thinking = replace(guided, phase="captured", captured=(1,))
     taken = achieved(there, thinking)
     assert taken is not None and taken[0] == "captured"
-    assert "1 picture so far" in glance_html(taken[1], thinking, dark=True)
-    assert "1 picture so far" in glance_html(view_model_of(thinking), thinking, dark=True)
+    assert "1 picture captured" in glance_html(taken[1], thinking, dark=True)
+    assert "1 picture captured" in glance_html(view_model_of(thinking), thinking, dark=True)
     assert achieved(thinking, replace(guided, captured=(1,))) is None, "told already"
     assert achieved(guided, replace(guided, phase="captured")) is None, "a skipped target"

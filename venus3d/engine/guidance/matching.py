@@ -13,6 +13,9 @@ from venus3d.engine.geometry.decomposition import Steps, decompose
 from venus3d.engine.geometry.pose import Array, Pose
 
 _NEAR_PLANE = 0.01  # metres; anything nearer to the lens is clipped before projection
+_MOST_SHORT = 25
+"""Consecutive frames, about a second, for which a board that falls short of what a capture asks for
+may count as done by the hysteresis alone: it would be held still in vain."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,8 @@ class Tolerance:
     """Remaining turn, degrees. On random targets, a pose with all four steps just within these
     tolerances overlaps by more than 0.85 in 99.8 %, so "all steps done" and "reached" agree."""
     hysteresis: float = 1.6
-    """A step that was done reopens only beyond this multiple, to avoid flicker."""
+    """A step that was done reopens only beyond this multiple, to avoid flicker; so does a pose that
+    was reached, in what the overlap lacks of 1 and in its turn."""
     reached_deg: float = 15.0
     """Beyond this turn the pose is not reached whatever the overlap: a silhouette hardly
     distinguishes a forward from a backward tilt, or upright from upside down."""
@@ -67,6 +71,17 @@ class Match:
     """Tolerance of the centre, millimetres."""
     limit_deg: float
     """Tolerance of a turn, degrees."""
+    lingers: bool = False
+    """It was there before, and the board has only trembled since."""
+    short_frames: int = 0
+    """Consecutive frames in which all counted as done, and yet the overlap was too small or the
+    turn too large for a capture."""
+
+    @property
+    def is_there(self) -> bool:
+        """Whether nothing is left to do but to hold still. Unlike `reached`, which a capture asks
+        for, it does not change to and fro with a trembling board."""
+        return self.reached or self.lingers or all(self.within)
 
     @property
     def part_limit_mm(self) -> float:
@@ -104,9 +119,17 @@ def match(
     # What remains of each step in units of its tolerance, in the order of the four steps.
     rest = [float(np.linalg.norm(remaining_mm)) / max(limit_mm, 1e-9)]
     rest += [abs(float(angle)) / max(allowed.deg, 1e-9) for angle in remaining_deg]
+    overlap, turn_deg = silhouette_overlap(camera, board, pose, target), pose.angle_to_deg(target)
+    covers = overlap > overlap_needed and turn_deg <= allowed.reached_deg
+    short = 0 if covers or previous is None or not previous.is_there else previous.short_frames + 1
+    if short > _MOST_SHORT:
+        previous, short = None, 0
     done = (False,) * 4 if previous is None else previous.within
     within = [r <= (allowed.hysteresis if d else 1.0) for r, d in zip(rest, done, strict=True)]
-    overlap = silhouette_overlap(camera, board, pose, target)
+    trembles = (
+        1 - overlap <= allowed.hysteresis * (1 - overlap_needed)
+        and turn_deg <= allowed.hysteresis * allowed.reached_deg
+    )
     motion = motion_px(before, observation)
     return Match(
         steps=steps,
@@ -117,11 +140,11 @@ def match(
         corner_distance_px=_corner_distance_px(camera, board, pose, target),
         overlap=overlap,
         motion_px=motion,
-        reached=overlap > overlap_needed
-        and motion < still_px
-        and pose.angle_to_deg(target) <= allowed.reached_deg,
+        reached=covers and motion < still_px,
         limit_mm=limit_mm,
         limit_deg=allowed.deg,
+        lingers=previous is not None and previous.is_there and trembles,
+        short_frames=short,
     )
 
 

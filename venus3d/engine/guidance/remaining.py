@@ -107,7 +107,7 @@ def remaining_steps(
     steps, done = target.steps, (False,) * 4
     if match is not None:
         # A board that covers its target is there, whatever a step's own tolerance says.
-        steps, done = match.steps, (True,) * 4 if match.reached else match.within
+        steps, done = match.steps, (True,) * 4 if match.is_there else match.within
     one, two, three, four = (
         RemainingStep(step, is_done, STEP_DONE if is_done else instruction(step, match))
         for step, is_done in zip(steps, done, strict=True)

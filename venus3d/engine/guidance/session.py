@@ -446,6 +446,8 @@ class Session:
             self.camera, self.board, self._tracker.pose, there, self.settings
         ):
             self._taken_back = None
+            # Whoever moves away as told is not told to hold still on the way.
+            self._tracker.set_target(self.camera, self._target)
 
     def _is_useful(self) -> bool:
         """Whether the view lowers the uncertainty by `useful_drop`, at the target or not."""

@@ -2,7 +2,8 @@
 
 A turn is a gauge: the hand shows the board, the green band at the top the target, the arrow the
 direction. A move has three straight scales. A square-root scale magnifies values near zero. Left
-and right are the holder's. Sizes are in the drawing's units: 400 by 400.
+and right are the holder's. Sizes are in the drawing's units; each drawing is as large as what it
+shows, since the letters are read at two metres.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from venus3d.scene.pages.audience import texts
 LARGEST_DEG, LARGEST_MM = 90.0, 300.0
 """The ends of the scales."""
 _CENTRE, _RADIUS, _REACH_DEG = (200.0, 210.0), 150.0, 125.0
-_LEFT, _RIGHT_END = 24.0, 376.0
+_LEFT, _RIGHT_END = -22.0, 422.0
+_GAUGE, _SCALES, _TICK = (0, 16, 400, 304), (-40, 0, 480, 300), (0, 42, 400, 316)
+"""What is seen of the plane: left, top, width, height."""
 
 
 def share(value: float, largest: float) -> float:
@@ -46,7 +49,7 @@ def tick_html() -> str:
         "<path d='M122 206l54 56 104-116' fill='none' stroke='var(--ground)' stroke-width='34' "
         "stroke-linecap='round' stroke-linejoin='round'/>"
     )
-    return _svg(tick, texts.DONE)
+    return _svg(tick, texts.DONE, _TICK)
 
 
 def amount_text(match: Match, step: int) -> str:
@@ -72,11 +75,11 @@ def _turn(match: Match, step: int) -> str:
         parts.append(_arc_arrow(hand, float(way)))
     amount = amount_text(match, step)
     parts += [
-        f"<text x='200' y='246' class='v-figure'>{escape(amount)}</text>",
-        f"<text x='200' y='290' class='v-unit'>{escape(texts.TO_GO)}</text>",
+        f"<text x='200' y='235' class='v-figure'>{escape(amount)}</text>",
+        f"<text x='200' y='280' class='v-unit'>{escape(texts.TO_GO)}</text>",
     ]
     limit = f"{number(f'{match.limit_deg:.1f}')}°"
-    return _svg("".join(parts), texts.DIAL_LABEL.format(amount=amount, limit=limit))
+    return _svg("".join(parts), texts.DIAL_LABEL.format(amount=amount, limit=limit), _GAUGE)
 
 
 def _move(match: Match) -> str:
@@ -88,11 +91,11 @@ def _move(match: Match) -> str:
         (z, texts.MOVE_PARTS[2], texts.NEAR_FAR),
     )
     parts = [
-        _scale(60.0 + 130 * i, towards, match.part_limit_mm, words, ends)
+        _scale(36.0 + 100 * i, towards, match.part_limit_mm, words, ends)
         for i, (towards, words, ends) in enumerate(rows)
     ]
     label = texts.DIAL_LABEL.format(amount=amount_text(match, 1), limit=size_mm(match.limit_mm))
-    return _svg("".join(parts), label)
+    return _svg("".join(parts), label, _SCALES)
 
 
 def _scale(
@@ -104,7 +107,7 @@ def _scale(
     def place(mm: float) -> float:
         return 200 + half * share(mm, LARGEST_MM)
 
-    at, right, middle = place(-towards), abs(towards) <= band, y + 34
+    at, right, middle = place(-towards), abs(towards) <= band, y + 32
     second = towards > 0
     # What is near enough stands in green, and the sentence leaves it out.
     text = words[second].format(mm=abs(whole(towards))) if whole(towards) else texts.DONE
@@ -176,8 +179,8 @@ def _line(x: float, y: float, u: float, v: float, width: float, colour: str = "v
     )
 
 
-def _svg(content: str, label: str) -> str:
+def _svg(content: str, label: str, seen: tuple[int, int, int, int]) -> str:
+    box = " ".join(map(str, seen))
     return (
-        f"<svg viewBox='0 0 400 400' role='img' aria-label='{escape(label, quote=True)}'>"
-        f"{content}</svg>"
+        f"<svg viewBox='{box}' role='img' aria-label='{escape(label, quote=True)}'>{content}</svg>"
     )

@@ -72,10 +72,11 @@ def sheet(look: AudienceState, aspect: float = _SCREEN) -> str:
 
 
 def _chips(moment: AudienceViewModel, theme: Theme) -> str:
-    all_done = (False,) * 4 if moment.remaining is None else moment.remaining.done
+    # No steps, where there is nothing to do; their place stays free.
+    all_done = () if moment.remaining is None else moment.remaining.done
     cells = "".join(
         f"<i class='v-chip{' v-on' * (number == moment.step)}{' v-done' * done}' "
         f"style='--step:{colour}'>{'✓' if done else number}</i>"
-        for number, (done, colour) in enumerate(zip(all_done, theme.steps, strict=True), 1)
+        for number, (done, colour) in enumerate(zip(all_done, theme.steps, strict=False), 1)
     )
     return f"<div class='v-chips'>{cells}</div>"

@@ -6,7 +6,7 @@ from venus3d.scene.pages.audience.state import Sound
 
 STARTING = ("…", "Starting", "Waiting for the first picture.")
 LOST = "No connection since {since}. The picture is old; this page goes on by itself."
-NO_PICTURES = ("!", "No picture", "No new pictures since {since}. Please wait.")
+NO_PICTURES = ("!", "No new pictures", "No new pictures since {since}. Please wait.")
 PAUSED = ("II", "Paused", "Paused. You may rest your arms.")
 SHOW_BOARD = ("?", "Show the board")
 NOT_SEEN = ("?", "Board not seen")
@@ -14,6 +14,11 @@ OTHER_BOARD = ("!", "Another board")
 NO_TARGET = ("?", "Your turn")
 REFUSED = ("!", "Not captured yet")
 HOLD_STILL = ("✓", "Hold still", "Hold the board still.")
+TAKEN_BACK = (
+    "↩",
+    "Taken back",
+    "Move the board away from here: only then is this pose captured again.",
+)
 CAPTURED = ("✓", "Captured", "Captured. You may relax your arms.")
 THINKING = ("…", "One moment", "One moment: the next pose is being worked out.")
 CONVERGED = ("✓", "Done", "Done. The camera is calibrated; thank you.")
@@ -23,7 +28,7 @@ DOUBTED = ("!", "Not done yet", "The operator reads a warning; please wait.")
 """Badge, title and sentence of each state; four have the engine's sentence."""
 
 STEP_DONE = "{title}: done. Leave it like that."
-VIEWS = ("no picture yet", "{count} picture so far", "{count} pictures so far")
+VIEWS = ("nothing captured yet", "{count} picture captured", "{count} pictures captured")
 TO_GO = "to go"
 DONE = "done"
 

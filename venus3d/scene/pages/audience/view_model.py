@@ -13,8 +13,9 @@ from venus3d.scene.pages.audience import texts
 from venus3d.scene.pages.audience.dial import share_left
 from venus3d.scene.web.diagnoses import another_board, doubt
 
-Kind = Literal["wait", "warning", "unseen", "step", "good"]
-"""Nothing to do; something is wrong; something is missing; a step to do; something is done."""
+Kind = Literal["wait", "warning", "silent", "unseen", "step", "good"]
+"""Nothing to do; something is wrong; the picture is old; something is missing; a step to do;
+something is done."""
 Cue = Literal["reached", "captured", "alarm"]
 """What tones tell: a step is right; a view is captured; pictures have stopped for long."""
 
@@ -41,7 +42,7 @@ def view_model_of(
     """The message for this moment, in which pictures may be paused, or have not come for a time."""
     if silent_since:
         badge, title, sentence = texts.NO_PICTURES
-        return AudienceViewModel("warning", badge, title, sentence.format(since=silent_since))
+        return AudienceViewModel("silent", badge, title, sentence.format(since=silent_since))
     if paused:
         return AudienceViewModel("wait", *texts.PAUSED)
     if snapshot is None:
@@ -60,6 +61,8 @@ def view_model_of(
     todo = snapshot.remaining
     if todo is None or todo.match is None:
         return _unseen(snapshot)
+    if todo.is_over and snapshot.taken_back:
+        return AudienceViewModel("wait", *texts.TAKEN_BACK, remaining=todo)
     if snapshot.refusal is not None:
         sentence = translated(snapshot.refusal)
         return AudienceViewModel("warning", *texts.REFUSED, sentence, remaining=todo)
@@ -78,7 +81,7 @@ def _unseen(snapshot: Snapshot) -> AudienceViewModel:
     if snapshot.phase == "startup" and snapshot.target is None:
         return AudienceViewModel("unseen", *texts.SHOW_BOARD, sentence)
     if snapshot.pose is None:
-        return AudienceViewModel("unseen", *texts.NOT_SEEN, sentence)
+        return AudienceViewModel("unseen", *texts.NOT_SEEN, sentence, remaining=snapshot.remaining)
     return AudienceViewModel("unseen", *texts.NO_TARGET, sentence)
 
 

@@ -42,14 +42,14 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
         return guide_card(theme.quiet, "II", say.PAUSED, sentence, below=chips, note=note)
     if remaining is None or remaining.match is None:
         return _unseen_card(snapshot, state, theme, chips, note)
-    if remaining.match.reached and snapshot.taken_back:
+    if remaining.is_over and snapshot.taken_back:
         sentence = say.TAKEN_BACK_SENTENCE
         return guide_card(theme.quiet, "↩", say.TAKEN_BACK, sentence, below=chips, note=note)
     if snapshot.refusal is not None:
         below, sentence = second_line(say.CAPTURE_ANYWAY), snapshot.refusal
         headline = snapshot.headline
         return guide_card(theme.info, "!", headline, sentence, below=below, note=note)
-    if remaining.match.reached or (remaining.is_over and state.follow):
+    if remaining.is_over:
         return hold_card(theme, remaining, state.step, note)
     foot = ""
     if not state.playing and state.step != remaining.active:
