@@ -10,9 +10,12 @@ import cv2
 import numpy as np
 import pytest
 
+from tests.ports import free_port
 from tests.waiting import wait_until
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.engine.planning.forecast import Forecast
+from venus3d.languages import Language
+from venus3d.render.projections import Projections
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.texts import METHOD_WORDS, PARAMETERS_TAB
 from venus3d.scene.pages.guide.viewer import Viewer
@@ -244,6 +247,33 @@ def test_the_line_of_the_loop_pushes_no_button_out_of_the_window(
             )
         press(page, "9")
         page.wait_for_selector(".v-loop", state="hidden")
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_all_of_the_progress_is_seen_in_a_low_window(
+    chromium: Any, projections: Projections, guided: Snapshot, language: Language
+) -> None:
+    """What the next pose is for and the poses nearly as good were reached only by scrolling."""
+    target = guided.target
+    assert target is not None and target.alternatives
+    others = (target.alternatives * 3)[:3]
+    viewer = Viewer(port=free_port(), projections=projections, language=language)
+    page = chromium.new_page(viewport={"width": 1366, "height": 768})
+    try:
+        viewer.show(replace(guided, target=replace(target, alternatives=others)))
+        page.goto(viewer.url)
+        panel = "[...document.querySelectorAll('.mantine-ScrollArea-viewport')].find(e => "
+        panel += "e.querySelector('.v-big'))"
+        page.wait_for_function(f"{panel}?.querySelectorAll('button').length >= 3")
+        for width, height in ((1366, 768), (1280, 720)):
+            page.set_viewport_size({"width": width, "height": height})
+            wait_until(
+                lambda: page.evaluate(f"{panel}.scrollHeight <= {panel}.clientHeight + 1"),
+                f"all of it is seen at {width} x {height}",
+            )
+    finally:
+        page.close()
+        viewer.close()
 
 
 def with_alternatives(snapshot: Snapshot, errors: tuple[float, ...]) -> Snapshot:
