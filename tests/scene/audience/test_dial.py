@@ -28,6 +28,11 @@ from venus3d.scene.pages.audience.dial import (
 )
 from venus3d.scene.pages.audience.glance import glance_html, picture_share
 from venus3d.scene.pages.audience.view_model import achieved, view_model_of
+from venus3d.scene.pages.guide import texts as guide_texts
+from venus3d.scene.pages.guide.guidance_panel import guidance_html
+from venus3d.scene.pages.guide.state import ViewState
+from venus3d.scene.web.step_card import NO_NOTE
+from venus3d.scene.web.theme import Theme
 
 GOAL = Pose.from_vector([10, 5, 0, 0.0, 0.0, 0.5])
 
@@ -167,6 +172,30 @@ def test_each_state_has_its_sentence(guided: Snapshot, at) -> None:
         html = glance_html(moment, guided, dark=True)
         assert moment.sentence.replace(" mm", "\u00a0mm") in html and "<script" not in html
         ElementTree.fromstring(html)
+
+
+def test_a_view_taken_back_is_told_as_on_the_guide_page(guided: Snapshot, at) -> None:
+    """ "Hold still" stood here, beside "Move the board away" there; also while the hand trembles."""
+    there = replace(at(), motion_px=9.0, lingers=True)
+    taken_back = replace(matched(guided, there), taken_back=True)
+    moment = view_model_of(taken_back)
+    assert moment.title == guide_texts.TAKEN_BACK and moment.kind == "wait"
+    said = guidance_html(taken_back, ViewState(), Theme(True), NO_NOTE)
+    assert moment.sentence in said and texts.HOLD_STILL[2] not in said
+
+
+def test_a_picture_that_is_old_has_no_steps_beside_it(guided: Snapshot) -> None:
+    """Four steps to do stood beside "No new pictures", "Paused" and "Done"."""
+    for moment in (
+        view_model_of(guided, silent_since="14:05:33"),
+        view_model_of(guided, paused=True),
+        view_model_of(replace(guided, phase="converged")),
+    ):
+        assert "v-chip'" not in glance_html(moment, guided, dark=True)
+    assert "v-is-silent" in glance_html(
+        view_model_of(guided, silent_since="14:05:33"), guided, dark=True
+    )
+    assert glance_html(view_model_of(guided), guided, dark=True).count("<i class='v-chip") == 4
 
 
 def test_what_was_achieved_is_told_once(guided: Snapshot, at) -> None:
