@@ -175,7 +175,7 @@ def test_each_state_has_its_sentence(guided: Snapshot, at) -> None:
 
 
 def test_a_view_taken_back_is_told_as_on_the_guide_page(guided: Snapshot, at) -> None:
-    """ "Hold still" stood here, beside "Move the board away" there; also while the hand trembles."""
+    """There "Move the board away", here "Hold still"; and also while the hand trembles."""
     there = replace(at(), motion_px=9.0, lingers=True)
     taken_back = replace(matched(guided, there), taken_back=True)
     moment = view_model_of(taken_back)
