@@ -256,17 +256,18 @@ def test_all_of_the_progress_is_seen_in_a_low_window(
     """What the next pose is for and the poses nearly as good were reached only by scrolling."""
     target = guided.target
     assert target is not None and target.alternatives
-    others = (target.alternatives * 3)[:3]
+    three = target.alternatives * 3
     viewer = Viewer(port=free_port(), projections=projections, language=language)
     page = chromium.new_page(viewport={"width": 1366, "height": 768})
     try:
-        viewer.show(replace(guided, target=replace(target, alternatives=others)))
         page.goto(viewer.url)
         panel = "[...document.querySelectorAll('.mantine-ScrollArea-viewport')].find(e => "
         panel += "e.querySelector('.v-big'))"
-        page.wait_for_function(f"{panel}?.querySelectorAll('button').length >= 3")
-        for width, height in ((1366, 768), (1280, 720)):
+        for width, height, count in ((1366, 768, 3), (1280, 720, 2)):
+            others = three[:count]
+            viewer.show(replace(guided, target=replace(target, alternatives=others)))
             page.set_viewport_size({"width": width, "height": height})
+            page.wait_for_function(f"{panel}?.querySelectorAll('button').length === {count}")
             wait_until(
                 lambda: page.evaluate(f"{panel}.scrollHeight <= {panel}.clientHeight + 1"),
                 f"all of it is seen at {width} x {height}",
