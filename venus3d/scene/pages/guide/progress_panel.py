@@ -33,7 +33,7 @@ def _summary(snapshot: Snapshot) -> str:
         boxes.append((number(figure(last.rms_px)), say.RMS, say.RMS_HINT))
         boxes.append((number(figure(last.uncertainty_px)), say.UNCERTAINTY, say.UNCERTAINTY_HINT))
     cells = "".join(
-        f"<div title='{escape(hint)}'><b>{value}</b><span>{words}</span></div>"
+        f"<div title='{escape(hint)}'><b>{value}</b> <span>{words}</span></div>"
         for value, words, hint in boxes
     )
     return f"<div class='v-big'>{cells}</div>"
