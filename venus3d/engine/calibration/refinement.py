@@ -38,6 +38,9 @@ _REFINE_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 0.001)
 # A corner is predicted from those within so many squares along both axes, if they are this many:
 # two more than a quadratic has coefficients.
 _REACH, _FEWEST_NEIGHBOURS = 2, 8
+# A corner is astray at so many medians of what corners are off their neighbours, and beyond
+# `_FARTHEST_PX`; at most so many of a picture's.
+_ASTRAY, _MOST_ASTRAY = 5.0, 0.1
 
 
 def local_scales(board: Board, ids: NDArray[np.intp], corners: Array) -> Array:
@@ -113,8 +116,20 @@ def refine_corners(
     """
     refined = by_corner_sub_pix(grey, corners, windows)
     smoother = _smoother(board, ids.tobytes())
+    if not (smoother.any(axis=1) & _moved(refined, corners)).any():
+        return refined
+    # One corner on glare, off by several pixels, outweighs what all others gain.
+    counted = ~_astray(board, ids, corners)
+    better = refined.copy()
+    better[counted] = _judged(board, ids[counted], corners[counted], refined[counted])
+    return better
+
+
+def _judged(board: Board, ids: NDArray[np.intp], corners: Array, refined: Array) -> Array:
+    """(N, 2) the refined corners, or the plain ones where these fit their neighbours better."""
+    smoother = _smoother(board, ids.tobytes())
     judged = smoother.any(axis=1)
-    far = judged & (np.linalg.norm(refined - corners, axis=1) > _TELLS_PX)
+    far = judged & _moved(refined, corners)
     if not far.any():
         return refined
     # Perspective bends a near board more than a quadratic does, by a pixel: without it, what
@@ -129,6 +144,30 @@ def refine_corners(
         return corners
     worse = after > np.maximum(usual, np.linalg.norm(plain - predicted, axis=1))
     return np.where((far & worse)[:, None], corners, refined)
+
+
+def _moved(refined: Array, corners: Array) -> NDArray[np.bool_]:
+    """(N,) whether a move is large enough to be judged."""
+    return np.linalg.norm(refined - corners, axis=1) > _TELLS_PX
+
+
+def _astray(board: Board, ids: NDArray[np.intp], corners: Array) -> NDArray[np.bool_]:
+    """(N,) corners far from where their neighbours have them: on glare, on a finger. One by one,
+    the worst first, since it moves where its neighbours are expected."""
+    astray = np.zeros(ids.size, dtype=bool)
+    for _ in range(int(_MOST_ASTRAY * ids.size)):
+        rest = np.flatnonzero(~astray)
+        smoother = _smoother(board, ids[rest].tobytes())
+        judged = smoother.any(axis=1)
+        if not judged.any():
+            break
+        bent = corners[rest] - _as_seen(board.points_of(ids[rest])[:, :2], corners[rest])
+        off = np.where(judged, np.linalg.norm(bent - smoother @ bent, axis=1), 0.0)
+        worst = int(np.argmax(off))
+        if off[worst] <= max(_FARTHEST_PX, _ASTRAY * float(np.median(off[judged]))):
+            break
+        astray[rest[worst]] = True
+    return astray
 
 
 def _as_seen(points: Array, corners: Array) -> Array:
