@@ -12,17 +12,18 @@ import numpy as np
 import pytest
 
 from tests.engine.calibration.test_adjustment import observe
+from tests.engine.calibration.test_bundle import faced
 from venus3d.cli import main
 from venus3d.engine.calibration.checks import diagnose
 from venus3d.engine.calibration.detection import Detector
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.other_cameras import explained
-from venus3d.engine.calibration.refusals import calibrate_or_refuse
+from venus3d.engine.calibration.refusals import OtherCameraError, calibrate_or_refuse
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.field_of_view import fields_of_view_deg
-from venus3d.engine.geometry.lenses import FISHEYE
+from venus3d.engine.geometry.lenses import BROWN5, FISHEYE
 from venus3d.sources.images_calibration import calibrate_images, calibrate_recording
 from venus3d.sources.recording import observe_recording
 
@@ -57,6 +58,22 @@ def test_a_fisheye_is_found_out(shared_data: Path) -> None:
 def test_a_crop_is_named(shared_data: Path) -> None:
     told = refusal(shared_data / "cases" / "principal-point-outside")
     assert re.match(r"The principal point .* at \((-299|-300), 360\) px, and explains all", told)
+
+
+@pytest.mark.parametrize("count", [5, 11])
+@pytest.mark.parametrize("at", [(-70, 352), (-40, -30), (640, 790)])
+def test_a_crop_to_any_side_is_named(at: tuple[int, int], count: int) -> None:
+    """Once a fisheye of 54° followed the first one's corners with 0.4 px, and was the result, or
+    56° were named as a fisheye; of the second it was said that the views were tilted too little."""
+    camera = Camera(1280, 720, 1000, 1000, *at, k1=-0.2, k2=0.04)
+    for seed in range(3):
+        seen = faced(camera, Board(), count, np.random.default_rng(seed))
+        for lens in (None, BROWN5):
+            with pytest.raises(OtherCameraError) as caught:
+                calibrate_or_refuse(Board(), seen, lens=lens)
+            assert str(caught.value).startswith(CROPPED)
+            x, y = (int(n) for n in re.findall(r"-?\d+", str(caught.value))[:2])
+            assert abs(x - at[0]) < 12 and abs(y - at[1]) < 12
 
 
 def test_a_board_that_is_too_small_is_named(shared_data: Path) -> None:

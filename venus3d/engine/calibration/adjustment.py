@@ -27,6 +27,7 @@ from venus3d.engine.calibration.observation import (
     rms_distance,
     with_centres,
 )
+from venus3d.engine.calibration.other_cameras import SUSPICIOUS_PX, cropped
 from venus3d.engine.calibration.repeats import repeated
 from venus3d.engine.calibration.robust_fit import (
     RobustFit,
@@ -49,6 +50,8 @@ PARALLEL_DEG = 0.5
 """Views whose normals differ by less count as parallel: they share one vanishing line."""
 UNDETERMINED = 0.1
 """A focal length whose sigma exceeds this share of it is undetermined."""
+OUTSIDE = 3.0
+"""Standard deviations by which a principal point outside the picture is surely there."""
 # Lower bound of the corner noise: exact corners must not make a degenerate set look determined.
 # Higher for the start-up model, which mistakes distortion for focal length.
 _NOMINAL_NOISE_PX: dict[Model, float] = {"full": 0.05, "startup": 0.25}
@@ -65,6 +68,7 @@ _MAYBE_PARALLEL = Sentence("they may all be parallel")
 _FOLDED = Sentence("the estimate folded up")
 _NEARLY = Sentence("they are nearly frontal or nearly parallel")
 _PARALLEL = Sentence("all of them are parallel")
+_CAUSE_AND_CURE = Sentence("{cause} {cure}")
 _WITH_THE_REST = Sentence("{error} {left_out}")
 _NOT_USED = Sentence(
     "Not used: {names}, which show fewer than four corners, corners on one line, or no image of "
@@ -88,6 +92,16 @@ _OUTSIDE = Sentence(
     "The result makes no sense (principal point at {x}, {y} px, outside the image); check the "
     "board's sizes and add views tilted by 20-45°."
 )
+
+
+class CroppedError(CalibrationError):
+    """The principal point is surely outside the picture, and the camera explains the views."""
+
+    def __init__(self, camera: Camera, rms_px: float) -> None:
+        """The camera, and the rms reprojection error that it leaves."""
+        self.diagnosis, self.rms_px = cropped(camera, rms_px), rms_px
+        said = _CAUSE_AND_CURE.format(cause=self.diagnosis.cause, cure=self.diagnosis.cure)
+        super().__init__(said)
 
 
 def calibrate(
@@ -167,7 +181,7 @@ def _calibrated(
         raise CalibrationError("The views do not determine the camera.") from error
     except CalibrationError as error:
         unread = [one for one in left_out if one.reason != "repeat"]
-        if not unread:
+        if not unread or isinstance(error, CroppedError):
             raise
         said = _WITH_THE_REST.format(error=said_by(error), left_out=_named(unread))
         raise CalibrationError(said) from error
@@ -372,4 +386,9 @@ def _check_result(calibration: Calibration) -> None:
     if all(calibration.free) and largest_angle_deg(calibration) < PARALLEL_DEG:
         raise CalibrationError(_UNTIED.format(why=_PARALLEL))
     if not (0 <= camera.cx < camera.width and 0 <= camera.cy < camera.height):
+        cx, cy = camera.parameters[2:4]
+        x, y = OUTSIDE * calibration.sigma[2:4]
+        is_sure = not (-x <= cx < camera.width + x and -y <= cy < camera.height + y)
+        if is_sure and calibration.rms_px < SUSPICIOUS_PX:
+            raise CroppedError(camera, calibration.rms_px)
         raise CalibrationError(_OUTSIDE.format(x=f"{camera.cx:.0f}", y=f"{camera.cy:.0f}"))

@@ -9,11 +9,16 @@ leaves a system as small as the shared parameters (Triggs et al. 2000, "Bundle A
 
 S at the optimum is the information of the shared parameters: sigma^2 S^-1 is their covariance.
 `scipy.optimize.least_squares` is thirty times slower: it has no arrow-shaped solver.
+
+Damped steps creep along a valley that bends, as that of a principal point far from the middle,
+which the lens and the poses make up for. So they follow its curvature (geodesic acceleration:
+Transtrum and Sethna 2012, "Improvements to the Levenberg-Marquardt algorithm").
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,6 +35,10 @@ what is left after it is far less), or its share of the cost, which is then roun
 _EXACT_PX2 = 1e-20
 """Least variance of a coordinate, squared pixels: ends the search on corners without noise."""
 _DAMPING, _LEAST_DAMPING, _LARGEST_DAMPING = 1e-6, 1e-12, 1e8
+_PROBE = 0.1
+"""Share of a step over which the curvature is measured."""
+_MOST_BENT = 0.75
+"""The curvature's share of a step; if it is more, nothing is known so far away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +126,10 @@ def adjust(problem: Problem, start: Parameters, iterations: int = _ITERATIONS) -
     system = _System(problem, now, errors)
     for _ in range(iterations):
         shared, poses, length = system.step(damping)
+        if damping > _DAMPING:
+            probe = _moved(problem, now, _PROBE * shared, _PROBE * poses)
+            if probe is not None:
+                shared, poses = system.bent(damping, shared, poses, errors - probe[1])
         trial = _moved(problem, now, shared, poses)
         least = max(_CONVERGED * max(cost / freedom, _EXACT_PX2), _ROUNDING * cost)
         converged = trial is not None and damping <= _DAMPING and length < least
@@ -150,6 +163,7 @@ class _System:
         self._H = (shared @ shared.swapaxes(1, 2)).sum(axis=0) + by_shape.T @ prior
         self._g = (shared @ right).sum(axis=0) - prior.T @ at.shape[:, None]
         self._scale = 1.0 / np.sqrt(np.maximum(np.diag(self._H), 1e-300))
+        self._by_pose, self._by_shared, self._weights = by_pose, shared, weights
 
     def step(self, damping: float) -> tuple[Array, Array, float]:
         """Changes of the q shared parameters and of the poses (N, 6), and the step's squared length
@@ -166,6 +180,24 @@ class _System:
         poses = Y[:, :, -1:] - Y[:, :, :-1] @ shared
         length = float((shared * self._g).sum() + (poses * self._a).sum())
         return shared[:, 0], poses[:, :, 0], length
+
+    def bent(
+        self, damping: float, shared: Array, poses: Array, moved: Array
+    ) -> tuple[Array, Array]:
+        """A step (of `step`) that follows the curvature: `moved` (N, 2, M) are the pixels by which
+        the corners move with `_PROBE` of it."""
+        straight = (poses[:, None] @ self._by_pose)[:, 0]
+        straight += np.tensordot(self._by_shared, shared, ([1], [0]))
+        weighed = (moved * self._weights).reshape(straight.shape)
+        curvature = (2 / _PROBE**2) * (weighed - _PROBE * straight)[:, :, None]
+        other = copy(self)
+        other._a = -self._by_pose @ curvature
+        other._g = -(self._by_shared @ curvature).sum(axis=0)
+        more, turns, _ = other.step(damping)
+        most = _MOST_BENT * np.linalg.norm(shared / self._scale)
+        if not np.linalg.norm(more / self._scale) < most:
+            return shared, poses
+        return shared + more / 2, poses + turns / 2
 
     def information(self) -> Array:
         """(q, q) Schur complement S."""

@@ -15,6 +15,7 @@ DiagnosisKind = Literal[
     "unread-markers",
     "two-boards",
     "small-board",
+    "thin-border",
     "blurred-pictures",
     "impossible-distance",
     "fisheye-lens",
@@ -41,7 +42,6 @@ DiagnosisKind = Literal[
     "wrong-layout",
     "other-first-id",
     "wrong-marker-size",
-    "thin-border",
 ]
 """Worst first: a wrong number given, a model that does not fit, weak views, views left out; last,
 what the calibration allows for."""

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.adjustment import CroppedError, calibrate
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.calibration.shared_errors import ViewResidual
@@ -116,6 +116,9 @@ def chosen_lens(
             break
     if best is None:
         raise failed or CalibrationError("There is no lens model to try.")
+    # The edge of a larger picture bends to one side, which a fisheye follows a little.
+    if isinstance(failed, CroppedError) and HOPELESS * failed.rms_px < best.calibration.rms_px:
+        raise failed
     lens = best.calibration.camera.lens
     if lens is candidates[0]:
         return best.calibration

@@ -34,7 +34,9 @@ BETTER = 3.0
 """Another camera is named if it fits this many times better."""
 _GOOD_PX = 1.0
 """A camera that fits the corners worse than this explains nothing."""
-_FIELD_DEG, _AWAY = 60.0, (0.0, -1.0, 1.0)
+_FIELD_DEG, _AWAY = 60.0, (0.0, -0.5, 0.5, -1.0, 1.0)
+_NARROW_DEG = 75.0
+"""Across the picture: a fisheye sees more."""
 _FEWEST_VIEWS, _FITS_NONE_PX = 2, 100.0
 _FISHEYE = Sentence(
     "This is a fisheye lens, {angle}° across: its model fits all corners with rms {rms} px, a "
@@ -70,18 +72,28 @@ def explained(board: Board, observations: Sequence[Observation], rms_px: float) 
     size = seen[0].image_size
     pinhole, pinhole_px = _best(corners, _pinholes(corners, size))
     fisheye, fisheye_px = _best(corners, initial_parameters(corners, size, FISHEYE))
-    if fisheye is not None and fisheye_px < min(pinhole_px / BETTER, rms_px / BETTER, _GOOD_PX):
+    fits = fisheye_px < min(pinhole_px / BETTER, rms_px / BETTER, _GOOD_PX)
+    if fisheye is not None and fits and fields_of_view_deg(fisheye)[0] > _NARROW_DEG:
         return _fisheye(fisheye, fisheye_px, pinhole_px)
+    if pinhole_px > _GOOD_PX:
+        # A principal point outside is often not the start that gets farthest in a few steps.
+        pinhole, pinhole_px = _best(corners, _pinholes(corners, size), _GOOD_PX)
     if pinhole is None or pinhole_px > min(rms_px / BETTER, _GOOD_PX):
         return None
     if 0 <= pinhole.cx < pinhole.width and 0 <= pinhole.cy < pinhole.height:
         return None
+    return cropped(pinhole, pinhole_px)
+
+
+def cropped(camera: Camera, rms_px: float) -> Diagnosis:
+    """The pictures are parts of larger ones: a camera whose principal point lies outside explains
+    them."""
     return Diagnosis(
         "cropped-pictures",
         Sentence(
             "The principal point lies outside the picture, at ({x}, {y}) px, and explains all "
             "views (rms {rms} px): the pictures are cut out of larger ones."
-        ).format(x=f"{pinhole.cx:.0f}", y=f"{pinhole.cy:.0f}", rms=f"{pinhole_px:.2f}"),
+        ).format(x=f"{camera.cx:.0f}", y=f"{camera.cy:.0f}", rms=f"{rms_px:.2f}"),
         Sentence(
             "Calibrate from the whole pictures, and subtract the place of the part from cx and cy."
         ),
@@ -100,15 +112,17 @@ def _fisheye(camera: Camera, rms_px: float, pinhole_px: float) -> Diagnosis:
     )
 
 
-def _best(corners: Corners, starts: Iterator[Parameters]) -> tuple[Camera | None, float]:
-    """The camera that fits best from these starts, and its rms in pixels; infinite if none does."""
+def _best(
+    corners: Corners, starts: Iterator[Parameters], suspicious_px: float = float("inf")
+) -> tuple[Camera | None, float]:
+    """The camera that fits best from these starts, and its rms in pixels; infinite if none does.
+    Only from `suspicious_px` on all starts are followed: what fits badly explains nothing."""
     first = next(starts, None)
     if first is None:
         return None, float("inf")
     problem = Problem(corners, np.eye(len(first.camera.parameters)))
     try:
-        # What fits badly explains nothing: no start is followed only to see how badly.
-        found = best_of_starts(problem, chain((first,), starts), float("inf"))
+        found = best_of_starts(problem, chain((first,), starts), suspicious_px)
     except CalibrationError:
         return None, float("inf")
     return found.parameters.camera, float(np.sqrt(found.cost / corners.weights.sum()))

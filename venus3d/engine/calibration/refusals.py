@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from venus3d.engine.calibration.adjustment import calibrate
+from venus3d.engine.calibration.adjustment import CroppedError, calibrate
 from venus3d.engine.calibration.calibration import Calibration
 from venus3d.engine.calibration.legibility import legible_square_px, squares_px, too_small_px
 from venus3d.engine.calibration.lens_choice import calibrate_with_any_lens
@@ -112,6 +112,8 @@ def calibrate_or_refuse(
         if small_px is not None:
             raise CalibrationError(_too_small(board, _counted(kept), small_px)) from error
         cause = explained(board, seen, float("inf"))
+        if cause is None and isinstance(error, CroppedError):
+            cause = error.diagnosis
         raise error if cause is None else OtherCameraError(str(cause)) from error
     calibration = without_turned(board, calibration)
     for cause in other_cameras(calibration):
