@@ -182,6 +182,19 @@ def test_many_pictures_need_to_gain_less(seed: int, monkeypatch: pytest.MonkeyPa
     assert turned_views(calibration) == ()
 
 
+@pytest.mark.parametrize("seed", [16, 24, 36, 57])
+def test_a_turned_picture_is_not_taken_for_shared_errors(seed: int) -> None:
+    """As long as it isn't turned back it looks like them, and with them its sign gained nothing."""
+    rng, board, seen = np.random.default_rng(seed), Board(5, 4, 0.05, 0.037), list[Observation]()
+    for vector in tilted(rng, 5, 40, 9):
+        one = observe(replace(TRUTH, cx=700, cy=310), board, vector, rng, 0.03)
+        T = shared_modes(board, board.points_of(one.ids))
+        shift = 0.045 * T @ rng.normal(0, 1, (T.shape[1], 2))
+        seen.append(replace(one, corners=one.corners + shift))
+    assert turned_views(calibrate(board, seen)) == ()
+    assert turned_views(calibrate(board, with_turned(seen, (2,)))) == (2,)
+
+
 def test_real_pictures(shared_data: Path) -> None:
     """None is turned; four that are turned then are named."""
     files = sorted((shared_data / "lifecam-charuco-8x8").glob("*.[jp]*g"))

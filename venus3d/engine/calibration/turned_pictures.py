@@ -19,6 +19,7 @@ flipped one by one for as long as it falls. Other errors gain by signs too. What
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -92,17 +93,22 @@ def turned_views(calibration: Calibration) -> tuple[int, ...]:
     if len(calibration.views) < FEWEST_VIEWS or not all(calibration.free):
         return ()
     # Without regard to shared errors first, which is quick: signs that gain nothing end it.
-    signs = _Signs.of(calibration, shared=False).best(np.ones(len(calibration.views)))
-    if (signs > 0).all():
+    system = _Signs.of(calibration, shared=False)
+    plain = system.best(np.ones(len(calibration.views)))
+    if (plain > 0).all():
         return ()
+    tried: list[Array] = [plain] if system.gain(plain) > 0 else []
     system = _Signs.of(calibration, shared=True)
-    signs = system.best(signs)
-    if system.gain(signs) < 0:
-        return ()
-    try:
-        return _told(calibration, signs)
-    except CalibrationError:
-        return ()
+    signs = system.best(plain)
+    better = (signs < 0).any() and system.gain(signs) >= 0
+    if better and not (tried and (signs == plain).all()):
+        tried.insert(0, signs)
+    # Both, as a turned picture looks like errors that views share until it is turned back.
+    for signs in tried:
+        with suppress(CalibrationError):
+            if found := _told(calibration, signs):
+                return found
+    return ()
 
 
 def without_turned(board: Board, calibration: Calibration) -> Calibration:
