@@ -8,9 +8,11 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
+from tests.engine.board_pictures import picture_of
 from tests.engine.calibration.test_adjustment import observe
 from tests.engine.calibration.test_bundle import faced
 from venus3d.cli import main
@@ -24,6 +26,7 @@ from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import PAPER_CAMERA, Camera
 from venus3d.engine.geometry.field_of_view import fields_of_view_deg
 from venus3d.engine.geometry.lenses import BROWN5, FISHEYE
+from venus3d.engine.geometry.pose import Pose
 from venus3d.sources.images_calibration import calibrate_images, calibrate_recording
 from venus3d.sources.recording import observe_recording
 
@@ -84,6 +87,24 @@ def test_a_board_that_is_too_small_is_named(shared_data: Path) -> None:
     )
     with pytest.raises(CalibrationError, match=r"too small to be read: its squares are 1[2-8] px"):
         calibrate_images([case / "00.jpg", case / "01.jpg", case / "09.jpg"], Board())
+
+
+def test_pictures_of_a_single_row_are_not_said_to_lack_the_board(tmp_path: Path) -> None:
+    """Four pictures show it, three of them one row of its corners: once "Only 1 of 4 pictures shows
+    the board"."""
+    board, pose = Board(), Pose.from_vector([15, 20, 5, 0, 0, 0.5])
+    whole = picture_of(board, PAPER_CAMERA, pose)
+    cv2.imwrite(str(tmp_path / "1.png"), whole)
+    ends = np.array([[-6, -0.9], [6, -0.9], [6, 0.9], [-6, 0.9]]) * board.square
+    rim = PAPER_CAMERA.project(pose.apply(np.pad(ends, ((0, 0), (0, 1)))))
+    mask = cv2.fillConvexPoly(np.zeros_like(whole), np.rint(rim).astype(np.int32), 1)
+    for number in (2, 3, 4):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), np.where(mask > 0, whole, 128))
+    assert Detector(board).detect(np.where(mask > 0, whole, 128)).count == 0
+    assert refusal(tmp_path).startswith(
+        "Only 1 of 4 pictures shows the board with more than one row of its corners, which alone "
+        "fixes no pose, and a calibration needs at least 3 different views"
+    )
 
 
 def test_a_board_that_does_not_move_is_named(shared_data: Path) -> None:

@@ -63,6 +63,9 @@ _ONLY_SHOW_OF = (
     Sentence("Only {count} of {looked} pictures shows the board"),
     Sentence("Only {count} of {looked} pictures show the board"),
 )
+_WITH_ENOUGH = Sentence(
+    "{counted} with more than one row of its corners, which alone fixes no pose"
+)
 
 
 class OtherCameraError(CalibrationError):
@@ -135,6 +138,8 @@ def _too_few(board: Board, kept: _Kept) -> Sentence:
     small = min(squares_px(board, kept.seen), default=float("inf"))
     if small < legible_square_px(board):
         return _too_small(board, counted, small)
+    if looked is not None and looked > count:
+        counted = _WITH_ENOUGH.format(counted=counted)
     return _FEW.format(counted=counted, needed=_NEEDED)
 
 
