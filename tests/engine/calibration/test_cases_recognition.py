@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tests.engine.board_pictures import picture_of
 from venus3d.engine.calibration.board_recognition import recognise_board
 from venus3d.engine.calibration.detection import Detector
-from venus3d.engine.calibration.diagnosis import Diagnosis
+from venus3d.engine.calibration.diagnosis import Diagnosis, joined
 from venus3d.engine.calibration.thin_borders import thin_border_diagnosis
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import KINDS, Board
@@ -281,6 +281,9 @@ def test_markers_that_nearly_fill_their_squares_are_told() -> None:
     assert detector.detect(picture_of(board, CAMERA, POSE)).count > 20
     (said,) = (d for d in detector.diagnoses if d.kind == "thin-border")
     assert "only 1 mm wide, where a marker's cell is 3.7 mm" in said.cause
+    # It is told before what follows from it.
+    for kind in ("rolling-shutter", "poor-fit", "weak-focal-length", "folding"):
+        assert joined([said], [Diagnosis(kind, "", "")])[0] is said
     for good in (Board(), Board(8, 8, 0.0254, 0.01905), Board(12, 8, 0.0180086, 0.0139954)):
         assert thin_border_diagnosis(good) is None
 
