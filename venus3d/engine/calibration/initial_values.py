@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -21,6 +22,8 @@ FIELDS_OF_VIEW_DEG = (60.0, 40.0, 90.0)
 """Horizontal fields of view that are tried beside the closed form."""
 WIDE_FIELDS_DEG = (100.0, 140.0, 190.0, 250.0)
 """The same for wide lenses; an image circle inside the picture leaves the width unseen."""
+_NEAR_EDGES = (0.05, 0.5, 0.95)
+"""Shares of the image's width and height where a principal point off the centre is looked for."""
 _STEEPEST = np.radians(80.0)
 """Of a ray to the mean of its view's."""
 _PLAUSIBLE = (0.05, 50.0)
@@ -43,6 +46,20 @@ def initial_parameters(
             wide = equidistant(size, angle)
             found = _seen_wide(corners, wide)
             yield replace(found, camera=replace(wide, lens=lens, coefficients=lens.wide))
+
+
+def off_centre_parameters(
+    corners: Corners, size: tuple[int, int], lens: LensModel = BROWN5
+) -> Iterator[Parameters]:
+    """The same of a perspective lens with its principal point near an edge of the image. It may be
+    there, and from the middle the lens and the poses settle to what makes up for it."""
+    if not lens.is_perspective:
+        return
+    f = Camera.guess(size).fx
+    for across, down in product(_NEAR_EDGES, repeat=2):
+        if (across, down) != (0.5, 0.5):
+            cx, cy = across * size[0], down * size[1]
+            yield located_by(corners, Camera(*size, f, f, cx, cy, lens=lens))
 
 
 def equidistant(size: tuple[int, int], field_deg: float) -> Camera:

@@ -63,9 +63,7 @@ _ONLY_SHOW_OF = (
     Sentence("Only {count} of {looked} pictures shows the board"),
     Sentence("Only {count} of {looked} pictures show the board"),
 )
-_WITH_ENOUGH = Sentence(
-    "{counted} with more than one row of its corners, which alone fixes no pose"
-)
+_WITH_ENOUGH = Sentence("{counted} (a single row of its corners is not enough)")
 
 
 class OtherCameraError(CalibrationError):

@@ -8,6 +8,7 @@ which the outlying ones are told, and the rest is fitted by plain least squares 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import cv2
@@ -20,6 +21,7 @@ from venus3d.engine.calibration.initial_values import (
     equidistant,
     homographies,
     initial_parameters,
+    off_centre_parameters,
     on_planes,
 )
 from venus3d.engine.errors import CalibrationError
@@ -124,8 +126,14 @@ def _distances(H: Array, xy1: Array, observed: Array) -> Array:
 def from_several_starts(
     problem: Problem, size: tuple[int, int], lens: LensModel = BROWN5
 ) -> Solution:
-    """The best of the optima near `initial_parameters`: all start, the best is finished."""
-    return best_of_starts(problem, initial_parameters(problem.corners, size, lens))
+    """The best of the optima near `initial_parameters`: all start, the best is finished. With a
+    suspicious rms, principal points near the picture's edge are tried as well."""
+    found = best_of_starts(problem, initial_parameters(problem.corners, size, lens))
+    if found.cost > problem.corners.weights.sum() * _SUSPICIOUS_PX**2:
+        starts = off_centre_parameters(problem.corners, size, lens)
+        with suppress(CalibrationError):
+            found = min(found, best_of_starts(problem, starts, float("inf")), key=_cost)
+    return found
 
 
 def best_of_starts(
@@ -138,13 +146,17 @@ def best_of_starts(
     raced = [found for start in starts if (found := _tried(problem, start, _RACE)) is not None]
     if not raced:
         raise CalibrationError("No focal length fits these views.")
-    raced.sort(key=lambda solution: solution.cost)
+    raced.sort(key=_cost)
     best = adjust(problem, raced[0].parameters)
     corners = problem.corners.weights.sum()
     if best.cost > corners * suspicious_px**2:
         others = [_tried(problem, other.parameters, None) for other in raced[1:]]
-        best = min([best, *(o for o in others if o is not None)], key=lambda s: s.cost)
+        best = min([best, *(o for o in others if o is not None)], key=_cost)
     return best
+
+
+def _cost(solution: Solution) -> float:
+    return solution.cost
 
 
 def _tried(problem: Problem, start: Parameters, steps: int | None) -> Solution | None:
