@@ -86,8 +86,8 @@ def test_an_end_that_has_not_settled_has_no_tick(guided: Snapshot) -> None:
 
 def test_a_view_taken_back_is_not_said_to_be_captured_by_holding_still(guided: Snapshot) -> None:
     todo = guided.remaining
-    assert todo is not None and todo.match is not None
-    reached = replace(todo, match=replace(todo.match, reached=True))
+    assert todo is not None
+    reached = replace(todo, each=tuple(replace(step, done=True) for step in todo.each))
     there = replace(guided, remaining=reached, taken_back=True)
     _, text = said(there)
     assert "Hold still" not in text and "C captures it now" in text

@@ -127,9 +127,11 @@ def from_several_starts(
     problem: Problem, size: tuple[int, int], lens: LensModel = BROWN5
 ) -> Solution:
     """The best of the optima near `initial_parameters`: all start, the best is finished. With a
-    suspicious rms, principal points near the picture's edge are tried as well."""
+    suspicious rms, principal points near the picture's edge are tried as well, unless it is held
+    fixed."""
     found = best_of_starts(problem, initial_parameters(problem.corners, size, lens))
-    if found.cost > problem.corners.weights.sum() * _SUSPICIOUS_PX**2:
+    suspicious = found.cost > problem.corners.weights.sum() * _SUSPICIOUS_PX**2
+    if suspicious and problem.basis[2:4].any():
         starts = off_centre_parameters(problem.corners, size, lens)
         with suppress(CalibrationError):
             found = min(found, best_of_starts(problem, starts, float("inf")), key=_cost)
