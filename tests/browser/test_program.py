@@ -160,10 +160,10 @@ def test_another_pose_and_another_method_are_chosen_while_running(
         page.get_by_role("option", name=words, exact=True).click()
 
     page.get_by_text("How the next pose is found").click()
-    before = page.inner_text(".v-reason")
+    before = page.text_content(".v-reason")
     pick("Method", METHOD_WORDS["venus"])
     page.wait_for_function(
-        "old => document.querySelector('.v-reason').innerText !== old", arg=before
+        "old => document.querySelector('.v-reason').textContent !== old", arg=before
     )
     page.close()
     _, err = program.end()
