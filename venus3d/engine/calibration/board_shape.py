@@ -101,7 +101,10 @@ def with_shape(board: Board, flat: RobustFit) -> RobustFit:
             doubts.append(likely - _camera(fit))
         covariance = uncertainty_of(board, fit).covariance
         shape = fit.solution.parameters.shape
-        beyond = (abs(shape) - tolerance)[kept] / np.sqrt(np.diag(covariance)[p:])
+        variances = np.diag(covariance)[p:]
+        # Of a camera that fits nothing they may be negative, by rounding: nothing is known.
+        spread = np.sqrt(np.where(variances > 0, variances, np.inf))
+        beyond = (abs(shape) - tolerance)[kept] / spread
         if (beyond >= EARNED).all():
             # The views determine it: the prior would only draw a strong bow towards flat.
             return replace(_refitted(fit, prior=np.zeros(len(prior))), doubts=tuple(doubts))
