@@ -60,6 +60,9 @@ def test_the_tour_is_walked_there_and_back_with_the_mouse(chromium: Any) -> None
         for page, (width, height) in zip(pages, ((1920, 1080), (420, 860)), strict=True):
             page.set_viewport_size({"width": width, "height": height})
             page.goto(viewer.url)
+            at(page, 1)
+            # Nothing is before the first step.
+            assert page.get_by_role("button", name=texts.TOUR_BACK, exact=True).count() == 0
             for number in range(1, count):
                 at(page, number)
                 press(page, texts.TOUR_NEXT)

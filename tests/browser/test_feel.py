@@ -208,8 +208,9 @@ def test_the_large_text_is_large_docked_and_whole(
 
 @pytest.mark.parametrize("phase", ["converged", "finished"])
 def test_at_the_end_only_what_makes_sense_is_offered(phase: Any) -> None:
-    """More views may be captured once it has settled; what the person has ended stays ended."""
+    """Beside "Done" stood "Capture this view" in the colour of what to do next, and "Finish"; more
+    views are asked for by "Go on". What the person has ended stays ended."""
     useful = useful_in(phase)
     assert useful.isdisjoint(("skip", "play", "next", "previous", "strip", "follow"))
-    assert ("capture" in useful) == ("finish" in useful) == (phase == "converged")
-    assert "theme" in useful
+    assert useful.isdisjoint(("capture", "finish")) and useful.issuperset(("go_on", "theme"))
+    assert ("undo" in useful) == (phase == "converged")

@@ -38,6 +38,7 @@ class _Open:
     modal: Any
     content: Any
     next: Any
+    others: ButtonRow[str]
     number: int = 0
 
 
@@ -94,9 +95,8 @@ class Tour:
                 content = gui.add_html(self._html(0))
                 # The first button has the focus: Enter continues.
                 forth = gui.add_button(say.TOUR_NEXT, hint=say.TOUR_NEXT_HINT)
-                labels = {"back": say.TOUR_BACK, "skip": say.TOUR_SKIP}
-                ButtonRow(gui, say.TOUR_ROW, labels, pressed, hint=say.TOUR_ROW_HINT)
-            self._open[client.client_id] = _Open(modal, content, forth)
+                others = ButtonRow(gui, say.TOUR_ROW, _others(0), pressed, hint=say.TOUR_ROW_HINT)
+            self._open[client.client_id] = _Open(modal, content, forth, others)
         forth.on_click(lambda _: self._turn(client, 1))
 
     def _start_at_first(self, client: viser.ClientHandle) -> None:
@@ -119,6 +119,7 @@ class Tour:
         with client.atomic():
             opened.content.content = self._html(opened.number)
             opened.next.label = say.TOUR_END if last else say.TOUR_NEXT
+            opened.others.show(_others(opened.number))
 
     def _end(self, client: viser.ClientHandle) -> None:
         with self._lock:
@@ -135,3 +136,10 @@ class Tour:
             f"<small>{say.TOUR_COUNT.format(number=index + 1, count=count)}</small>"
             f"<h2>{escape(step.title)}</h2><p>{escape(step.text)}</p></div>"
         )
+
+
+def _others(number: int) -> dict[str, str]:
+    """Labels of the buttons beside `next` on the step with this index; nothing is before the
+    first."""
+    back = {"back": say.TOUR_BACK} if number else {}
+    return {**back, "skip": say.TOUR_SKIP}

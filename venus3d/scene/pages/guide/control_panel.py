@@ -61,7 +61,7 @@ _OF_A_SESSION = frozenset(
     ("capture", "skip", "undo", "finish", "go_on", "new", "pause", "autopilot")
 )
 """What a session does that is not one of a record."""
-_TO_END = frozenset(("capture", "undo", "finish"))
+_TO_END = frozenset(("capture", "finish"))
 
 
 class ControlPanel:
@@ -143,8 +143,8 @@ def useful_in(phase: Phase, *, known: bool = True) -> frozenset[str]:
     """Names of the controls that are useful in this phase; `known`: whether the lens is."""
     useful = frozenset(CONTROLS) if known else frozenset(CONTROLS) - {"straight"}
     if phase in ("converged", "finished"):
-        useful -= _WITH_A_TARGET | {"autopilot"}
-    return useful - _TO_END if phase == "finished" else useful
+        useful -= _WITH_A_TARGET | _TO_END | {"autopilot"}
+    return useful - {"undo"} if phase == "finished" else useful
 
 
 def _command_texts(name: str, key: str | None) -> tuple[str, str | None, str]:
