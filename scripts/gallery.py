@@ -136,6 +136,20 @@ SHOTS: tuple[Shot, ...] = (
         ready="to go",
     ),
     Shot(
+        "loop",
+        "Guide: the loop of the method above the page, for a class",
+        (*_GUIDE, "--explain"),
+        guided,
+        ready="to go",
+    ),
+    Shot(
+        "done",
+        "Guide: the end, the camera's figures to copy",
+        (*_GUIDE, "--speed", "2"),
+        lambda page: says(page, "Saved:"),
+        ready="Field of view",
+    ),
+    Shot(
         "uncertainty",
         "Where in the image the camera is known, now and after the next view",
         _GUIDE,

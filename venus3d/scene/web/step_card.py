@@ -3,6 +3,7 @@ two metres: one headline, one sentence and four short facts."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from html import escape
 from typing import NamedTuple
 
@@ -33,8 +34,17 @@ def picture_line_html(text: str) -> str:
 
 def picture_legend_html() -> str:
     """Legend of the live picture during the steps."""
-    parts = " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in say.PICTURE_LEGEND)
-    return f"<div class='v-steps v-outlines'><div class='v-legend'>{parts}</div></div>"
+    return _legend_html(say.PICTURE_LEGEND, "v-outlines")
+
+
+def halves_legend_html() -> str:
+    """Legend of the live picture while a part of it is shown without distortion."""
+    return _legend_html(say.HALVES_LEGEND)
+
+
+def _legend_html(meanings: Iterable[tuple[str, str]], kind: str = "") -> str:
+    parts = " &nbsp; ".join(f"<b>{name}</b>: {meaning}" for name, meaning in meanings)
+    return f"<div class='v-steps {kind}'><div class='v-legend'>{parts}</div></div>"
 
 
 def guide_card(

@@ -18,6 +18,10 @@ PICTURE_LEGEND = (
     ("dashes", "the target"),
     ("dots", "corners"),
 )
+HALVES_LEGEND = (
+    ("Left of the line", "without distortion"),
+    ("right", "as it comes"),
+)
 
 TILES_TITLE = "Four steps from here, as the camera sees them"
 TILES_FROM_UPRIGHT = "Four steps from upright, as the camera sees them"

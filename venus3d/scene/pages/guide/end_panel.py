@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from html import escape
-from itertools import zip_longest
 
 import numpy as np
 import viser
@@ -29,6 +28,8 @@ from venus3d.scene.web.theme import Theme
 
 OVER: tuple[Phase, ...] = ("converged", "finished")
 """The phases in which no more views are asked for."""
+_FEW = 9
+"""So many parameters fit below each other in large letters."""
 
 
 class EndButtons:
@@ -115,7 +116,6 @@ def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
     known = snapshot.calibration
     if known is None or snapshot.phase not in OVER:
         return ""
-    cells = "".join(_cell(known, index) for index in _two_columns(known))
     wide, high, across = fields_of_view_deg(known.camera)
     view = say.FIELD_OF_VIEW.format(wide=wide, high=high, across=across)
     copies = "".join(
@@ -130,7 +130,7 @@ def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
     lens = f"<div class='v-line'>{escape(translated(lens))}</div>" if lens else ""
     title = f"<h3 title='{escape(say.RESULT_HINT)}'>{say.RESULT_TITLE}</h3>"
     return (
-        f"<div class='v-progress' data-panel='result'>{title}<div class='v-figures'>{cells}</div>"
+        f"<div class='v-progress' data-panel='result'>{title}{_figures(known)}"
         f"<div class='v-line' title='{escape(say.FIELD_OF_VIEW_HINT)}'>{view}</div>"
         f"{lens}<div class='v-line' title='{escape(say.UNCERTAINTY_HINT)}'>{line}</div>"
         f"<div class='v-copies'>{copies}{_measure_link(measure_url)}</div>{where}</div>"
@@ -146,11 +146,15 @@ def _measure_link(url: str) -> str:
     )
 
 
-def _two_columns(known: Calibration) -> list[int]:
-    """The parameters' indices, row by row: on the left the pinhole's, on the right the lens's."""
-    left, right = [*range(4)], [*range(4, len(known.free))]
-    pairs = zip_longest(left, right)
-    return [index for pair in pairs for index in pair if index is not None]
+def _figures(known: Calibration) -> str:
+    """All parameters, the pinhole's and the lens's: below each other, large, where both fit into
+    the window, else side by side."""
+    count = len(known.free)
+    halves = "".join(
+        f"<div>{''.join(_cell(known, index) for index in half)}</div>"
+        for half in (range(4), range(4, count))
+    )
+    return f"<div class='v-figures' {'data-few' if count <= _FEW else ''}>{halves}</div>"
 
 
 def _cell(known: Calibration, index: int) -> str:
@@ -159,7 +163,7 @@ def _cell(known: Calibration, index: int) -> str:
     exact = f"{known.camera.parameters[index]:.10g}"
     name = known.camera.parameter_names[index]
     return (
-        f"<div><b>{name}</b><span>{value}{extra}</span>"
+        f"<div class='v-figure'><b>{name}</b><span>{value}{extra}</span>"
         f"{copy_button(exact, hint=say.COPY_ONE.format(name=name))}</div>"
     )
 

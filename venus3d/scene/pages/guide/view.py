@@ -41,7 +41,12 @@ from venus3d.scene.web.help import HelpOverlay, add_commands
 from venus3d.scene.web.layer import Layer
 from venus3d.scene.web.panels import PanelStyle, fit_width
 from venus3d.scene.web.projections_panel import Flags, ProjectionsPanel, Sources
-from venus3d.scene.web.step_card import Note, picture_legend_html, picture_line_html
+from venus3d.scene.web.step_card import (
+    Note,
+    halves_legend_html,
+    picture_legend_html,
+    picture_line_html,
+)
 from venus3d.scene.web.theme import Theme
 from venus3d.scene.web.tour import Tour, TourStep
 
@@ -140,7 +145,11 @@ class GuideView:
         # After the end no target follows, so none is announced or drawn.
         ended = phase in OVER
         self.projections.visible = tiles is not None or not ended
-        self._legend.visible = not ended
+        known = None if snapshot is None else snapshot.calibration
+        is_known = known is not None and all(known.free)
+        halves = ended and is_known and 0 < state.straight_share < 1
+        self._legend.visible = halves or not ended
+        self._legend.content = halves_legend_html() if halves else picture_legend_html()
         self.flow.visible = bool(state.flow)
         if state.flow:
             self.flow.content = picture_line_html(state.flow)
@@ -150,8 +159,7 @@ class GuideView:
         if not self._recorded:
             self.end_buttons.show(state, phase)
             self.camera.show(state.camera)
-        known = None if snapshot is None else snapshot.calibration
-        self.controls.show(state, phase, known=known is not None and all(known.free))
+        self.controls.show(state, phase, known=is_known)
         if snapshot is not None:
             self.result.content = result_html(snapshot, saved, state.measure_url)
             self.progress.visible = not self.result.content
