@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -332,3 +333,36 @@ def test_swapped_sides_name_both_numbers_of_squares() -> None:
         "--board.columns 12 --board.rows 8 --board.dictionary DICT_4X4_1000"
         in told(picture_of(other, CAMERA, POSE)).cure
     )
+
+
+def grainy(picture: NDArray[np.uint8], rng: np.random.Generator, grain: float) -> Any:
+    """As a small sensor takes it in a dim room."""
+    noisy = 0.55 * picture + 30 + rng.normal(0, grain, picture.shape)
+    return np.clip(noisy, 0, 255).astype(np.uint8)
+
+
+def test_squares_are_measured_by_single_markers_that_can_be_read() -> None:
+    """No corner is found then: all that was said was that the board is in none of the pictures."""
+    board, rng, detector = Board(), np.random.default_rng(20), Detector(Board())
+    pose = Pose.from_vector([30, -30, 12, 0, 0, CAMERA.fx * board.square / 20])
+    for _ in range(4):
+        assert not detector.detect(
+            grainy(picture_of(board, CAMERA, pose, blur_px=0.8), rng, 8)
+        ).count
+    (said,) = detector.explain_misses()
+    narrow = 20 * np.cos(np.deg2rad(30))
+    told = int(said.cause.split("squares are ")[1].split(" px")[0])
+    assert said.kind == "small-board" and abs(told - narrow) <= 2
+
+
+@pytest.mark.parametrize("square_px", [22, 24])
+def test_a_board_at_the_limit_of_what_can_be_read_is_no_other_board(square_px: int) -> None:
+    """Few of its markers are read then, and others by chance: it was called markers of DICT_4X4, a
+    grid of tags or a board of another size, in 3 of these 40 noisy pictures."""
+    board, rng = Board(), np.random.default_rng(square_px)
+    for _ in range(20):
+        turns = rng.uniform([-35, -35, -20], [35, 35, 20])
+        pose = Pose.from_vector([*turns, 0, 0, CAMERA.fx * board.square / square_px])
+        picture = grainy(picture_of(board, CAMERA, pose, blur_px=0.8), rng, 5)
+        said = recognise_board(board, [picture])
+        assert said is None or said.kind == "small-board", said

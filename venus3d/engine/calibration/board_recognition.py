@@ -34,6 +34,7 @@ from venus3d.engine.calibration.board_diagnoses import (
 from venus3d.engine.calibration.diagnosis import Diagnosis
 from venus3d.engine.calibration.marker_lattice import Lattice, lattices_of
 from venus3d.engine.calibration.marker_numbering import (
+    IN_PLACE,
     Numbering,
     numbering_of,
     tag_numbering_of,
@@ -59,6 +60,8 @@ _FEWEST_MARKERS = 4
 """Different markers of one dictionary that rule out a chance detection."""
 _FEWEST_PLACED = 6
 """Markers needed to judge their arrangement."""
+_OFF = 0.3
+"""Largest distance of a marker's corner from its place, in sides of a marker."""
 _FEWEST_UNORDERED = 10
 """Markers needed to say that no number of columns explains how they are numbered."""
 OTHER_MARKER = 0.2
@@ -191,11 +194,20 @@ def _is_in_order(lattice: Lattice) -> bool:
 
 
 def _likeliest(board: Board, read: list[Markers]) -> Markers | None:
-    """The dictionary of the most markers, of equals the board's own. Of 4 x 4 cells chance makes
-    some: they count from `_FEWEST_MARKERS` on."""
+    """The dictionary of the most markers, of equals the board's own; without what may be chance."""
     own = family_of(board.dictionary)
-    sure = [m for m in read if m.distinct >= _FEWEST_MARKERS or "4X4" not in m.dictionary]
+    sure = [m for m in read if "4X4" not in m.dictionary or _is_no_chance(m, own)]
     return max(sure, key=lambda m: (m.distinct, family_of(m.dictionary) == own), default=None)
+
+
+def _is_no_chance(markers: Markers, own: str) -> bool:
+    """Whether these markers of 4 x 4 cells are some: one of 16 random squares is one of the 1000,
+    so that a few are read in a board whose own bits are lost to blur. Of few, only those count
+    that are numbered as one board, or are of the board's `own` family."""
+    if markers.distinct < _FEWEST_MARKERS or family_of(markers.dictionary) == own:
+        return markers.distinct >= _FEWEST_MARKERS
+    placed = (lattice for lattice in lattices_of(markers) if lattice.ids.size >= _FEWEST_MARKERS)
+    return markers.distinct >= _FEWEST_UNORDERED or any(map(_is_in_order, placed))
 
 
 def _of_markers(board: Board, grey: Grey, markers: Markers) -> Finding | None:
@@ -204,6 +216,9 @@ def _of_markers(board: Board, grey: Grey, markers: Markers) -> Finding | None:
     largest = boards[0] if boards and boards[0].ids.size >= _FEWEST_PLACED else None
     if own and shows_twice(markers.ids):
         return Finding(two_boards_diagnosis(), weight=markers.distinct)
+    if own and board.kind == "charuco" and _lie_as_printed(board, markers):
+        # Of a small board few are read, which may lie in any order among themselves.
+        return None if largest is None else _read_in_place(board, largest)
     if largest is not None and largest.arrangement == "grid":
         return _of_grid(board, grey, markers.dictionary, largest)
     if board.kind != "charuco":
@@ -217,6 +232,29 @@ def _of_markers(board: Board, grey: Grey, markers: Markers) -> Finding | None:
         return _misplaced(board, largest)
     size = None if largest is None else numbering_of(largest)
     return Finding(wrong_dictionary_diagnosis(board, markers, size), weight=markers.distinct)
+
+
+def _lie_as_printed(board: Board, markers: Markers) -> bool:
+    """Whether markers of a ChArUco board's dictionary lie as its own do: their corners, since a
+    board of another number of columns is this one sheared."""
+    printed = np.asarray(board.cv_board.getObjPoints(), dtype=np.float64)[..., :2]
+    numbers = markers.ids - board.first_id
+    known = (numbers >= 0) & (numbers < len(printed))
+    quads = markers.quads[known]
+    if len(quads) < max(2, IN_PLACE * markers.ids.size):
+        return False
+    side = float(np.median(np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)))
+    flat = printed[numbers[known]].reshape(-1, 2)
+    H, fits = cv2.findHomography(
+        flat, quads.reshape(-1, 2), method=cv2.RANSAC, ransacReprojThreshold=_OFF * side
+    )
+    return H is not None and np.asarray(fits, dtype=np.float64).mean() >= IN_PLACE
+
+
+def _read_in_place(board: Board, lattice: Lattice) -> Finding | None:
+    """The board with another size of its markers, of which enough lie in order."""
+    in_order = lattice.arrangement == "chessboard" and numbering_of(lattice).columns
+    return _read_otherwise(board, numbering_of(lattice), lattice) if in_order else None
 
 
 def _read_otherwise(board: Board, numbering: Numbering, lattice: Lattice) -> Finding | None:
@@ -307,13 +345,13 @@ def _of_grid(board: Board, grey: Grey, dictionary: str, lattice: Lattice) -> Fin
 
 
 def _small(board: Board, pattern: Pattern) -> Diagnosis | None:
-    """That it is the board asked for with squares too small for their markers, if it is: nothing
-    can be said of those."""
-    sides = {pattern.columns + 1, pattern.rows + 1}
+    """That it is the board asked for, or a part of it, with squares too small for their markers,
+    if it may be: nothing can be said of those."""
     grid = pattern.corners
     if pattern.kind != "unread" or grid is None or not board.has("marker"):
         return None
-    if sides != {board.columns, board.rows}:
+    short, long = sorted((board.columns, board.rows))
+    if pattern.columns + 1 > long or pattern.rows + 1 > short:
         return None
     steps = [np.linalg.norm(np.diff(grid, axis=axis), axis=2) for axis in (0, 1)]
     width, needed = (
