@@ -279,3 +279,15 @@ def test_a_calibration_finds_the_side_of_the_tags(off: float, noise_px: float) -
     assert found.rms_px < 1.1 * np.sqrt(2) * noise_px
     content = json.loads(result_json(summary_of(found), found))
     assert content["board_shape"]["marker_std_mm"] == pytest.approx(1000 * found.marker_sigma)
+
+
+def test_a_sheet_whose_middle_lies_in_a_circle_is_read_as_any_other() -> None:
+    """At some of the search's thresholds the whole sheet is a blob, dark in its middle: its place
+    moved that circle's, and no board was found in half of the pictures in which it was small."""
+    board = Board(7, 5, 0.028, 0.02, kind="circles")
+    for z in (0.8, 1.0, 1.2):
+        for turn in (0.0, 20.0):
+            pose = Pose.from_vector([turn, -turn, turn, 0.01, 0.01, z])
+            seen = Detector(board).detect(picture_of(board, pose))
+            assert seen.count == board.corner_count
+            assert errors_of(board, seen, pose).max() < 0.4

@@ -8,6 +8,7 @@ are odd in number. Else the reading nearest to the last image's is taken, at fir
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import cv2
@@ -22,7 +23,8 @@ from venus3d.engine.calibration.refinement import local_scales
 from venus3d.engine.geometry.discs import centres_of_discs
 from venus3d.engine.geometry.pose import Array
 
-_LEAST_AREA = 12.0
+_LEAST_AREA, _MOST_AREA = 12.0, 0.05
+"""Of a circle: pixels, and a share of the picture."""
 _ROUND = 0.5
 """Circularity of a blob: a disc under 60 degrees has 0.84, and less where it is a few pixels; at a
 wide lens's border one may be three times as long as wide."""
@@ -49,9 +51,12 @@ class CircleReader(WholeBoardReader):
     def read(self, grey: Grey, region: Region, quick: int) -> Read:
         """All circles' centres or none; `quick` only follows those of the last image."""
         picture = np.asarray(255 - grey if self.board.inverted else grey, dtype=np.uint8)
-        found = self._followed(picture, region) if quick else self._found(picture, region)
-        seen = None if found is None else self._measured(picture, found)
-        if found is None or seen is None:
+        grids = self._followed(picture, region) if quick else self._found(picture, region)
+        for found in grids:
+            seen = self._measured(picture, found)
+            if seen is not None:
+                break
+        else:
             self._last = None
             return NOTHING
         if not self.is_copy:
@@ -69,23 +74,31 @@ class CircleReader(WholeBoardReader):
         reach = min(kind.clearance(self.board), _REACH * radius)
         return disc_centroids(grey, places, scales, radius, reach)
 
-    def _found(self, grey: Grey, region: Region) -> Array | None:
+    def _found(self, grey: Grey, region: Region) -> Iterator[Array]:
         x0, y0, x1, y1 = region
-        board = self.board
         blurred: Any = cv2.GaussianBlur(grey[y0:y1, x0:x1], (0, 0), _BLUR_PX)
-        for centres in alike_blobs(_blob_detector(blurred).detect(blurred), _SPREAD):
+        blobs = _blobs(blurred, _MOST_AREA * blurred.size)
+        yield from self._grids_in(blobs, region)
+        if len(blobs) >= self.board.corner_count:
+            # The whole sheet is a blob at some thresholds if its middle lies in a circle, and its
+            # place goes into that one's.
+            largest = _SPREAD * float(np.median([blob.size for blob in blobs]))
+            yield from self._grids_in(_blobs(blurred, largest**2), region)
+
+    def _grids_in(self, blobs: Sequence[Any], region: Region) -> Iterator[Array]:
+        board = self.board
+        for centres in alike_blobs(blobs, _SPREAD):
             if len(centres) < board.corner_count:
                 continue
             grids = grids_of(
-                centres + np.array([x0, y0]), board.columns, board.rows, board.of_kind.stride
+                centres + np.array(region[:2]), board.columns, board.rows, board.of_kind.stride
             )
             if grids:
-                return max(grids, key=lambda one: float(row_direction(one) @ self._across))
-        return None
+                yield max(grids, key=lambda one: float(row_direction(one) @ self._across))
 
-    def _followed(self, grey: Grey, region: Region) -> Array | None:
+    def _followed(self, grey: Grey, region: Region) -> Iterator[Array]:
         if self._last is None:
-            return None
+            return
         before, grid = self._last
         steps = np.linalg.norm(np.diff(grid, axis=1), axis=2).max()
         board = self.board
@@ -93,16 +106,17 @@ class CircleReader(WholeBoardReader):
         shrink = max(1, round(float(diameter) / _FLOWN_PX))
         now = flowed(before, grey, grid, region, shrink=shrink, levels=_FLOW_LEVELS)
         if now is None:
-            return None
+            return
         rows = (now[::2], now[1::2]) if board.of_kind.stride == 2 else (now,)
-        return now if all(map(is_even, rows)) else None
+        if all(map(is_even, rows)):
+            yield now
 
 
-def _blob_detector(grey: Grey) -> Any:
-    """For dark circles of any size."""
+def _blobs(grey: Grey, most_area: float) -> Sequence[Any]:
+    """Dark circles in an image (H, W) of up to this area, pixels."""
     wanted = cv2.SimpleBlobDetector.Params()
     wanted.filterByCircularity, wanted.minCircularity = True, _ROUND
-    wanted.minArea, wanted.maxArea = _LEAST_AREA, grey.size / 20
+    wanted.minArea, wanted.maxArea = _LEAST_AREA, most_area
     wanted.minDistBetweenBlobs = _LEAST_APART
     wanted.minThreshold, wanted.maxThreshold, wanted.thresholdStep = _THRESHOLDS
-    return cv2.SimpleBlobDetector.create(wanted)
+    return cv2.SimpleBlobDetector.create(wanted).detect(grey)
