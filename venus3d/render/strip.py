@@ -28,8 +28,8 @@ from venus3d.render.step_shapes import instruction_shapes, pose_during
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres; above everything drawn in place."""
-_GAP = 0.3
-"""Gap between two steps, and room for a caption, in board widths."""
+_GAP, _CAPTION = 0.3, 0.55
+"""Gap between two steps, and room for a caption above one, in board widths."""
 
 
 def strip_shapes(
@@ -50,18 +50,18 @@ def strip_shapes(
         for s, is_done in zip(steps, done, strict=True)
     ]
     boxes = np.array([bounds_of(cell) for cell in cells])
-    gap = _GAP * board.width
+    gap, room = _GAP * board.width, _CAPTION * board.width
     axis, up = (2, 1.0) if from_above else (1, -1.0)
     # (2, 2) sizes by row and column; the caption stands above its step.
     size = (boxes[:, 1] - boxes[:, 0]).reshape(2, 2, 3)
-    widths, heights = size[..., 0].max(axis=0), size[..., axis].max(axis=1) + gap
+    widths, heights = size[..., 0].max(axis=0), size[..., axis].max(axis=1) + room
     shapes: list[Shape] = []
     for i, (step, is_done, cell, box) in enumerate(zip(steps, done, cells, boxes, strict=True)):
         row, column = divmod(i, 2)
         x = (-(widths[1] + gap) / 2, (widths[0] + gap) / 2)[column]
         higher = up * np.eye(3)[axis]
         middle = np.array(STRIP_CENTRE) + x * np.eye(3)[0]
-        middle += ((heights[1] / 2, -heights[0] / 2)[row] - gap / 2) * higher
+        middle += ((heights[1] / 2, -heights[0] / 2)[row] - room / 2) * higher
         centre = step.after.t.copy()
         centre[[0, axis]] = box.mean(axis=0)[[0, axis]]
         shapes += [moved_shape(shape, Pose(np.eye(3), middle - centre)) for shape in cell]
@@ -91,9 +91,11 @@ def _cell(board: Board, step: Step, dark: bool, sweep: float, *, instruct: bool)
         board_outline(board, step.before, f"{name}/before", ground(dark).ghost, 2.0),
     ]
     if instruct:
-        cell += instruction_shapes(
+        instruction = instruction_shapes(
             board, None, step, dark=dark, prefix="/strip", for_camera=True, sweep=sweep
         )
+        # The caption says how much.
+        cell += [shape for shape in instruction if shape.name != f"{name}/label"]
     return cell
 
 
