@@ -291,3 +291,12 @@ def test_a_sheet_whose_middle_lies_in_a_circle_is_read_as_any_other() -> None:
             seen = Detector(board).detect(picture_of(board, pose))
             assert seen.count == board.corner_count
             assert errors_of(board, seen, pose).max() < 0.4
+
+
+def test_white_circles_are_found_in_dim_light() -> None:
+    """The search for dark circles ended short of their ground, seen as a negative."""
+    board = BOARDS["white circles"]
+    dim = np.rint(0.2 * picture_of(board, POSE)).astype(np.uint8)
+    seen = Detector(board).detect(dim)
+    assert seen.count == board.corner_count
+    assert errors_of(board, seen, POSE).max() < 0.5

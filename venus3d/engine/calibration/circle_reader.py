@@ -40,7 +40,7 @@ _FLOWN_PX, _FLOW_LEVELS = 14.0, 2
 halved: within a large circle there is nothing to follow, and of many small ones each is like the
 next."""
 _LEAST_APART = 3.0
-_BLUR_PX, _THRESHOLDS = 1.0, (20, 230, 15)
+_BLUR_PX, _THRESHOLDS = 1.0, (20, 250, 15)
 """Noise makes blobs, which take time: with this blur and half of OpenCV's thresholds the search
 takes a third."""
 
