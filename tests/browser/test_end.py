@@ -116,7 +116,7 @@ def test_an_end_is_asked_about_told_and_taken_back(guided: Any, tmp_path: Path) 
     kept = json.loads((tmp_path / "result.json").read_text())
 
     # Its figures: all of them in the window, and each is copied in full.
-    assert guided.locator(".v-figure").count() == 9
+    assert guided.locator(".v-parameter").count() == 9
     # In one look: all is written anew as soon as it is known where the result is.
     guided.wait_for_function(
         "() => { const box = document.querySelector('.v-copies')?.getBoundingClientRect();"

@@ -163,7 +163,7 @@ def _cell(known: Calibration, index: int) -> str:
     exact = f"{known.camera.parameters[index]:.10g}"
     name = known.camera.parameter_names[index]
     return (
-        f"<div class='v-figure'><b>{name}</b><span>{value}{extra}</span>"
+        f"<div class='v-parameter'><b>{name}</b><span>{value}{extra}</span>"
         f"{copy_button(exact, hint=say.COPY_ONE.format(name=name))}</div>"
     )
 
