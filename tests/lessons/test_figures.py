@@ -61,7 +61,7 @@ STATED: dict[tuple[int, int], Stated] = {
     (2, 3): lambda a, b, c, x, y, z: [z, HOME - z],
     (2, 4): lambda a, b, c, x, y, z: [z, z - HOME, *(400, 600, 800, 150, 600 * 400 / 800, 450)],
     (3, 4): lambda a, b, c, x, y, z: [20],
-    (3, 5): lambda a, b, c, x, y, z: [b, c],
+    (3, 5): lambda a, b, c, x, y, z: [b],
     (5, 1): lambda a, b, c, x, y, z: [x, -y, round(np.hypot(x, y))],
     (5, 2): lambda a, b, c, x, y, z: [a, b, 20, 10, 20 + 10],
     (5, 3): lambda a, b, c, x, y, z: [a, LESSONS[5].pages[1].pose[0]],

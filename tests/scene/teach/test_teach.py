@@ -15,8 +15,12 @@ from tests.ports import free_port
 from venus3d.engine.errors import VenusError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.lessons.reading import shipped_lessons
 from venus3d.scene.pages.teach import run as teach
+from venus3d.scene.pages.teach.lesson_html import untold_comparison_html
 from venus3d.scene.pages.teach.options import TeachOptions
+from venus3d.scene.pages.teach.state import TeachState
+from venus3d.scene.pages.teach.view_model import PoseAnalysis
 
 OWN = """
 title = "Mine"
@@ -114,3 +118,21 @@ def test_a_file_is_dark_where_that_is_asked_for(tmp_path: Path) -> None:
     for export in (None, tmp_path / "mine.png"):
         with pytest.raises(VenusError, match="--dark goes with --export"):
             TeachOptions(export=export, dark=True).check()
+
+
+def test_a_page_that_compares_does_not_repeat_why_below_its_numbers(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """Lessons 4 and 5 were longer than a small window by what they say themselves."""
+    lessons = shipped_lessons()
+    lesson, number = next(
+        (i, n)
+        for i, one in enumerate(lessons)
+        for n, page in enumerate(one.pages)
+        if page.arrangement == "axes"
+    )
+    state = TeachState(lessons=lessons).opened(lesson, number)
+    taught = PoseAnalysis(paper_camera, default_board)(state.vector, state.order)
+    assert not untold_comparison_html(taught, state)
+    assert "v-why" in untold_comparison_html(taught, state.with_arrangement("order"))
+    assert "v-why" in untold_comparison_html(taught, state.opened(None).with_arrangement("axes"))

@@ -53,12 +53,10 @@ def focal_sigma(camera: Camera, board: Board, pose: Pose) -> float:
     return sigma if sigma < camera.fx else float("inf")
 
 
-_NOTHING = Sentence(
-    "{views} pictures like this say nothing about the focal length: nearer or more zoomed in, the "
-    "board looks the same."
-)
+_NOTHING = Sentence("{views} pictures like this say nothing about the focal length.")
 _SIGMA = Sentence(
-    "{views} pictures like this tell the focal length to ± {sigma} px of {focal:.0f} ({share} %)."
+    "{views} pictures tilted like this, each to another side, tell the focal length to ± {sigma} "
+    "px of {focal:.0f} ({share} %)."
 )
 
 

@@ -75,6 +75,13 @@ def comparison_html(taught: TaughtPose, state: TeachState) -> str:
     )
 
 
+def untold_comparison_html(taught: TaughtPose, state: TeachState) -> str:
+    """The same where a person has asked to compare; a page that compares explains it itself."""
+    page = state.current_page
+    told = page is not None and page.arrangement == state.arrangement
+    return "" if told else comparison_html(taught, state)
+
+
 def focal_uncertainty_html(taught: TaughtPose) -> str:
     """How well views like this one determine the focal length, as a number and a bar."""
     sigma = taught.sigma_px
@@ -85,8 +92,7 @@ def focal_uncertainty_html(taught: TaughtPose) -> str:
     if known:
         figure = texts.SIGMA_SHARE.format(px=f"{sigma:.{0 if sigma >= 10 else 1}f}")
     return _wrapped(
-        f"<h3>{escape(texts.SIGMA_TITLE)}</h3><div class='v-figure'>{escape(figure)} "
-        f"<small>{escape(texts.SIGMA_OF)}</small></div>"
+        f"<h3>{escape(texts.SIGMA_TITLE)}</h3><div class='v-figure'>{escape(figure)}</div>"
         f"<div class='v-sigma'><i style='width:{100 * float(share):.0f}%'></i></div>"
         f"<div class='v-why'>{escape(translated(taught.sigma_words))} "
         f"{escape(texts.SIGMA_BAR)}</div>"

@@ -18,11 +18,11 @@ from venus3d.scene.pages.teach.learner import TabView
 from venus3d.scene.pages.teach.lesson_html import (
     acceptance_html,
     class_html,
-    comparison_html,
     focal_uncertainty_html,
     lens_picture,
     lesson_html,
     question_html,
+    untold_comparison_html,
 )
 from venus3d.scene.pages.teach.notations_panel import NotationsPanel
 from venus3d.scene.pages.teach.state import FREE_VECTOR, TeachState, Vector
@@ -89,8 +89,8 @@ class LessonPanel:
             self.pose.enable([not follows] * 6)
         self._put(self._question, question_html(state))
         self._show_answers(state, theme)
-        self._put(self._why, comparison_html(taught, state))
         page = state.current_page
+        self._put(self._why, untold_comparison_html(taught, state))
         extras = () if page is None else page.show
         self._put(self._sigma, focal_uncertainty_html(taught) if "sigma" in extras else "")
         self._show_lens(taught.camera, theme.dark, "distortion" in extras)

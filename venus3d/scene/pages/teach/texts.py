@@ -38,7 +38,6 @@ ANSWER_HINT = "Give this answer; the number on your keyboard does the same."
 SIGMA_TITLE = "What views like this one tell"
 SIGMA_SHARE = "± {px} px"
 SIGMA_NOTHING = "nothing"
-SIGMA_OF = "focal length, from four views tilted like this one"
 SIGMA_BAR = "The shorter the bar, the better the focal length is known."
 LENS_TITLE = "How this lens bends the picture"
 LENS_LEGEND = (
