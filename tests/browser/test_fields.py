@@ -76,6 +76,16 @@ def test_keys_are_the_pages_again_when_a_field_is_done_with(page: Any) -> None:
     assert name.input_value() == "Lil" and note.count() == 0
 
 
+def test_a_number_may_have_a_comma(page: Any) -> None:
+    """12,5 was read as 125 where it came at once: pasted, dictated, filled in."""
+    turn = page.locator(NUMBERS).first
+    turn.click()
+    turn.fill("")
+    page.keyboard.insert_text("12,5")
+    page.keyboard.press("Enter")
+    wait_until(lambda: turn.input_value() == "12.5", "a comma is a point")
+
+
 def test_a_folder_is_unfolded_by_keys_too(page: Any) -> None:
     """Some of what a page has was out of reach without a mouse."""
     folder = page.locator("[role=button]", has_text="Move the board with sliders")

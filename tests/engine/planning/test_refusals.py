@@ -54,6 +54,7 @@ def test_the_corner_that_leaves_is_the_one_that_opencv_puts_outside(
         ([0, 0, 0, 0, 0, 0.12], ("outside", "near"), "picture"),
         ([0, 0, 0, 0, 0, 1.5], ("far", "small"), "too far away: 15"),
         ([0, 0, 0, 0.3, 0, 0.5], ("outside",), "on the right by"),
+        ([-90, -90, -180, -0.3, -0.2, 0.15], ("outside",), "on the left by more than 1280 px"),
         ([0, 0, 0, 0, 0, -0.5], ("behind", "tilt"), "beside or behind"),
         ([0, 0, 180, 0, 0, 0.5], ("angle",), "about Z is 180°"),
     ],

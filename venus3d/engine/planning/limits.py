@@ -200,6 +200,7 @@ _SIDES = (
         ),
     ),
 )
+_MORE_THAN = Sentence("more than {value}")
 
 ANGLE = Sentence("The turn about {axis} is {value}°; more than {limit:g}° is hard to hold.")
 TILT = Sentence(
@@ -322,7 +323,10 @@ def _sides(limits: Limits, camera: Camera, seen: Visibility) -> Iterator[Refusal
         if beyond / camera.width <= SLACK:
             continue
         if beyond > border:
-            text = outside.format(point=_POINTS[worst], value=whole(beyond - border))
+            by, most = whole(beyond - border), camera.width
+            # Far outside, the distortion's polynomial gives pixels without a meaning.
+            value = by if by <= most else _MORE_THAN.format(value=most)
+            text = outside.format(point=_POINTS[worst], value=value)
         else:
             text = at_the_edge.format(
                 point=_POINTS[worst], value=whole(border - beyond), limit=whole(border)

@@ -1,7 +1,7 @@
 /* Keys belong to the page again once a field is done with: after a choice, Enter or Esc, and after a
    key that a number cannot contain, which the page then gets. While a field has them, the page says
    so. The browser sends keys to the element that has the focus, and viser hears none from a field.
-   A folder is unfolded by Enter or the space bar as well. */
+   A folder is unfolded by Enter or the space bar as well. In a number a comma is a point. */
 (() => {
   const FIELD = "input, textarea";
   const TICKED = "input[type=checkbox], input[type=radio]";
@@ -63,6 +63,13 @@
       event.stopImmediatePropagation();
       event.target.click();
     }
+  }, true);
+  // A field leaves the comma of a pasted number out: "12,5" was 125.
+  addEventListener("beforeinput", (event) => {
+    if (!event.target.matches?.(NUMBER) || !event.data?.includes(",")) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    document.execCommand("insertText", false, event.data.replaceAll(",", "."));
   }, true);
   addEventListener("change", (event) => event.target.matches?.(TICKED) && release());
   addEventListener("click", (event) => event.target.closest?.("[role=option]") && release());
