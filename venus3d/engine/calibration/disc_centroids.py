@@ -15,8 +15,9 @@ import numpy as np
 from venus3d.engine.calibration.board_reader import Grey
 from venus3d.engine.geometry.pose import Array
 
-_ROUNDS = 2
-"""The second time the window is centred on the disc."""
+_ROUNDS, _MOST_ROUNDS, _SETTLED_PX = 2, 8, 0.1
+"""The second time the window is centred on the disc. More are needed where a disc was found far
+from its place, in dim light: until none moves."""
 _FEWEST, _MOST = 14, 28
 """Samples across a window: one a pixel between these."""
 _RING = 0.5
@@ -47,7 +48,7 @@ def disc_centroids(
     plane = np.column_stack([np.ones(len(offsets)), offsets / reach])
     plane_of = np.linalg.pinv(plane[ring]).T  # (R, 3) a plane from its values in the ring
     around = offsets @ scales.swapaxes(1, 2)
-    for _ in range(_ROUNDS):
+    for number in range(1, _MOST_ROUNDS + 1):
         at = (centres[:, None] + around).astype(np.float32)
         values: Any = cv2.remap(
             grey, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
@@ -63,4 +64,6 @@ def disc_centroids(
         if not (total > 0).all():
             return None
         centres = centres + moved
+        if number >= _ROUNDS and np.abs(moved).max() < _SETTLED_PX:
+            break
     return centres
