@@ -12,6 +12,7 @@ import trimesh
 from PIL import Image, ImageDraw
 
 from venus3d.engine.geometry.board import Board
+from venus3d.engine.geometry.boards.drawing import painted
 from venus3d.engine.geometry.pose import Array, Pose
 from venus3d.languages import cached_by_language
 from venus3d.render import texts
@@ -25,6 +26,8 @@ THICKNESS = 0.004
 """Of the board's body, metres."""
 BODY_COLOUR: Colour = (150, 152, 156)
 LARGEST_TEXTURE_PX = 4096
+_WHITE = 14
+"""Of the greys from 0 in a board's picture; with the body's colour they are 16, of 4 bits each."""
 _CELLS = 24
 """Along each side of a bowed sheet: a bow of 3 mm is then drawn to 0.005 mm."""
 _BACK_PX = 512
@@ -62,7 +65,7 @@ def board_mesh(board: Board, offset: PrintOffset | None = None) -> trimesh.Trime
     size = np.array(picture.size, dtype=np.float64)
     # The board's centre in the picture from its upper left edge: one square of rim, then the print.
     centre = printed / 2 + px
-    scale = printed / np.array([board.width, board.height])
+    scale = px / board.square
     front_uv = (front * scale + centre) / size
     body_uv = np.full((20, 2), np.array([size[0] / 2, size[1] - 0.5 * px]) / size)
     uv = np.vstack([front_uv, body_uv])
@@ -129,25 +132,28 @@ def _back_mesh(board: Board) -> trimesh.Trimesh:
 @lru_cache(maxsize=8)
 def _atlas(board: Board) -> tuple[Image.Image, int, Array]:
     """Picture (board, a rim one square wide, a row of body colour); px per square; (2,) width and
-    height of what is printed, px.
+    height of what is within the rim, px.
 
     A square is a power of two wide, so that at every mipmap level down to one texel per square
-    texel edges lie on the squares' edges and filtering moves no corner. A palette of three colours
+    texel edges lie on the squares' edges and filtering moves no corner. Those of tags lie between
+    texels, hence greys: in black and white a tag was up to a texel smaller or larger. A palette
     makes the browser's PNG ten times as fast to encode, which blocks the scene.
     """
     px = 128
     while px > 16 and max(board.columns + 3, board.rows + 4) * px > LARGEST_TEXTURE_PX:
         px //= 2
-    rim = 0 if board.inverted else 1
-    texture = board.texture(px)
-    height, width = texture.shape
-    columns, rows = -(-width // px), -(-height // px)
+    rim = 0 if board.inverted else _WHITE
+    columns, rows = (int(np.ceil(side / board.square - 1e-6)) for side in board.of_kind.size(board))
+    size = columns * board.square, rows * board.square
+    printed = painted(board.of_kind.drawing(board), size, px / board.square)
+    greys = 255 - printed if board.inverted else printed
     numbers = np.full(((rows + 3) * px, (columns + 2) * px), rim, dtype=np.uint8)
-    numbers[px : px + height, px : px + width] = texture > 127
-    numbers[(rows + 2) * px :] = 2
+    numbers[px : (rows + 1) * px, px : (columns + 1) * px] = np.rint(greys * (_WHITE / 255))
+    numbers[(rows + 2) * px :] = _WHITE + 1
     picture = Image.fromarray(numbers).convert("P")
-    picture.putpalette([0, 0, 0, 255, 255, 255, *BODY_COLOUR])
-    return picture, px, np.array([width, height], dtype=np.float64)
+    palette = np.rint(np.arange(_WHITE + 1) * (255 / _WHITE)).astype(int)
+    picture.putpalette([*np.repeat(palette, 3).tolist(), *BODY_COLOUR])
+    return picture, px, np.array([columns, rows]) * float(px)
 
 
 @lru_cache(maxsize=8)

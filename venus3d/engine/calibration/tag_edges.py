@@ -32,8 +32,6 @@ of 0.8 px, the corners were 0.11 px too far outside without it, 0.03 px with it.
 _FARTHEST_PX = 6.0
 _DEGREES, _SUITS = (3, 5), 0.5
 """Of the polynomials that may bend the edges, and the share of the variance that one must leave."""
-_ROUNDS = 2
-"""The second time the window is centred on the edge."""
 
 
 def corners_by_edges(grey: Grey, quads: Array, reach: float, bends: Bends | None = None) -> Array:
@@ -44,9 +42,10 @@ def corners_by_edges(grey: Grey, quads: Array, reach: float, bends: Bends | None
         reach: how far from an edge there is no other one, as a share of the tag's side.
         bends: None: the edges are straight.
     """
-    for _ in range(_ROUNDS):
-        quads = _once(grey, quads, reach, None if bends is None else bends(quads, _ALONG))
-    return quads
+    quads = _once(grey, quads, reach, None)
+    # Outlines are pixels off here and there, and would bend the edges by as much. The second time
+    # the window is centred on the edge, too.
+    return _once(grey, quads, reach, None if bends is None else bends(quads, _ALONG))
 
 
 def bends_of(points: Array, quads: Array, along: Array) -> Array:
