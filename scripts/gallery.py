@@ -275,10 +275,11 @@ def take(browser: Any, shot: Shot) -> Path:
         shot.do(page)
         page.wait_for_timeout(_SETTLE_MS)
         path = _FOLDER / f"{shot.name}.jpg"
-        before = None
-        while before != (before := last_capture(page)):
+        before, still = None, False
+        while before != (before := last_capture(page)) or not still:
             at_rest(page, shot.ready)
             page.screenshot(path=path, type="jpeg", quality=88)
+            still = shot.ready in page.inner_text("body")  # a picture takes its time
         page.close()
     return path
 

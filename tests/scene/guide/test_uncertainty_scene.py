@@ -10,6 +10,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.describe import SceneOptions, describe
+from venus3d.render.framing import content_of
 from venus3d.render.palette import contrast, ground
 from venus3d.render.shapes import LineShape, MeshShape, PointShape, Shape
 from venus3d.scene.pages.guide.uncertainty.captured_views import captured_view_shapes, view_of
@@ -52,6 +53,19 @@ def test_unchanged_ghosts_are_the_same_objects(guided: Snapshot) -> None:
     walk = guided.search_trace
     assert walk is not None
     assert search_shapes(walk, 2, guided.board, True) is search_shapes(walk, 2, guided.board, True)
+
+
+def test_a_view_of_the_search_holds_all_of_its_bests_from_the_start(guided: Snapshot) -> None:
+    """Each new best could lie outside the window, until the view had flown there."""
+    walk = guided.search_trace
+    assert walk is not None
+    held = [
+        content_of(search_shapes(walk, shown, guided.board, True)).points
+        for shown in range(1, len(walk.steps) + 1)
+    ]
+    low, high = held[0].min(axis=0) - 1e-9, held[0].max(axis=0) + 1e-9
+    for points in held:
+        assert (points >= low).all() and (points <= high).all()
 
 
 def test_search_shows_every_pose_looked_at_and_ends_on_the_target(guided: Snapshot) -> None:

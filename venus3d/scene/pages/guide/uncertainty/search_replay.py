@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -39,7 +40,7 @@ from venus3d.scene.pages.guide.uncertainty import texts
 SECONDS, REST_SECONDS = 13.0, 4.0
 """Duration of the replay, and of the rest at its end."""
 _FAINT = 10  # outlined boards of a batch
-_DOT = 0.0035
+_DOT, _UNSEEN = 0.0035, 1e-6
 _AGED = 0.6  # share of the background's colour in dots of earlier batches
 # Lowest corner and side of the box, metres, at the usual viewing distance.
 _BOX, _SIDE = np.array([-0.14, 0.17, 0.10]), 0.14
@@ -67,6 +68,7 @@ def search_shapes(
     shapes: list[Shape] = [
         PointShape("/search/places", poses[:, 3:], colour, back * _DOT),
         PointShape("/search/angles", _in_box(poses, back), colour, 0.7 * back * _DOT),
+        _bests(board, search_trace),
         LineShape("/search/faint", _outlines(board, fresh), Pose.identity(), colours.ghost, 1.0),
         *_box_shapes(dark, back),
     ]
@@ -144,6 +146,16 @@ def _dots(
         colour[older] += _AGED * (np.array(ground(dark).background) - colour[older])
     colour = np.rint(colour).astype(np.uint8)
     return np.concatenate([poses for poses, _ in seen]), colour, few
+
+
+@lru_cache(maxsize=4)
+def _bests(board: Board, search_trace: SearchTrace) -> PointShape:
+    """The board's corners at each pose that is the best for a time, too small to be seen: so the
+    view holds all of them from the start, and stays."""
+    vectors = np.array([*(step.best_vector for step in search_trace.steps), search_trace.end])
+    poses = [Pose.from_vector(vector) for vector in np.unique(vectors, axis=0)]
+    corners = np.concatenate([pose.apply(board.outline) for pose in poses])
+    return PointShape("/search/bests", corners, np.zeros(corners.shape, np.uint8), _UNSEEN)
 
 
 def _outlines(board: Board, poses: Array) -> Array:
