@@ -14,6 +14,8 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # start from there and end by it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:  # nohup: heeded here, not by what is started
+    signal.signal(signal.SIGHUP, lambda *_: None)
 
 # Before numpy and OpenCV come: workers side by side leave each other a core.
 if "PYTEST_XDIST_WORKER" in os.environ:
