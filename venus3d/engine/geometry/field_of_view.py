@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from venus3d.engine.geometry.camera import Camera
@@ -10,6 +12,7 @@ from venus3d.engine.geometry.pose import Array
 _BISECTIONS = 40
 
 
+@lru_cache(maxsize=8)  # milliseconds, and a page asks at each frame
 def fields_of_view_deg(camera: Camera) -> tuple[float, float, float]:
     """Degrees that the picture covers: across its middle row and its middle column from edge to
     edge, and from its upper left to its lower right corner. Over 180 for a lens that sees behind

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from venus3d.engine.calibration.observation import Observation
 from venus3d.render.annotated_picture import LivePicture
 
-PICTURE_PERIOD_S = 1 / 15
+PICTURE_PERIOD_S = 1 / 18
 
 
 class SeenPicture(NamedTuple):

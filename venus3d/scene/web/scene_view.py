@@ -350,13 +350,18 @@ def _mesh_arrays(shape: MeshShape) -> tuple[Array, NDArray[np.uint32]]:
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
 
 
-def _move(handle: Any, pose: Pose) -> None:
-    handle.wxyz, handle.position = pose.wxyz, pose.t
+def _move(handle: Any, old: Shape, pose: Pose) -> None:
+    # viser leaves out what is so already, too, but with a comparison that takes longer.
+    before = old.pose if isinstance(old, MeshShape | LineShape) else None
+    if before is None or not np.array_equal(before.R, pose.R):
+        handle.wxyz = pose.wxyz
+    if before is None or not np.array_equal(before.t, pose.t):
+        handle.position = pose.t
 
 
 def _update_mesh(node: _Node, shape: MeshShape) -> None:
     handle, old = node.handle, node.shape
-    _move(handle, shape.pose)
+    _move(handle, old, shape.pose)
     if shape.textured or not isinstance(old, MeshShape):
         return
     if old.mesh is not shape.mesh:
@@ -368,7 +373,7 @@ def _update_mesh(node: _Node, shape: MeshShape) -> None:
 
 def _update_line(node: _Node, shape: LineShape) -> None:
     handle, old = node.handle, node.shape
-    _move(handle, shape.pose)
+    _move(handle, old, shape.pose)
     if not isinstance(old, LineShape) or old.segments is not shape.segments:
         handle.points = shape.segments
     if isinstance(old, LineShape) and (old.colour, old.width_px) == (shape.colour, shape.width_px):
