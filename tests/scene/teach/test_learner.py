@@ -11,6 +11,7 @@ from tests.scene.teach_server import served_teaching
 from tests.waiting import wait_until
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.languages import Language
 from venus3d.lessons.reading import shipped_lessons
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.viewpoints import SceneCamera
@@ -32,8 +33,8 @@ class Class:
         self.tabs: dict[int, Learner] = {}
         self.room = Classroom(lambda: set(self.tabs))
 
-    def join(self, number: int, *, here: bool = False) -> Learner:
-        state = TeachState(lessons=shipped_lessons()).opened(0)
+    def join(self, number: int, *, here: bool = False, language: Language = "en") -> Learner:
+        state = TeachState(lessons=shipped_lessons(language)).opened(0)
         self.tabs[number] = Learner(
             self.analyse,
             state,
@@ -97,6 +98,16 @@ def test_the_class_follows_the_first_tab_on_this_machine(analyse: PoseAnalysis) 
     teacher.handle(PageAction.PLAY)
     room.tick(0.2)
     assert early.state.progress == teacher.state.progress < 2.0, "not played twice"
+
+
+def test_each_tab_reads_the_same_page_in_its_own_language(analyse: PoseAnalysis) -> None:
+    room = Class(analyse)
+    teacher, german = room.join(1, here=True), room.join(2, language="de")
+    teacher.handle(PageAction.NEXT_PAGE)
+    room.tick()
+    assert german.state.current_page == shipped_lessons("de")[0].pages[1]
+    assert german.state.vector == teacher.state.vector
+    assert german.view() is german.view(), "drawn once"
 
 
 def test_a_server_that_stood_still_plays_on_where_it_was(analyse: PoseAnalysis) -> None:

@@ -189,12 +189,14 @@ class Learner:
 
 
 def _followed(mine: TeachState, theirs: TeachState | None) -> TeachState:
-    """The leading tab's state with what remains one's own: answer and brightness."""
+    """The leading tab's state with what remains one's own: answer, brightness, the lessons'
+    language."""
     if theirs is None:
         return mine
     same_page = (mine.lesson, mine.page) == (theirs.lesson, theirs.page)
     followed = replace(
         theirs,
+        lessons=mine.lessons if _same_pages(mine, theirs) else theirs.lessons,
         dark=mine.dark,
         answer=mine.answer if same_page else None,
         dragged=False,
@@ -202,6 +204,12 @@ def _followed(mine: TeachState, theirs: TeachState | None) -> TeachState:
         pose_version=mine.pose_version + (mine.vector != theirs.vector),
     )
     return mine if followed == mine else followed
+
+
+def _same_pages(one: TeachState, other: TeachState) -> bool:
+    """Whether both have the same lessons, in whatever language."""
+    first, second = ([(k.name, len(k.pages)) for k in state.lessons] for state in (one, other))
+    return first == second
 
 
 def _differ(one: Look, other: Look) -> bool:
