@@ -252,5 +252,8 @@ def test_the_steps_card_marks_the_step_and_tells_both_sides(study: PoseAnalysis)
         assert card.index(f"mm to {'the' if first == 'right' else 'your'} {first}") < card.index(
             f"mm to {'your' if then == 'left' else 'the'} {then}"
         )
+    there = TeachState(progress=4.0)
+    assert "Space bar" in card_html(taught, there, theme)
+    assert "Space bar" not in card_html(taught, there, theme, live=False), "who follows has no way"
     tilt = card_html(taught, TeachState(progress=2.0), theme)
     assert tilt.count("Tilt the top edge") == 1, "the same for both sides is said once"

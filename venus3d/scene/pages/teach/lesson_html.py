@@ -47,7 +47,7 @@ def lesson_html(title: str, where: str, text: str) -> str:
 
 def acceptance_html(taught: TaughtPose, *, live: bool = True) -> str:
     """Whether guidance would ask for this pose, and why not; gimbal lock. `live`: sliders are
-    present."""
+    there to be moved."""
     parts: list[str] = []
     if taught.locked:
         locked = f"{texts.LOCKED} {texts.LOCKED_TRY}" if live else texts.LOCKED
@@ -166,19 +166,22 @@ def _step_card(step: Step, colour: str) -> str:
     )
 
 
-def card_html(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
-    """The current step: headline, amount, and the sentence for the picture and for the hands."""
-    body = _comparison(taught, state, theme) if state.compares else _step(taught, state, theme)
+def card_html(taught: TaughtPose, state: TeachState, theme: Theme, *, live: bool = True) -> str:
+    """The current step: headline, amount, and the sentence for the picture and for the hands.
+    `live`: who reads it may play the steps."""
+    compares = state.compares
+    body = _comparison(taught, state, theme) if compares else _step(taught, state, theme, live)
     return f"<div class='v-progress v-wide'>{body}</div>"
 
 
-def _step(taught: TaughtPose, state: TeachState, theme: Theme) -> str:
+def _step(taught: TaughtPose, state: TeachState, theme: Theme, live: bool) -> str:
     step = taught.steps[state.step - 1]
     if state.at_rest or (state.focus is not None and step.is_idle):
         busy = [one for one in taught.steps if not one.is_idle]
         only = _told(busy[0], state) if len(busy) == 1 else []
         sentence = texts.THERE_SENTENCE if busy else texts.NO_WAY_SENTENCE
-        return _now(theme.good, texts.THERE_HEADLINE, "", (sentence, ""), *only)
+        offered = [(sentence, "")] if live or not busy else []
+        return _now(theme.good, texts.THERE_HEADLINE, "", *offered, *only)
     if state.progress == 0.0:
         return _now(theme.good, texts.START_HEADLINE, "", (texts.START_SENTENCE, ""))
     headline = texts.STEP.format(number=step.number, title=step_style(step.number).title)

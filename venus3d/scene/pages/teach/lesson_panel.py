@@ -95,7 +95,7 @@ class LessonPanel:
         self._put(self._sigma, focal_uncertainty_html(taught) if "sigma" in extras else "")
         self._show_lens(taught.camera, theme.dark, "distortion" in extras)
         self._notations.show(taught, state)
-        self._put(self._fit, acceptance_html(taught))
+        self._put(self._fit, acceptance_html(taught, live=not follows))
         if self._changed("pose", state.pose_version):
             self.pose.show(state.vector)
 

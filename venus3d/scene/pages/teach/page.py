@@ -116,13 +116,14 @@ class TeachPage:
             self._style.show(theme)
             self._menu.show(state, theme)
             self.lesson.show(view, theme)
-            _put(self.card, card_html(taught, state, theme))
+            may = view.role != "follows"
+            _put(self.card, card_html(taught, state, theme, live=may))
             marked = 0 if state.at_rest else state.step
             _put(self._steps_head, heading_html(texts.STEPS_PICTURE_TITLE, marked))
             _put(self.steps, steps_html(taught, theme))
             for row in self._rows:
-                row.show(state, visible=view.role != "follows")
-            self._show_progress(state, view.role != "follows")
+                row.show(state, visible=may)
+            self._show_progress(state, may)
         self._client.flush()
         self._turn_camera(view, shapes)
 
