@@ -27,7 +27,7 @@ from venus3d.sources.sim import Simulation
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 _PATIENCE_MS = 60_000
-_VIEWS = r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) === n"
+_VIEWS = r"n => Number(/(\d+)\s+views? captured/.exec(document.body.innerText)?.[1]) === n"
 
 
 @pytest.fixture

@@ -33,18 +33,18 @@ Start = Callable[..., Any]
 
 
 def views_on(page: Any) -> int:
-    """The number above "views captured"."""
-    found = re.search(r"(\d+)\s+views captured", page.inner_text("body"))
+    """The number before "views captured"."""
+    found = re.search(r"(\d+)\s+views? captured", page.inner_text("body"))
     assert found is not None
     return int(found.group(1))
 
 
-MORE_VIEWS_THAN = r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) > n"
+MORE_VIEWS_THAN = r"n => Number(/(\d+)\s+views? captured/.exec(document.body.innerText)?.[1]) > n"
 
 
 def wait_for_views(page: Any, count: int) -> None:
     page.wait_for_function(
-        r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) === n",
+        r"n => Number(/(\d+)\s+views? captured/.exec(document.body.innerText)?.[1]) === n",
         arg=count,
         timeout=_PATIENCE_MS,
     )

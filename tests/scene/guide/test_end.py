@@ -57,7 +57,7 @@ def test_finish_is_asked_once_with_what_it_means(guided: Snapshot) -> None:
     fx, sigma = map(float, re.findall(r"fx (\S+) ± (\S+) px", text)[0])
     assert fx == pytest.approx(known.camera.fx, abs=0.1 * known.sigma[0])
     assert sigma == pytest.approx(known.sigma[0], rel=0.05)
-    for answer in (PageAction.END_NOW, PageAction.GO_ON):
+    for answer in (PageAction.END_NOW, PageAction.GO_ON, PageAction.CAPTURE, PageAction.UNDO_VIEW):
         assert not asked.after(answer).asked_to_end
 
 

@@ -18,6 +18,7 @@ from venus3d.engine.sentences import listed
 from venus3d.languages import translated
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import Intent, PageAction
+from venus3d.scene.pages.guide.progress_panel import captured_words
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.maps import map_html, map_of
 from venus3d.scene.pages.guide.uncertainty.parameters import figures
@@ -121,9 +122,12 @@ def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
     copies = "".join(
         copy_button(text, label, hint) for text, (label, hint) in _copies(known, snapshot)
     )
-    last = snapshot.history[-1]
+    last, count = snapshot.history[-1], len(known.views)
     line = say.RESULT_LINE.format(
-        views=len(known.views), rms=figure(known.rms_px), error=figure(last.uncertainty_px)
+        views=count,
+        captured=captured_words(count),
+        rms=figure(known.rms_px),
+        error=figure(last.uncertainty_px),
     )
     where = f"<div class='v-line'>{escape(translated(saved))}</div>" if saved else ""
     lens = known.lens_reason

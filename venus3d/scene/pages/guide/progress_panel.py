@@ -18,6 +18,11 @@ from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.web.theme import Theme
 
 
+def captured_words(count: int) -> str:
+    """What stands after this number of views."""
+    return say.VIEW_CAPTURED if count == 1 else say.VIEWS_CAPTURED
+
+
 def progress_html(snapshot: Snapshot | None) -> str:
     """Views, uncertainties, the last view's gain, the next pose's purpose and expected gain."""
     if snapshot is None or (snapshot.calibration is None and snapshot.target is None):
@@ -28,7 +33,8 @@ def progress_html(snapshot: Snapshot | None) -> str:
 
 def _summary(snapshot: Snapshot) -> str:
     last = snapshot.history[-1] if snapshot.history else None
-    boxes = [(str(snapshot.captured_count), say.VIEWS_CAPTURED, "")]
+    count = snapshot.captured_count
+    boxes = [(str(count), captured_words(count), "")]
     if last is not None:
         boxes.append((number(figure(last.rms_px)), say.RMS, say.RMS_HINT))
         boxes.append((number(figure(last.uncertainty_px)), say.UNCERTAINTY, say.UNCERTAINTY_HINT))

@@ -122,10 +122,14 @@ class ViewState:
             case Toggle(option):
                 return replace(self, **{option: not getattr(self, option)})
             case ChooseAlternative():
-                return self.following(True)  # from step 1 of another pose
+                # From step 1 of another pose.
+                return replace(self.following(True), asked_to_end=False)
             case PageAction.FINISH:
                 return replace(self, asked_to_end=True)
             case PageAction.END_NOW | PageAction.GO_ON | PageAction.NEW_SESSION:
+                return replace(self, asked_to_end=False)
+            case PageAction.CAPTURE | PageAction.SKIP_TARGET | PageAction.UNDO_VIEW:
+                # Whoever goes on calibrating has answered.
                 return replace(self, asked_to_end=False)
             case Straighten(share):
                 return replace(self, straight=True, compared=share)

@@ -68,7 +68,7 @@ MEASURE_HINT = (
     "Another tab: two clicks in the live picture are a length on the board, to be checked with a "
     "tape"
 )
-RESULT_LINE = "<b>{views}</b> views captured, rms <b>{rms}</b> px, uncertainty <b>{error}</b> px"
+RESULT_LINE = "<b>{views}</b> {captured}, rms <b>{rms}</b> px, uncertainty <b>{error}</b> px"
 FIELD_OF_VIEW = (
     "Field of view: <b>{wide:.1f}°</b> horizontal, <b>{high:.1f}°</b> vertical, "
     "<b>{across:.1f}°</b> diagonal"
@@ -270,7 +270,7 @@ PROGRESS_TAB, PARAMETERS_TAB = "Progress", "Parameters"
 NOT_KNOWN_YET = (
     "The camera is not known yet. After the first view its parameters appear under “Parameters”."
 )
-VIEWS_CAPTURED = "views captured"
+VIEW_CAPTURED, VIEWS_CAPTURED = "view captured", "views captured"
 RMS, RMS_HINT = (
     "px rms, misfit of the corners",
     "How far the corners found are from where the calibrated camera would see them. A small one "
