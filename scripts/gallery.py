@@ -68,7 +68,7 @@ def guided(page: Any, views: int = 3, *keys: str, stops: bool = True) -> None:
     """Wait until so many views are captured and the next target is shown, let the hand stop on its
     way there, and press keys."""
     page.wait_for_function(
-        r"n => Number(/(\d+)\s+views captured/.exec(document.body.innerText)?.[1]) >= n",
+        r"n => Number(/(\d+)\s+views? captured/.exec(document.body.innerText)?.[1]) >= n",
         arg=views,
         timeout=_PATIENCE_MS,
     )
