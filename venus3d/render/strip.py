@@ -3,7 +3,7 @@ its arrow."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,6 +28,7 @@ from venus3d.render.step_shapes import instruction_shapes, pose_during
 
 STRIP_CENTRE = (0.0, -0.5, 0.55)
 """Middle of the strip in the camera's frame, metres; above everything drawn in place."""
+_STRIP = "/strip/"
 _GAP, _CAPTION = 0.3, 0.55
 """Gap between two steps, and room for a caption above one, in board widths."""
 
@@ -97,6 +98,11 @@ def _cell(board: Board, step: Step, dark: bool, sweep: float, *, instruct: bool)
         # The caption says how much.
         cell += [shape for shape in instruction if shape.name != f"{name}/label"]
     return cell
+
+
+def shows_strip(shapes: Iterable[Shape]) -> bool:
+    """Whether the strip is among these shapes."""
+    return any(shape.name.startswith(_STRIP) for shape in shapes)
 
 
 def bounds_of(shapes: Sequence[Shape]) -> Array:

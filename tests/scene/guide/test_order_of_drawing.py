@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -132,3 +133,29 @@ def place_of(text: str, came: list[dict[str, Any]]) -> int:
         if text in str(message.get("updates", {}).get("content", "")):
             return place
     return -1
+
+
+def test_steps_side_by_side_leave_room_for_a_replayed_search_and_none_for_views(
+    guided: Snapshot,
+) -> None:
+    """A search among them was seen from where they are seen, half of it outside the window."""
+    viewer = Viewer("127.0.0.1", free_port())
+    (known,) = viewer.layers
+    switches = {command.label: command.do for command in known.commands}
+
+    def shown_of(kinds: set[str]) -> set[str]:
+        return {kind for kind in kinds if any(kind in name for name in viewer.scene_names)}
+
+    def is_shown(*only: str) -> bool:
+        return shown_of({"/strip/", "/views/", "/search/", "/frustum"}) == set(only)
+
+    try:
+        viewer.show(guided)
+        switches[texts.TOGGLE_VIEWS]()
+        wait_until(lambda: is_shown("/views/", "/frustum"))
+        viewer.change(lambda state: replace(state, strip=True))
+        wait_until(lambda: is_shown("/strip/"))
+        switches[texts.REPLAY_SEARCH]()
+        wait_until(lambda: is_shown("/search/", "/frustum"))
+    finally:
+        viewer.close()

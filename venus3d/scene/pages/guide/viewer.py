@@ -30,7 +30,9 @@ from venus3d.render.describe import SceneOptions, describe
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.render.redrawing import looks_alike, still_shows
+from venus3d.render.shapes import Shape
 from venus3d.render.straighten import Straightener
+from venus3d.render.strip import shows_strip
 from venus3d.scene.pages.guide import intents
 from venus3d.scene.pages.guide.film_strip import FilmStrip
 from venus3d.scene.pages.guide.state import ViewState
@@ -331,9 +333,9 @@ class Viewer(Page[ViewState]):
         stays = still_shows if state.strip else looks_alike
         if not stays(self._drawn, snapshot.remaining):
             self._drawn = snapshot.remaining
-        shapes = describe(snapshot, options, self._drawn)
-        for layer in self.layers:
-            shapes = layer.put(snapshot, shapes, Theme(state.dark))
+        shapes = self._shapes(snapshot, options)
+        if options.strip and not shows_strip(shapes):  # a replayed search has taken its place
+            shapes = self._shapes(snapshot, replace(options, strip=False))
         if self._gizmo is not None:
             self._gizmo.follow(snapshot.pose, shown=not (state.autopilot or state.strip))
             shapes = (*shapes, *self._gizmo.shapes(dark=state.dark))
@@ -342,6 +344,12 @@ class Viewer(Page[ViewState]):
         self._look(subject_of(shapes, state.target, () if now is None else now.steps), state)
         for layer in self.layers:
             layer.bind(self._scene)
+
+    def _shapes(self, snapshot: Snapshot, options: SceneOptions) -> tuple[Shape, ...]:
+        shapes = describe(snapshot, options, self._drawn)
+        for layer in self.layers:
+            shapes = layer.put(snapshot, shapes, Theme(options.dark))
+        return shapes
 
     def _tell(self, note: Note, seconds: float) -> None:
         self._note, self._note_until = note, time.monotonic() + seconds

@@ -16,6 +16,7 @@ from venus3d.engine.amounts import figure
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.render.annotated_picture import LivePicture, small_picture
 from venus3d.render.shapes import Shape
+from venus3d.render.strip import shows_strip
 from venus3d.scene.pages.guide.uncertainty import texts
 from venus3d.scene.pages.guide.uncertainty.captured_views import (
     captured_view_shapes,
@@ -151,9 +152,10 @@ class UncertaintyPanel:
         self._wake()
 
     def put(self, snapshot: Snapshot, shapes: tuple[Shape, ...], theme: Theme) -> tuple[Shape, ...]:
-        """The scene's shapes with the captured views; a replayed search replaces the steps."""
+        """The scene's shapes with the captured views, which are not among steps side by side; a
+        replayed search replaces the steps."""
         state = self.state
-        if state.views and snapshot.views:
+        if state.views and snapshot.views and not shows_strip(shapes):
             views = captured_view_shapes(snapshot.board, snapshot.views, state.view, theme.dark)
             shapes = (*shapes, *views)
         return self._replay.of(snapshot, shapes, on=state.search, dark=theme.dark)
