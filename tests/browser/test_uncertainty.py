@@ -93,10 +93,19 @@ def test_maps_views_and_leaving_one_out(viewer: Viewer, open_page: Open, guided:
     expected = [left.uncertainty_px, left.sigma[0], left.sigma[1], left.rms_px]
     np.testing.assert_allclose(shown, expected, rtol=0.06)
     assert card.locator(".v-verdict").inner_text()
+    # What the page says afterwards, the open card says too: it told of the moment of the click.
+    assert alone.calibration is not None
+    viewer.show(replace(alone, calibration=replace(alone.calibration, rms_px=9.9)))
+    page.wait_for_selector(".mantine-Modal-content .v-without tr:last-child:has-text('9.9 px')")
     page.locator(".mantine-Modal-content").get_by_text(texts.LEAVE_OUT).click()
     asked: list[intents.Intent] = []
     wait_until(lambda: bool(asked.extend(viewer.drain_intents()) or asked), "it is left out")
     assert asked == [intents.DropView(number)]
+    page.wait_for_selector(".mantine-Modal-content", state="detached")
+    page.mouse.click(*on_screen(viewer, page, view.pose.t))
+    page.wait_for_selector(".mantine-Modal-content .v-view")
+    others = tuple(one for one in alone.views if one.number != number)
+    viewer.show(replace(alone, calibration=replace(alone.calibration, views=others)))
     page.wait_for_selector(".mantine-Modal-content", state="detached")
 
 

@@ -110,6 +110,7 @@ class UncertaintyPanel:
         self._wanted: tuple[object, ...] = ()
         self._drawn: tuple[object, ...] = ()
         self._card: tuple[object, ...] = ()
+        self._told: tuple[object, ...] = ()
         self._bound: set[str] = set()
         self._window = ViewWindow()
         self._maps = ButtonRow(
@@ -179,9 +180,11 @@ class UncertaintyPanel:
             self._forget_old(numbers)
             self._about.content = "" if chosen is None else view_html(snapshot, chosen, picture)
             self._about.visible = chosen is not None
-            self._drop.visible = (
-                self._on_drop is not None and chosen is not None and len(numbers) > 1
-            )
+            self._drop.visible = chosen is not None and self._may_drop(snapshot)
+        if (snapshot.calibration, theme) != self._told:  # also while a window is open
+            self._told = snapshot.calibration, theme
+            html_of = partial(self._window_html, snapshot)
+            self._window.update(html_of, may_leave_out=self._may_drop(snapshot))
         self._legend.content = _legend(snapshot, state, self._theme)
         self._legend.visible = bool(self._legend.content)
         self._maps.show(_map_labels(state.map))
@@ -226,13 +229,17 @@ class UncertaintyPanel:
         """Select a view, as in the list, and open its card in this tab."""
         snapshot = self._snapshot
         self._change(view=number)
-        if snapshot is None:
-            return
+        html = "" if snapshot is None else self._window_html(snapshot, number)
+        if snapshot is not None and html:
+            drop, may_drop = partial(self._leave_out, number), self._may_drop(snapshot)
+            self._window.open(client, number, html, drop, may_leave_out=may_drop)
+
+    def _window_html(self, snapshot: Snapshot, number: int) -> str:
         html = view_html(snapshot, number, self._pictures.get(number, ""))
-        if html:
-            may_drop = self._on_drop is not None and len(snapshot.views) > 1
-            drop = partial(self._leave_out, number) if may_drop else None
-            self._window.open(client, number, self._theme.sheet + html, drop)
+        return html and self._theme.sheet + html
+
+    def _may_drop(self, snapshot: Snapshot) -> bool:
+        return self._on_drop is not None and len(snapshot.views) > 1
 
     # -- what people do; on viser's threads ------------------------------------------------------
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from html import escape
 from threading import Lock
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import viser
@@ -146,45 +146,71 @@ def _what_if(
     )
 
 
+class _Window(NamedTuple):
+    """viser's handles of one."""
+
+    number: int
+    modal: Any
+    card: Any
+    drop: Any
+    escape: Any
+
+    def close(self) -> None:
+        """Put it away."""
+        self.modal.close()
+        self.escape.remove()
+
+
 class ViewWindow:
     """At most one per tab; Esc closes it. Callbacks come on viser's threads."""
 
     def __init__(self) -> None:
         self._lock = Lock()
-        self._open: dict[int, tuple[Any, Any]] = {}
+        self._open: dict[int, _Window] = {}
 
     def open(
         self,
         client: viser.ClientHandle,
         number: int,
         html: str,
-        leave_out: Callable[[], None] | None,
+        leave_out: Callable[[], None],
+        *,
+        may_leave_out: bool,
     ) -> None:
         """Show `html` of the view of this number, with a button that excludes it if allowed."""
         self.close(client)
         with self._lock, client.atomic():
             modal = client.gui.add_modal(texts.VIEW_TITLE.format(number=number))
             with modal:
-                client.gui.add_html(html)
-                if leave_out is not None:
-                    drop = client.gui.add_button(
-                        texts.LEAVE_OUT, icon=viser.Icon.TRASH, hint=texts.LEAVE_OUT_HINT
-                    )
-                    drop.on_click(lambda _: leave_out())
-                    drop.on_click(lambda _: self.close(client))
+                card = client.gui.add_html(html)
+                drop = client.gui.add_button(
+                    texts.LEAVE_OUT,
+                    icon=viser.Icon.TRASH,
+                    hint=texts.LEAVE_OUT_HINT,
+                    visible=may_leave_out,
+                )
+                drop.on_click(lambda _: leave_out())
+                drop.on_click(lambda _: self.close(client))
                 close = client.gui.add_button(texts.CLOSE_VIEW, hint=texts.CLOSE_VIEW_HINT)
                 close.on_click(lambda _: self.close(client))
             escape = client.gui.add_command(
                 texts.CLOSE_VIEW_COMMAND, description=texts.CLOSE_VIEW_HINT, hotkey="escape"
             )
             escape.on_trigger(lambda _: self.close(client))
-            self._open[client.client_id] = (modal, escape)
+            self._open[client.client_id] = _Window(number, modal, card, drop, escape)
 
     def close(self, client: viser.ClientHandle) -> None:
         """Close this tab's window, if there is one."""
         with self._lock:
             opened = self._open.pop(client.client_id, None)
         if opened is not None:
-            modal, escape = opened
-            modal.close()
-            escape.remove()
+            opened.close()
+
+    def update(self, html_of: Callable[[int], str], *, may_leave_out: bool) -> None:
+        """Tell in the windows of all tabs what is known now; `html_of` is empty for a view that
+        there is no more, whose window closes."""
+        with self._lock:
+            for client, window in tuple(self._open.items()):
+                window.card.content, window.drop.visible = html_of(window.number), may_leave_out
+                if not window.card.content:
+                    self._open.pop(client).close()
