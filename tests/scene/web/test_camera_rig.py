@@ -91,6 +91,17 @@ def test_a_view_is_sent_again_until_the_browser_shows_it(rig: CameraRig) -> None
         assert np.allclose(sent(client, PATIENCE_S, 3), 2 * EYE), "a later one as well"
 
 
+@pytest.mark.parametrize("calm", [False, True])
+def test_who_wants_less_motion_is_not_flown_through_the_room(rig: CameraRig, calm: bool) -> None:
+    with RawClient(port_of(rig), cookie=f"venus3d-reduced-motion={calm:d}") as client:
+        client.backlog()
+        client.look(position=EYE.tolist(), look_at=AT.tolist())
+        stays(client, 0.1)
+        rig.go(lambda _: SceneCamera(2 * EYE, AT, 0.7))
+        first, *_ = sent(client, PATIENCE_S, 1)
+        assert np.allclose(first, 2 * EYE) == calm
+
+
 def test_a_browser_that_never_answers_is_left_alone_in_the_end(
     rig: CameraRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -28,6 +28,7 @@ from venus3d.scene.web import texts
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
 from venus3d.scene.web.scene_view import Host
+from venus3d.scene.web.window import wants_less_motion
 
 Framing = Callable[[float], SceneCamera]
 """How a scene is framed: the view for a window of this width over height."""
@@ -79,7 +80,7 @@ class CameraRig:
             host.on_client_disconnect(self._leave)
 
     def go(self, framing: Framing, *, at_once: bool = False) -> None:
-        """Fly to this view, or jump there, in every tab."""
+        """Fly to this view, or jump there, in every tab; where less motion is asked for, jump."""
         for tab in self._all:
             tab.turned_at = None
         self.refit(framing, at_once=at_once)
@@ -163,7 +164,7 @@ class CameraRig:
             return tuple(self._tabs.values())
 
     def _come(self, client: viser.ClientHandle) -> None:
-        tab = _Tab(client)
+        tab = _Tab(client, calm=wants_less_motion(client))
         tab.first = tab.reported = tab.seen
         with self._lock:
             self._tabs[client.client_id] = tab
@@ -188,6 +189,8 @@ class _Tab:
     """One tab's camera."""
 
     client: viser.ClientHandle
+    calm: bool = False
+    """Whether its person wants no flights."""
     start: SceneCamera | None = None
     """Start of the flight; None without one."""
     begun: float = 0.0
@@ -260,9 +263,10 @@ class _Tab:
     def leave(self, *, at_once: bool = False) -> None:
         """Begin to fly, or to jump, from where it is; not from a view that a person has chosen."""
         if self.turned_at is None:
-            self.start = None if at_once or self.goal is None else self.seen
+            jumps = at_once or self.calm or self.goal is None
+            self.start = None if jumps else self.seen
             self.begun = time.monotonic()
-            self.aspect = 0.0 if at_once else self.aspect
+            self.aspect = 0.0 if jumps else self.aspect
 
     def report(self, reset_view: SceneCamera | None) -> None:
         """Note where the browser says that its camera is."""

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from contextlib import suppress
 from html import escape
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
 
 import viser
@@ -14,9 +12,8 @@ import viser
 from venus3d.scene.web import texts
 from venus3d.scene.web.scene_view import Host
 from venus3d.scene.web.theme import Theme
-from venus3d.scene.web.viser_private import headers_of, panel_in, server_of, sockets_of
-
-_HEIGHT_COOKIE = "venus3d-window-height"
+from venus3d.scene.web.viser_private import panel_in
+from venus3d.scene.web.window import is_height, window_height
 
 
 class PanelStyle:
@@ -71,24 +68,7 @@ def fit_width(host: Host, panel: Any, width: Callable[[int], int]) -> None:
 
     def resized(event: Any) -> None:
         height = str(event.target.value).split(" ")[0]
-        if event.client is not None and _is_height(height):
+        if event.client is not None and is_height(height):
             fit(event.client, int(height))
 
     field.on_update(resized)
-
-
-def window_height(client: viser.ClientHandle) -> int:
-    """Of a tab's window, CSS pixels, as the browser told it in a cookie (window.js). Its camera
-    tells the scene's height in pixels of the device, of which viser takes fewer when drawing is
-    slow."""
-    headers = headers_of(sockets_of(server_of(client)), client.client_id)
-    for line in headers.get_all("cookie"):
-        with suppress(CookieError):
-            height = SimpleCookie(line).get(_HEIGHT_COOKIE)
-            if height is not None and _is_height(height.value):
-                return int(height.value)
-    return client.camera.image_height
-
-
-def _is_height(text: str) -> bool:
-    return text.isascii() and text.isdecimal() and len(text) < 6

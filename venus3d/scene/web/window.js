@@ -1,5 +1,6 @@
-/* What only the browser knows of its window: its height, in a cookie that comes with the connection
-   and, when it has changed, in fields (panels.py); where the scene is in it, for what stands at the scene's lower edge (style.css). And a
+/* What only the browser knows of its window: its height, and whether its person wants less motion, in
+   cookies that come with the connection (window.py); the height, when it has changed, in fields too
+   (panels.py); where the scene is in it, for what stands at the scene's lower edge (style.css). And a
    film strip shows its newest picture, and is scrolled by a wheel. */
 (() => {
   const SCENE = "div:has(> div > div > canvas[data-engine])";
@@ -10,6 +11,8 @@
     document.cookie = `venus3d-window-height=${innerHeight}; path=/; SameSite=Strict`;
   };
   tellHeight();
+  const calm = matchMedia("(prefers-reduced-motion: reduce)").matches ? 1 : 0;
+  document.cookie = `venus3d-reduced-motion=${calm}; path=/; SameSite=Strict`;
 
   /* Written as a person would type it; with the time, since React passes over an equal text. */
   const typed = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;

@@ -42,10 +42,11 @@ from venus3d.scene.pages.exercise.view_model import (
 )
 from venus3d.scene.web.help import Command
 from venus3d.scene.web.keys import KEYS
-from venus3d.scene.web.panels import fit_width, window_height
+from venus3d.scene.web.panels import fit_width
 from venus3d.scene.web.projections_panel import ProjectionsPanel
 from venus3d.scene.web.step_card import picture_legend_html
 from venus3d.scene.web.theme import Theme
+from venus3d.scene.web.window import window_height
 
 _KEYS: dict[Action, str] = {
     "next": KEYS["go_on"],
