@@ -224,3 +224,15 @@ def test_numbers_have_a_decimal_comma_in_german_only_where_they_are_numbers() ->
         assert number("OpenCV 4.6") == "OpenCV 4.6"
         assert say.REACHED_HEADLINE.format(seconds=3.25) == "Erreicht in 3,2 s"
     assert say.REACHED_HEADLINE.format(seconds=3.25) == "Reached in 3.2 s"
+
+
+@pytest.mark.parametrize("path", [p for p in PACKAGE.rglob("*.py") if is_texts(p)], ids=str)
+def test_no_text_takes_the_name_of_another(path: Path) -> None:
+    """The end without a view had a sentence for a title: "Ended" was written over further below."""
+    given = [
+        name.id
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        for name in ast.walk(node)
+        if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)
+    ]
+    assert not {name for name in given if given.count(name) > 1}

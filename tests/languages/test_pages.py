@@ -18,6 +18,7 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
+from websockets.exceptions import InvalidStatus
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
@@ -30,6 +31,7 @@ from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.snapshot import Snapshot, pose_snapshot
+from venus3d.engine.sentences import after_each_other
 from venus3d.lessons.lesson import Lesson, LessonPage, Question
 from venus3d.render.offscreen import Offscreen
 from venus3d.scene.pages.audience.audience import Audience
@@ -41,6 +43,7 @@ from venus3d.scene.pages.exercise.trial import Trial
 from venus3d.scene.pages.exercise.trial_pictures import TrialPictures
 from venus3d.scene.pages.exercise.trial_plan import plan_of
 from venus3d.scene.pages.exercise.view_model import ChooseHelp, ChooseLevel, Press
+from venus3d.scene.pages.guide import texts as guide_say
 from venus3d.scene.pages.guide.intents import PageAction, Toggle
 from venus3d.scene.pages.guide.uncertainty.texts import MapKind
 from venus3d.scene.pages.guide.viewer import Viewer
@@ -168,6 +171,25 @@ def moments(
     yield "unsettled", replace(over, phase="finished", convergence=unsure), nothing
     yield "silent", guided, lambda viewer: viewer.no_pictures("")
     yield "paused", guided, toggle("paused")
+
+
+def test_what_is_said_before_a_browser_comes_is_in_its_language(guided: Snapshot) -> None:
+    """The first sentences stayed English on a German page."""
+    with closing(Viewer(port=free_port())) as viewer:
+        viewer.show(guided)
+        with viewer.language.spoken():
+            viewer.say(after_each_other([guide_say.FROM_CAMERA, guide_say.DRAG_HINT]), seconds=600)
+        with suppress(InvalidStatus), RawClient(viewer.port, language="de") as first:
+            first.look()
+            wait_until(lambda: viewer.language.code == "de", "German")
+
+        def told() -> str:
+            with suppress(InvalidStatus, OSError):
+                return " ".join(text for m in everything(viewer.port) for text in texts_in(m))
+            return ""
+
+        wait_until(lambda: "an seinen Griffen ziehen" in told(), "the hint, in German")
+        assert "Eine bekannte Kamera ist der Anfang" in told()
 
 
 def test_the_guide_and_the_second_monitor_speak_german(

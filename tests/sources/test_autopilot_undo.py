@@ -20,7 +20,7 @@ def guide(session: Session, simulation: Simulation, tracker: BoardTracker, frame
         session.observe(tracker.track(frame))
         session.run_pending()
         now = session.snapshot()
-        simulation.follow(now.target, now.pose, begins=not now.captured)
+        simulation.follow(now.target, now.pose, begins=not now.captured, taken_back=now.taken_back)
         if now.views:
             return
 
@@ -36,5 +36,20 @@ def test_a_board_out_of_sight_comes_back_once_no_view_is_left(
     assert session.snapshot().captured == (1,)
     simulation.move_to(Pose.from_vector([0, 0, 0, -0.6, -0.5, 0.6]))
     session.undo_view()
+    guide(session, simulation, tracker, 200)
+    assert session.snapshot().captured == (2,)
+
+
+def test_the_hand_leaves_a_pose_whose_view_was_taken_back_and_comes_again(
+    paper_camera: Camera, default_board: Board, painter: Offscreen
+) -> None:
+    """It stood at the target, which is captured by itself only once the board has left it: after an
+    undo the autopilot waited for ever, beside a page that asks to move the board away."""
+    simulation = Simulation(paper_camera, default_board, fps=10, speed=3, offscreen=painter)
+    session = Session(default_board, paper_camera.image_size, Settings(hold_frames=1))
+    tracker = BoardTracker(Detector(default_board, find_layout=False))
+    guide(session, simulation, tracker, 150)
+    session.undo_view()
+    assert session.snapshot().captured == ()
     guide(session, simulation, tracker, 200)
     assert session.snapshot().captured == (2,)

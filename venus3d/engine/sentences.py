@@ -51,6 +51,7 @@ def said_by(error: BaseException) -> str:
 
 
 MORE = Sentence("{count} more")
+_THEN = Sentence("{before} {after}")
 _NEXT, _LAST = Sentence("{parts}, {part}"), Sentence("{parts} and {part}")
 
 
@@ -62,6 +63,14 @@ def listed(parts: Sequence[str], most: int | None = None) -> str:
     for part in parts[1:-1]:
         whole = _NEXT.format(parts=whole, part=part)
     return _LAST.format(parts=whole, part=parts[-1]) if len(parts) > 1 else whole
+
+
+def after_each_other(sentences: Sequence[str]) -> str:
+    """Whole sentences, one after the other."""
+    whole = sentences[0]
+    for sentence in sentences[1:]:
+        whole = _THEN.format(before=whole, after=sentence)
+    return whole
 
 
 def with_commas(parts: Sequence[str]) -> str:

@@ -115,6 +115,7 @@ class Simulation:
         self._hand = near_pose(camera, self.board) if start is None else start
         self._target: Target | None = None
         self._seen: Pose | None = None
+        self._leaves = False
         self._number = 0
         self._time_s = self._focused_s = 0.0
         self._due = 0.0
@@ -150,22 +151,31 @@ class Simulation:
         return self._autopilot.step
 
     def follow(
-        self, target: Target | None, seen: Pose | None = None, *, begins: bool = False
+        self,
+        target: Target | None,
+        seen: Pose | None = None,
+        *,
+        begins: bool = False,
+        taken_back: bool = False,
     ) -> None:
         """Give the autopilot its target, and the board's pose as estimated by the calibration.
 
         With `seen` it corrects its position on arrival: as the target is a pose in an estimated
         camera, the true board has to be slightly beside it. If the calibration `begins`, without
-        any view, it brings the board into view as long as there is no target.
+        any view, it brings the board into view as long as there is no target. Where the view at the
+        target was `taken_back`, it moves the board away first, as the page asks: to its home.
         """
         with self._lock:
+            self._leaves = taken_back and (self._leaves or self._autopilot.arrived)
+            if self._leaves:
+                target = None
             new = target is not None and (
                 self._target is None or target.number != self._target.number
             )
             self._target, self._seen = self._as_shown(target, seen)
             if new and self._target is not None:
                 self._draw(self._target.pose)
-            if begins and target is None:
+            if target is None and (begins or self._leaves):
                 self._autopilot.forget_target()
 
     def draw_view_error(self, pose: Pose) -> None:

@@ -163,12 +163,14 @@ def test_undo_drop_and_skip(rig_with: RigWith) -> None:
     asked = before.target
 
     assert rig.session.skip_target() and rig.session.pending is not None
+    assert rig.session.snapshot().headline == "Calculating", "nothing was captured"
     other = rig.session.apply(rig.session.pending.run())
     assert other.target is not None and other.target.number == asked.number + 1
     moved = other.target.pose.distance_to(asked.pose) / asked.pose.t[2]
     assert other.target.pose.angle_to_deg(asked.pose) > 15 or moved > 0.1
 
     assert rig.session.drop_view(2) and rig.session.pending is not None
+    assert rig.session.snapshot().headline == "Calculating"
     dropped = rig.session.apply(rig.session.pending.run())
     assert [view.number for view in dropped.views] == [1, 3]
     assert not rig.session.drop_view(2)
@@ -339,6 +341,7 @@ def test_a_new_calibration_begins_without_views(rig_with: RigWith) -> None:
 def test_dropping_a_bad_view_forgets_what_was_judged_with_it(rig_with: RigWith) -> None:
     rig = rig_with(5)
     assert rig.session.drop_view(2) and rig.session.pending is not None
+    assert rig.session.snapshot().headline == "Calculating"
     dropped = rig.session.apply(rig.session.pending.run())
     assert [progress.views for progress in dropped.history] == [1, 4]
     assert dropped.convergence is not None and not dropped.convergence.converged

@@ -11,6 +11,8 @@ from tests.engine.calibration.test_adjustment import observe
 from venus3d.engine.calibration.observation import Observation
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.pose import Pose
+from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.startup import Startup
 
 SIZE = (1280, 720)
@@ -133,3 +135,27 @@ def test_garbage_changes_nothing(startup: Startup, rng: np.random.Generator) -> 
     ):
         assert not startup.observe(seen)
     assert startup.best is None
+
+
+def test_a_board_of_which_not_all_is_read_is_moved_to_where_it_is(
+    paper_camera: Camera, default_board: Board
+) -> None:
+    """Of a whole board that was too far away to be read it was said to be moved back."""
+    session = Session(default_board, paper_camera.image_size)
+
+    def told(pose: Pose) -> str:
+        pixels = paper_camera.project(pose.apply(default_board.corners))
+        inside = ((pixels > 0) & (pixels < [1279, 719])).all(axis=1)
+        ids = np.flatnonzero(inside)[: default_board.corner_count - 8]
+        seen = Observation(ids, pixels[ids], paper_camera.image_size)
+        for _ in range(3):
+            snapshot = session.observe(seen)
+        assert snapshot.phase == "startup" and snapshot.target is None
+        return snapshot.instruction.text("holder")
+
+    far, cut_off = (
+        Pose.from_vector([10, 5, 0, 0, 0, 1.1]),
+        Pose.from_vector([0, 0, 0, 0.15, 0, 0.3]),
+    )
+    assert "bring it nearer" in told(far)
+    assert "Move the board back" in told(cut_off)

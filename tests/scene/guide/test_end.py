@@ -61,6 +61,29 @@ def test_finish_is_asked_once_with_what_it_means(guided: Snapshot) -> None:
         assert not asked.after(answer).asked_to_end
 
 
+def test_views_that_do_not_count_are_told_beside_those_that_are_captured(guided: Snapshot) -> None:
+    """“From 3 views” stood beside four in the film strip: one of them repeated another."""
+    count = len(guided.views)
+    asked = ViewState().after(PageAction.FINISH)
+    assert f"from {count} views." in said(guided, asked)[1]
+    more = replace(guided, captured=(*(guided.captured or ()), 99))
+    assert more.captured_count == count + 1
+    told = f"{count} of {count + 1} views"
+    assert f"from {told}." in said(more, asked)[1]
+    assert told in result_html(ended(more), "")
+
+
+def test_a_question_and_a_result_are_read_while_no_pictures_come(guided: Snapshot) -> None:
+    """“No new pictures” stood above the buttons “End now” and “Go on”, and in place of a result."""
+    silent = ViewState(no_pictures="None since 12:00:00.")
+    assert "No new pictures" in said(guided, silent)[1] and said(guided, silent)[0] == "!"
+    asked, over = silent.after(PageAction.FINISH), ended(guided, "k2")
+    for snapshot, state, badge in ((guided, asked, "?"), (over, silent, "■")):
+        told = said(snapshot, state)
+        assert told[0] == badge and "No new pictures. None since 12:00:00." in told[1]
+    assert said(guided, replace(asked, other_size=True))[0] == "!", "only a new session helps there"
+
+
 def test_the_question_goes_when_the_session_ends_by_itself(guided: Snapshot) -> None:
     """After the last of --max-views it once stood beside all that said that it is over."""
     asked = ViewState().after(PageAction.FINISH)

@@ -240,7 +240,7 @@ def panel_shall_say(told: Told, now: Any, wording: Wording) -> dict[str, Any]:
         "other": [],
     }
     if now is None:
-        sentence = "The board is not seen: bring it back into the picture."
+        sentence = "Show the whole board to the camera: near enough, and not edge-on."
         return {**said, "title": ["Board not seen"], "sentence": [sentence]}
     if all(told.done):
         return {**said, "title": ["Hold still"], "sentence": ["Hold the board still."]}
@@ -331,7 +331,7 @@ def monitor_shall_say(told: Told, mm: Matrix, now: Any, board: Board) -> dict[st
     said: dict[str, Any] = {"figure": [], "move": [], "on": []}
     said["chips"] = ["✓" if d else str(n) for n, d in enumerate(told.done, start=1)]
     if now is None:
-        sentence = "The board is not seen: bring it back into the picture."
+        sentence = "Show the whole board to the camera: near enough, and not edge-on."
         return {**said, "sentence": sentence, "chips": ["1", "2", "3", "4"]}
     if all(told.done):
         return {**said, "sentence": "Hold the board still."}

@@ -136,7 +136,7 @@ STEP_DONE = _both(Sentence("This step is done; leave it."))
 STEP_HEADLINE = Sentence("Step {number} of 4")
 HOLD_HEADLINE = Sentence("Hold still")
 HOLD_STILL = _both(Sentence("Hold the board still."))
-NOT_SEEN = _both(Sentence("The board is not seen: bring it back into the picture."))
+NOT_SEEN = _both(Sentence("Show the whole board to the camera: near enough, and not edge-on."))
 _NO_TARGET = _both(
     Sentence("Hold the board as you like, tilted and well spread over the picture, and press C.")
 )
@@ -155,6 +155,17 @@ _SHOW_HEADLINE = Sentence("Show the board")
 _SHOW = _both(Sentence("Hold the board upright in front of the camera."))
 _MOVE_BACK = Sentence(
     "Move the board back until all of it is in the picture ({seen} of {corners} corners)."
+)
+
+CALCULATING = (
+    Sentence("Calculating"),
+    _both(Sentence("Working out the camera and the next pose.")),
+)
+"""Where no view was captured just now: after an undo, a skipped target, another method."""
+
+_COME_NEARER = Sentence(
+    "All of the board is in the picture, but only {seen} of its {corners} corners can be read: "
+    "bring it nearer, and cover none of it."
 )
 
 _AFTER_CAPTURE: dict[Phase, tuple[str, Prompt]] = {
@@ -194,8 +205,12 @@ def refusal_headline_and_prompt(refusal: Sentence) -> tuple[str, Prompt]:
     return _REFUSED_HEADLINE, _both(refusal)
 
 
-def startup_headline_and_prompt(seen: int, corners: int) -> tuple[str, Prompt]:
-    """The same before the whole board was first seen: `seen` of its `corners` are."""
+def startup_headline_and_prompt(
+    seen: int, corners: int, *, inside: bool = False
+) -> tuple[str, Prompt]:
+    """The same before the whole board was first seen: `seen` of its `corners` are. `inside`: all of
+    them are in the picture."""
     if seen == 0:
         return _SHOW_HEADLINE, _SHOW
-    return _SHOW_HEADLINE, _both(_MOVE_BACK.format(seen=seen, corners=corners))
+    missing = _COME_NEARER if inside else _MOVE_BACK
+    return _SHOW_HEADLINE, _both(missing.format(seen=seen, corners=corners))

@@ -24,12 +24,14 @@ from venus3d.engine.calibration.repeats import repeats
 from venus3d.engine.errors import CalibrationError
 from venus3d.engine.geometry.board import Board
 from venus3d.engine.geometry.camera import Camera
+from venus3d.engine.geometry.decomposition import corners_outside
 from venus3d.engine.geometry.lenses import lens_chosen
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.convergence import Convergence, Progress
 from venus3d.engine.guidance.known_camera import KnownCamera, KnownStart
 from venus3d.engine.guidance.loop import Calibrated, LoopFigures
 from venus3d.engine.guidance.prompts import (
+    CALCULATING,
     Phase,
     headline_and_prompt,
     refusal_headline_and_prompt,
@@ -101,6 +103,7 @@ class Session:
         self._figures = LoopFigures()
         self._tracker = PoseTracker(board, self._image_size, self.settings)
         self._keep_going, self._lost, self._number = False, "", 0
+        self._has_new_view = False
         self._wrong = WrongCamera(self.camera, board)
 
     # -- frames and commands -----------------------------------------------------------------------
@@ -178,7 +181,7 @@ class Session:
         be kept is not captured, and the snapshot's warnings say why."""
         if self._captured.add_kept(self._number, wait=wait):
             self._taken_back = None
-            self._recalibrate()
+            self._recalibrate(captured=True)
 
     def take_new_view(self) -> CapturedView | None:
         """The last captured view with its image, returned once; None if there is no new one."""
@@ -384,14 +387,19 @@ class Session:
         headline, instruction = headline_and_prompt(
             self._phase, remaining and remaining.current, tracker.pose is not None, self._ending
         )
+        if self._phase == "captured" and not self._has_new_view:
+            headline, instruction = CALCULATING
         refusal = tracker.refusal if self._is_held and tracker.best_held is None else None
         if refusal is not None:
             headline, instruction = refusal_headline_and_prompt(refusal)
         over = self._phase in ("converged", "finished")
         diagnoses = self._diagnoses.final if over else self._diagnoses.growing
         if self._phase == "startup" and not self._startup.is_ready and self._target is None:
+            pose = tracker.pose
             headline, instruction = startup_headline_and_prompt(
-                tracker.observation.count, self.board.corner_count
+                tracker.observation.count,
+                self.board.corner_count,
+                inside=pose is not None and not len(corners_outside(pose, self.camera, self.board)),
             )
         return Snapshot(
             number=self._number,
@@ -472,7 +480,9 @@ class Session:
         self._recorder.changed(self.state)
         return False
 
-    def _recalibrate(self) -> None:
+    def _recalibrate(self, *, captured: bool = False) -> None:
+        """Calibrate and search anew; `captured`: because there is a new view."""
+        self._has_new_view = captured
         state = self.state
         self.pending = Work(
             board=state.board,

@@ -18,7 +18,6 @@ from venus3d.engine.sentences import listed
 from venus3d.languages import translated
 from venus3d.scene.pages.guide import texts as say
 from venus3d.scene.pages.guide.intents import Intent, PageAction
-from venus3d.scene.pages.guide.progress_panel import captured_words
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.pages.guide.uncertainty.maps import map_html, map_of
 from venus3d.scene.pages.guide.uncertainty.parameters import figures
@@ -80,7 +79,7 @@ def question_card(snapshot: Snapshot, theme: Theme, note: Note) -> str:
     if snapshot.calibration is None:
         return guide_card(theme.quiet, "?", say.END_QUESTION, say.END_WITHOUT_RESULT, note=note)
     below = second_line(unsettled_text(snapshot) or say.ALL_SETTLED)
-    sentence = _focal_text(snapshot.calibration)
+    sentence = _focal_text(snapshot, snapshot.calibration)
     return guide_card(theme.quiet, "?", say.END_QUESTION, sentence, below=below, note=note)
 
 
@@ -88,7 +87,7 @@ def ended_card(snapshot: Snapshot, theme: Theme, note: Note) -> str:
     """The card of a calibration that was ended by hand; with a tick only if all has settled."""
     if snapshot.calibration is None:
         return guide_card(theme.quiet, "■", say.ENDED, say.ENDED_WITHOUT_RESULT, note=note)
-    missing, sentence = unsettled_text(snapshot), _focal_text(snapshot.calibration)
+    missing, sentence = unsettled_text(snapshot), _focal_text(snapshot, snapshot.calibration)
     if missing:
         below = second_line(f"{missing} {say.UNSETTLED_NEXT}")
         return guide_card(theme.quiet, "■", say.UNSETTLED, sentence, below=below, note=note)
@@ -104,11 +103,17 @@ def unsettled_text(snapshot: Snapshot) -> str:
     return say.NOT_SETTLED.format(names=translated(listed(names))) if names else ""
 
 
-def _focal_text(calibration: Calibration) -> str:
+def _focal_text(snapshot: Snapshot, calibration: Calibration) -> str:
     value, sigma = figures(calibration.camera.fx, float(calibration.sigma[0]), 0)
-    count = len(calibration.views)
-    views = say.FROM_VIEW if count == 1 else say.FROM_VIEWS.format(count=count)
-    return say.FOCAL.format(value=value, sigma=sigma, views=views)
+    return say.FOCAL.format(value=value, sigma=sigma, views=_views_text(snapshot))
+
+
+def _views_text(snapshot: Snapshot) -> str:
+    """How many views the calibration is of; those captured too, if some of them do not count."""
+    count, captured = len(snapshot.views), snapshot.captured_count
+    if count < captured:
+        return say.FROM_SOME_VIEWS.format(count=count, all=captured)
+    return say.FROM_VIEW if count == 1 else say.FROM_VIEWS.format(count=count)
 
 
 def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
@@ -122,12 +127,9 @@ def result_html(snapshot: Snapshot, saved: str, measure_url: str = "") -> str:
     copies = "".join(
         copy_button(text, label, hint) for text, (label, hint) in _copies(known, snapshot)
     )
-    last, count = snapshot.history[-1], len(known.views)
+    last = snapshot.history[-1]
     line = say.RESULT_LINE.format(
-        views=count,
-        captured=captured_words(count),
-        rms=figure(known.rms_px),
-        error=figure(last.uncertainty_px),
+        views=_views_text(snapshot), rms=figure(known.rms_px), error=figure(last.uncertainty_px)
     )
     where = f"<div class='v-line'>{escape(translated(saved))}</div>" if saved else ""
     lens = known.lens_reason

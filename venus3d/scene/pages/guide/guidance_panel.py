@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from venus3d.engine.guidance.snapshot import Snapshot
 from venus3d.scene.pages.guide import texts as say
-from venus3d.scene.pages.guide.end_panel import ended_card, question_card, unsettled_text
+from venus3d.scene.pages.guide.end_panel import OVER, ended_card, question_card, unsettled_text
 from venus3d.scene.pages.guide.state import ViewState
 from venus3d.scene.web import step_texts
 from venus3d.scene.web.diagnoses import another_board, doubt
@@ -21,7 +21,11 @@ from venus3d.scene.web.theme import Theme
 
 def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, note: Note) -> str:
     """The whole text for this snapshot."""
-    if state.no_pictures:
+    # What is asked, and the result, need no new pictures; those of another size need an answer.
+    over = snapshot is not None and snapshot.phase in OVER
+    if state.no_pictures and not state.other_size and (state.asked_to_end or over):
+        note = Note(f"{say.NO_PICTURES}. {state.no_pictures}", warns=True)
+    elif state.no_pictures:
         title, cure = (
             (say.OTHER_SIZE, say.OTHER_SIZE_CURE)
             if state.other_size
@@ -60,7 +64,7 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
 def _state_card(snapshot: Snapshot, state: ViewState, theme: Theme, note: Note) -> str:
     sentence, against = snapshot.instruction.text(state.wording), doubt(snapshot)
     if snapshot.phase == "captured":
-        return guide_card(theme.quiet, "…", say.CAPTURED, sentence, note=note)
+        return guide_card(theme.quiet, "…", snapshot.headline, sentence, note=note)
     if against is not None and not unsettled_text(snapshot):
         # The sigmas have settled, but the views are not informative enough.
         second = second_line(say.DOUBTED_NEXT)

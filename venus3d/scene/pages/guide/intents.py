@@ -56,7 +56,7 @@ class ChooseAlternative:
     index: int
     """Into the target's `alternatives`."""
     target: int
-    """Number of their target, which may have changed meanwhile."""
+    """Number of their target, which may have changed meanwhile; 0: none was offered."""
 
 
 @dataclass(frozen=True)

@@ -184,7 +184,12 @@ class LiveGuide:
         snapshot = self._session.snapshot()
         source = self._stream.source
         if isinstance(source, Simulation):
-            source.follow(snapshot.target, snapshot.pose, begins=not snapshot.captured)
+            source.follow(
+                snapshot.target,
+                snapshot.pose,
+                begins=not snapshot.captured,
+                taken_back=snapshot.taken_back,
+            )
         self._viewer.show(snapshot)
         for monitor in self._monitors:
             monitor.show(snapshot)
@@ -215,14 +220,18 @@ class LiveGuide:
             case intents.PageAction.CAPTURE:
                 if not session.capture():
                     self._viewer.say(
-                        texts.ENDED if session.phase == "finished" else texts.NOTHING_TO_CAPTURE
+                        texts.HAS_ENDED if session.phase == "finished" else texts.NOTHING_TO_CAPTURE
                     )
             case intents.PageAction.SKIP_TARGET:
-                session.skip_target()
+                if not session.skip_target():
+                    self._viewer.say(texts.NO_POSE_TO_CHOOSE)
             case intents.PageAction.UNDO_VIEW:
-                session.undo_view()
+                if not session.undo_view():
+                    has_views = session.snapshot().captured_count > 0
+                    self._viewer.say(texts.VIEWS_STAY if has_views else texts.NO_VIEW_LEFT)
             case intents.DropView(number):
-                if not session.drop_view(number):
+                # One that is gone already is as was asked.
+                if not session.drop_view(number) and number in (session.snapshot().captured or ()):
                     self._viewer.say(texts.VIEWS_STAY)
             case intents.ChooseAlternative(index, number):
                 self._choose(index, number)
@@ -263,7 +272,9 @@ class LiveGuide:
 
     def _choose(self, index: int, number: int) -> None:
         target = self._session.snapshot().target
-        if target is not None and target.number != number:
+        if number == 0:  # none was offered
+            self._viewer.say(texts.NO_POSE_TO_CHOOSE)
+        elif target is not None and target.number != number:
             self._viewer.say(texts.ANOTHER_TARGET)
         elif not self._session.choose_alternative(index):
             self._viewer.say(

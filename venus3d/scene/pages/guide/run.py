@@ -19,7 +19,7 @@ from venus3d.engine.guidance.record import Recorder, SessionState
 from venus3d.engine.guidance.session import KNOWN_IS_ANOTHER, Session
 from venus3d.engine.guidance.settings import Settings
 from venus3d.engine.guidance.snapshot import Snapshot
-from venus3d.languages import translated
+from venus3d.engine.sentences import after_each_other
 from venus3d.render.offscreen import Offscreen
 from venus3d.render.projections import Projections
 from venus3d.scene.pages.guide import terminal_texts, texts
@@ -219,9 +219,10 @@ def _viewer(options: GuideOptions, source: Source, stack: ExitStack) -> Viewer:
 
 def _say_first(viewer: Viewer, said: Sequence[str], source: Source) -> None:
     if said:
-        viewer.say(" ".join(said), seconds=60)
+        # In the language of the first browser, which has not come yet.
+        viewer.say(after_each_other(said), seconds=60)
     for warning in source.notes if isinstance(source, Live) else ():
-        viewer.warn(translated(warning), seconds=60)
+        viewer.warn(warning, seconds=60)
 
 
 def _first_words(
@@ -232,7 +233,7 @@ def _first_words(
     verifies: bool,
 ) -> list[str]:
     """What a session is for and begins from, and how the simulated board is moved."""
-    said = [texts.VERIFYING] if verifies else []
+    said: list[str] = [texts.VERIFYING] if verifies else []
     if known is not None:
         said.append(texts.FROM_CAMERA if known.has_uncertainty else texts.FROM_CAMERA_ALONE)
     elif options.known_camera is not None and options.resume is None and state is not None:

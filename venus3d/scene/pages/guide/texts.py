@@ -3,6 +3,7 @@
 from venus3d.engine.calibration.diagnosis import DiagnosisKind
 from venus3d.engine.guidance.loop import LoopPart
 from venus3d.engine.planning.settings import Cost, Method
+from venus3d.engine.sentences import Sentence
 from venus3d.languages.texts_module import speak
 
 # -- what to do now --------------------------------------------------------------------------------
@@ -10,7 +11,6 @@ from venus3d.languages.texts_module import speak
 GUIDANCE_TAB = "What to do now"
 STARTING, STARTING_SENTENCE = "Starting", "Waiting for the first picture."
 SHOW_BOARD = "Show me the whole board"
-CAPTURED = "Captured – calculating"
 CONVERGED = FINISHED = "Done"
 CONVERGED_NEXT = "Go on asks for more views."
 TAKEN_BACK = "Taken back"
@@ -59,6 +59,7 @@ NOT_SETTLED = "Not settled yet: {names}."
 ALL_SETTLED = "Every parameter has settled."
 FOCAL = "fx {value} ± {sigma} px, from {views}."
 FROM_VIEW, FROM_VIEWS = "one view", "{count} views"
+FROM_SOME_VIEWS = "{count} of {all} views"
 END_NOW, GO_ON, NEW_SESSION = "End now", "Go on", "New session"
 RESULT_TITLE = "The camera"
 RESULT_HINT = "Each value with its uncertainty (one standard deviation)."
@@ -68,7 +69,7 @@ MEASURE_HINT = (
     "Another tab: two clicks in the live picture are a length on the board, to be checked with a "
     "tape"
 )
-RESULT_LINE = "<b>{views}</b> {captured}, rms <b>{rms}</b> px, uncertainty <b>{error}</b> px"
+RESULT_LINE = "From <b>{views}</b>, rms <b>{rms}</b> px, uncertainty <b>{error}</b> px"
 FIELD_OF_VIEW = (
     "Field of view: <b>{wide:.1f}°</b> horizontal, <b>{high:.1f}°</b> vertical, "
     "<b>{across:.1f}°</b> diagonal"
@@ -191,25 +192,26 @@ OTHER_COMMAND_HINT = "Ask for another pose that is nearly as good as the target"
 
 # -- what a run says -------------------------------------------------------------------------------
 
-DRAG_HINT = (
+DRAG_HINT = Sentence(
     "Drag the board by its handles, move it by keys (H shows them), or press Shift+P for the "
     "autopilot."
 )
-FROM_CAMERA = (
+FROM_CAMERA = Sentence(
     "A known camera is the start: the first poses are for what it leaves open. The result comes "
     "from the new views alone."
 )
-FROM_CAMERA_ALONE = (
+FROM_CAMERA_ALONE = Sentence(
     "A known camera is the start; how well it is known, its file does not say. The result comes "
     "from the new views alone."
 )
-VERIFYING = (
+VERIFYING = Sentence(
     "Fresh views are taken to check a calibration that exists. Once the camera is known, Ctrl-C in "
     "the terminal ends it, and the terminal says whether it still holds."
 )
-GOING_ON_FROM = "Going on from {count} views of an earlier calibration."
-ENDED = "This calibration has ended; no more views are taken."
+GOING_ON_FROM = Sentence("Going on from {count} views of an earlier calibration.")
+HAS_ENDED = "This calibration has ended; no more views are taken."
 NOTHING_TO_CAPTURE = "Nothing to capture: no board is seen, or this view is taken."
+NO_VIEW_LEFT = "There is no view to take back."
 VIEWS_STAY = "This calibration has ended; its views stay as they are."
 ANOTHER_TARGET = "Meanwhile there is another target; choose among its neighbours."
 NO_OTHER_POSE = "No other pose is nearly as good; G asks for another one."

@@ -56,6 +56,13 @@ from venus3d.scene.web.told_moment import ToldMoment
 from venus3d.sources.camera_settings import CameraSetting
 
 _NOTE_SECONDS = 6.0
+_TURNS = (
+    intents.PageAction.FINISH,
+    intents.PageAction.END_NOW,
+    intents.PageAction.GO_ON,
+    intents.PageAction.NEW_SESSION,
+)
+"""After these the page is about something else."""
 Addition = Callable[[LocalServer], Sequence[Command]]
 """Adds to a page; returns its commands, for the page's help."""
 
@@ -233,6 +240,8 @@ class Viewer(Page[ViewState]):
     def _ask(self, intent: intents.Intent) -> None:
         if intent == intents.PageAction.FINISH and self.state.asked_to_end:
             intent = intents.PageAction.END_NOW
+        if intent in _TURNS and not self._note.warns:
+            self._note = NO_NOTE  # of what was before
         self.change(lambda state: state.after(intent))
         self._intents.put(intent)
 
