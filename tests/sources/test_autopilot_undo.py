@@ -8,6 +8,7 @@ from venus3d.engine.geometry.camera import Camera
 from venus3d.engine.geometry.pose import Pose
 from venus3d.engine.guidance.session import Session
 from venus3d.engine.guidance.settings import Settings
+from venus3d.engine.planning.target import unpredicted_target
 from venus3d.render.offscreen import Offscreen
 from venus3d.sources.board_tracker import BoardTracker
 from venus3d.sources.sim import Simulation
@@ -40,16 +41,20 @@ def test_a_board_out_of_sight_comes_back_once_no_view_is_left(
     assert session.snapshot().captured == (2,)
 
 
-def test_the_hand_leaves_a_pose_whose_view_was_taken_back_and_comes_again(
+def test_the_hand_leaves_a_target_whose_view_was_taken_back_and_comes_again(
     paper_camera: Camera, default_board: Board, painter: Offscreen
 ) -> None:
-    """It stood at the target, which is captured by itself only once the board has left it: after an
-    undo the autopilot waited for ever, beside a page that asks to move the board away."""
+    """It stood at the target, where a view is captured by itself only once the board has left: if
+    the same pose was asked for after an undo, the autopilot waited there for ever."""
+    pose = Pose.from_vector([0, 30, 10, 0.05, 0, 0.4])
+    aim = unpredicted_target(2, pose, paper_camera, default_board, reason="a test")
     simulation = Simulation(paper_camera, default_board, fps=10, speed=3, offscreen=painter)
-    session = Session(default_board, paper_camera.image_size, Settings(hold_frames=1))
-    tracker = BoardTracker(Detector(default_board, find_layout=False))
-    guide(session, simulation, tracker, 150)
-    session.undo_view()
-    assert session.snapshot().captured == ()
-    guide(session, simulation, tracker, 200)
-    assert session.snapshot().captured == (2,)
+    ways: list[float] = []
+    for taken_back in (False, True, False):
+        for _ in range(60):
+            simulation.follow(aim, simulation.board_pose, taken_back=taken_back)
+            assert simulation.read() is not None
+        ways.append(simulation.board_pose.distance_to(aim.pose))
+    arrived, left, again = ways
+    assert arrived < 0.01 and again < 0.01
+    assert left > 0.05

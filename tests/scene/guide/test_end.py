@@ -81,6 +81,8 @@ def test_a_question_and_a_result_are_read_while_no_pictures_come(guided: Snapsho
     for snapshot, state, badge in ((guided, asked, "?"), (over, silent, "■")):
         told = said(snapshot, state)
         assert told[0] == badge and "No new pictures. None since 12:00:00." in told[1]
+    paused = replace(ViewState(), paused=True)
+    assert "pictures are paused" in said(over, paused)[1], "“Go on” means the end there"
     assert said(guided, replace(asked, other_size=True))[0] == "!", "only a new session helps there"
 
 

@@ -23,7 +23,10 @@ def guidance_html(snapshot: Snapshot | None, state: ViewState, theme: Theme, not
     """The whole text for this snapshot."""
     # What is asked, and the result, need no new pictures; those of another size need an answer.
     over = snapshot is not None and snapshot.phase in OVER
-    if state.no_pictures and not state.other_size and (state.asked_to_end or over):
+    ends = state.asked_to_end or over
+    if state.paused and ends and not note.text:
+        note = Note(say.PICTURES_PAUSED)
+    if state.no_pictures and not state.other_size and ends:
         note = Note(f"{say.NO_PICTURES}. {state.no_pictures}", warns=True)
     elif state.no_pictures:
         title, cure = (

@@ -21,6 +21,7 @@ CAPTURE_ANYWAY = "Captured by itself once this is mended; C captures it as it is
 DOUBTFUL = "Settled, but do not trust it yet"
 DOUBTED_NEXT = "The reason stands below. Go on asks for more views."
 PAUSED, PAUSED_SENTENCE = "Paused", "Press Go on, or the space bar."
+PICTURES_PAUSED = "The pictures are paused; the space bar lets them go on."
 NO_PICTURES = "No new pictures"
 NO_PICTURES_YET = "None since {since}. The program waits for the next one."
 NO_PICTURES_WAIT = "None since {since}. The source is opened again in {wait} s (try {number})."
