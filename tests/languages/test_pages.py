@@ -18,7 +18,7 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import WebSocketException
 
 from tests.ports import free_port
 from tests.scene.raw_client import RawClient
@@ -179,12 +179,12 @@ def test_what_is_said_before_a_browser_comes_is_in_its_language(guided: Snapshot
         viewer.show(guided)
         with viewer.language.spoken():
             viewer.say(after_each_other([guide_say.FROM_CAMERA, guide_say.DRAG_HINT]), seconds=600)
-        with suppress(InvalidStatus), RawClient(viewer.port, language="de") as first:
+        with suppress(WebSocketException), RawClient(viewer.port, language="de") as first:
             first.look()
             wait_until(lambda: viewer.language.code == "de", "German")
 
         def told() -> str:
-            with suppress(InvalidStatus, OSError):
+            with suppress(WebSocketException, OSError):
                 return " ".join(text for m in everything(viewer.port) for text in texts_in(m))
             return ""
 
