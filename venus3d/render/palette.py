@@ -45,7 +45,7 @@ STEP_STYLES: tuple[StepStyle, StepStyle, StepStyle, StepStyle] = (
     StepStyle(1, (210, 110, 150), (173, 30, 208)),
     StepStyle(2, (244, 93, 21), (191, 76, 0)),
     StepStyle(3, (81, 223, 255), (0, 122, 140)),
-    StepStyle(4, (125, 135, 248), (5, 30, 90)),
+    StepStyle(4, (125, 135, 248), (48, 0, 250)),
 )
 """Steps 1 ... 4."""
 
