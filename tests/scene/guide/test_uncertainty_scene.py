@@ -13,6 +13,7 @@ from venus3d.render.describe import SceneOptions, describe
 from venus3d.render.framing import content_of
 from venus3d.render.palette import contrast, ground
 from venus3d.render.shapes import LineShape, MeshShape, PointShape, Shape
+from venus3d.scene.pages.guide.subject import subject_of
 from venus3d.scene.pages.guide.uncertainty.captured_views import captured_view_shapes, view_of
 from venus3d.scene.pages.guide.uncertainty.search_replay import (
     REST_SECONDS,
@@ -66,6 +67,18 @@ def test_a_view_of_the_search_holds_all_of_its_bests_from_the_start(guided: Snap
     low, high = held[0].min(axis=0) - 1e-9, held[0].max(axis=0) + 1e-9
     for points in held:
         assert (points >= low).all() and (points <= high).all()
+
+
+def test_a_search_is_looked_at_from_where_it_is_seen(guided: Snapshot) -> None:
+    """It was taken for an empty scene, which no view flies to: after the steps side by side it was
+    played below the window."""
+    walk = guided.search_trace
+    assert walk is not None
+    searched = search_shapes(walk, 1, guided.board, True)
+    side_by_side = describe(guided, SceneOptions(strip=True))
+    subject, before = subject_of(searched, 1), subject_of(side_by_side, 1)
+    assert not subject.is_empty and subject.name != before.name
+    assert subject_of((), 0).is_empty
 
 
 def test_search_shows_every_pose_looked_at_and_ends_on_the_target(guided: Snapshot) -> None:

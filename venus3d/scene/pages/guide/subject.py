@@ -29,10 +29,8 @@ class Subject:
     forward: Array | None = None
     """(3,) the direction in which it is seen; None: from where it is seen best."""
 
-    @property
-    def is_empty(self) -> bool:
-        """Whether there is nothing but the camera."""
-        return self.forward is None and len(self.content.boards) == 0
+    is_empty: bool = False
+    """Whether there is nothing but the camera."""
 
 
 def subject_of(shapes: Iterable[Shape], target: int, steps: Iterable[Step] = ()) -> Subject:
@@ -47,6 +45,7 @@ def subject_of(shapes: Iterable[Shape], target: int, steps: Iterable[Step] = ())
     if strip:
         return Subject(name, content_of(strip), _LEVEL)
     content = content_of(shapes, steps)
-    if not len(content.boards):
-        content = replace(content, points=np.concatenate([content.points, _EXPECTED]))
-    return Subject(name, content)
+    if len(content.boards) or kinds:  # a search, which has no boards, is worth a view of its own
+        return Subject(name, content)
+    content = replace(content, points=np.concatenate([content.points, _EXPECTED]))
+    return Subject(name, content, is_empty=True)
